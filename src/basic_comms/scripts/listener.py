@@ -1,0 +1,7 @@
+#!/usr/bin/env python3
+"""Run the listener node: see basic_comms.nodes.listener."""
+
+from basic_comms.nodes.listener import main
+
+if __name__ == "__main__":
+    main()

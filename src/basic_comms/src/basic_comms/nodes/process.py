@@ -11,5 +11,7 @@ def main() -> None:
     rospy.init_node("process")
     scale = rospy.get_param("~amplitude_scale", 0.5)
     publisher = rospy.Publisher("proc_signal", Float32, queue_size=10)
-    rospy.Subscriber("signal", signal_msg, lambda message: publisher.publish(scale * message.signal_y))
+    rospy.Subscriber(
+        "signal", signal_msg, lambda message: publisher.publish(scale * message.signal_y)
+    )
     rospy.spin()

@@ -1,16 +1,85 @@
-"""Publish a line of text again and again."""
+"""The talker: publishes a text again and again."""
+
+from typing import Dict, Optional
 
 import rospy
 from std_msgs.msg import String
 
+from basic_comms.live_parameters import LiveParameters
+from basic_comms.message_scope import SCOPES, as_text, candidates, message_text
+from basic_comms.node_main import run
+from basic_comms.parameter_server import MISSING
+from basic_comms.parameter_watch import Observation, Watch, get_watcher
+from basic_comms.parameters import EnumParameter, FloatParameter, ParameterSet
+from basic_comms.scheduling import Scheduler
+from basic_comms.stream_log import StreamLog
+
+
+class TalkerParameters(ParameterSet):
+    """Private parameters of the talker."""
+
+    rate = FloatParameter(
+        10.0, above=0.0, maximum=10000.0, unit="Hz", help="how often the text is published"
+    )
+    message_scope = EnumParameter(
+        "closest",
+        choices=SCOPES,
+        help="where Message is looked up: in one namespace, or from the node's own outwards",
+    )
+
+
+class Message(Watch):
+    """One place where the text may stand; its value is never written."""
+
+    def __init__(self, key: str) -> None:
+        super().__init__(key)
+        self.text: Optional[str] = None
+
+    def observe(self, seen: Observation) -> bool:
+        """Take over the text; after a restart of the master keep the last one."""
+        if not (seen.forgotten and seen.value is MISSING):
+            self.text = as_text(seen.value) if seen.value is not MISSING else None
+        return True
+
+
+class Talker:
+    """Publishes ``<Message> <ROS time>`` at a rate.
+
+    :ROS Publishers:
+        - ``chatter`` (std_msgs/String)
+
+    :ROS Parameters:
+        - those of :class:`TalkerParameters`, private
+        - ``Message`` (any scalar), at ``~``, in the namespaces around the node
+          and at ``/``: the text; read live, never written
+    """
+
+    def __init__(self) -> None:
+        self._parameters = LiveParameters(TalkerParameters, exempt=["Message"])
+        self._keys = candidates(rospy.get_name())
+        self._messages = self._follow_messages()
+        self._log = StreamLog()
+        self._publisher = rospy.Publisher("chatter", String, queue_size=10)
+        self._task = Scheduler().every(self._parameters.values.rate, self._publish)
+        self._parameters.start(on_change=lambda new, old: self._task.set_rate(new.rate))
+
+    def _follow_messages(self) -> Dict[str, Message]:
+        watcher = get_watcher()
+        messages = {key: Message(key) for key in self._keys}
+        watcher.server.subscribe(self._keys)
+        for key, raw in watcher.server.read(self._keys).values.items():
+            messages[key].text = as_text(raw) if raw is not MISSING else None
+            watcher.add(messages[key])
+        return messages
+
+    def _publish(self, _elapsed: float) -> None:
+        found = {key: message.text for key, message in self._messages.items()}
+        scope = self._parameters.values.message_scope
+        text = "%s %s" % (message_text(found, self._keys, scope), rospy.get_time())
+        self._log.line(text)
+        self._publisher.publish(text)
+
 
 def main() -> None:
     """Run the node until it is shut down."""
-    rospy.init_node("talker")
-    publisher = rospy.Publisher("chatter", String, queue_size=10)
-    rate = rospy.Rate(rospy.get_param("~rate", 10.0))
-    while not rospy.is_shutdown():
-        text = "%s %s" % (rospy.get_param("~Message", "hello world"), rospy.get_time())
-        rospy.loginfo(text)
-        publisher.publish(text)
-        rate.sleep()
+    run("talker", Talker)

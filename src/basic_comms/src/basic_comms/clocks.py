@@ -1,0 +1,74 @@
+"""Time that a thread can wait on: the machine's, or the one of /clock.
+
+Waiting ends early when somebody calls ``wake``. rospy's own sleep cannot be
+ended, which is why a node at 0.1 Hz would notice a change ten seconds late.
+"""
+
+import threading
+import time
+from typing import Optional
+
+import rospy
+from rosgraph_msgs.msg import Clock
+
+#: Longest single wait, s. Python before 3.11 times its locks by the wall clock,
+#: so a wall clock that is set back must not make a wait endless.
+_LONGEST_WAIT_S = 1.0
+
+
+class MonotonicClock:
+    """The monotonic clock of the machine; setting the wall clock does not move it."""
+
+    def __init__(self) -> None:
+        self._wake = threading.Lock()
+        self._wake.acquire()
+
+    def now(self) -> Optional[float]:
+        """Return the time since some fixed moment, s."""
+        return time.monotonic()
+
+    def wait_until(self, moment: Optional[float]) -> None:
+        """Wait for a moment or a :meth:`wake`; may return early.
+
+        :param moment: on the scale of :meth:`now`, s; None to wait for a wake alone
+        """
+        timeout = _LONGEST_WAIT_S if moment is None else moment - time.monotonic()
+        if timeout > 0.0:
+            self._wake.acquire(timeout=min(timeout, _LONGEST_WAIT_S))
+
+    def wake(self) -> None:
+        """End the wait under way, or else the next one at once."""
+        try:
+            self._wake.release()
+        except RuntimeError:
+            pass  # a wake is pending already
+
+
+class SimulatedClock:
+    """The clock of the topic /clock; it may stand still, jump or be set back."""
+
+    def __init__(self) -> None:
+        self._now: Optional[float] = None
+        self._moved = threading.Event()
+        self._subscriber = rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1)
+
+    def _on_clock(self, message: Clock) -> None:
+        self._now = message.clock.to_sec()
+        self._moved.set()
+
+    def now(self) -> Optional[float]:
+        """Return the simulated time, s; None before the first message."""
+        return self._now
+
+    def wait_until(self, moment: Optional[float]) -> None:
+        """Wait for the next step of the clock or a :meth:`wake`.
+
+        :param moment: not used: the caller looks at every step, because the
+            clock may be set back as well
+        """
+        self._moved.wait()
+        self._moved.clear()
+
+    def wake(self) -> None:
+        """End the wait under way, or else the next one at once."""
+        self._moved.set()

@@ -1,0 +1,139 @@
+"""Periodic work without drift that can be retimed or stopped at once.
+
+One thread serves all periodic tasks of a process. It waits on absolute
+deadlines, so lateness of one call never delays the next, and it is woken when a
+rate changes. It follows /clock where /use_sim_time is set: at most one call for
+each step of the clock, none while it stands still.
+"""
+
+import heapq
+import itertools
+import threading
+import traceback
+from typing import Callable, List, Optional, Tuple, Union
+
+import rospy
+
+from basic_comms.clocks import MonotonicClock, SimulatedClock
+from basic_comms.timetable import Timetable
+
+AnyClock = Union[MonotonicClock, SimulatedClock]
+Callback = Callable[[float], None]
+
+
+class PeriodicTask:
+    """A function that is called at a rate; made by :meth:`Scheduler.every`."""
+
+    def __init__(self, scheduler: "Scheduler", callback: Callback) -> None:
+        self.callback = callback
+        self.timetable: Optional[Timetable] = None
+        #: Counts changes of rate; what was queued before the last one is void.
+        self.generation = 0
+        self._scheduler = scheduler
+
+    def set_rate(self, rate: float) -> None:
+        """Change the rate with immediate effect.
+
+        :param rate: calls a second, Hz; 0 pauses
+        """
+        self._scheduler.set_rate(self, rate)
+
+
+class Scheduler:
+    """Calls periodic tasks from one thread of its own.
+
+    :param clock: the time to go by; that of rospy where None
+    """
+
+    def __init__(self, clock: Optional[AnyClock] = None) -> None:
+        if clock is None:
+            clock = MonotonicClock() if rospy.rostime.is_wallclock() else SimulatedClock()
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._tasks: List[PeriodicTask] = []
+        self._unplanned: List[PeriodicTask] = []
+        #: (deadline, tie-break, generation, task), a heap.
+        self._queue: List[Tuple[float, int, int, PeriodicTask]] = []
+        self._order = itertools.count()
+        self._latest = float("-inf")
+        self._closed = False
+        rospy.on_shutdown(self.close)
+        threading.Thread(target=self._run, name="scheduler", daemon=True).start()
+
+    def every(self, rate: float, callback: Callback) -> PeriodicTask:
+        """Call a function at a rate, the first time at once.
+
+        :param rate: calls a second, Hz; 0 pauses
+        :param callback: called with the time since the first call, s; short,
+            since the other tasks of the process wait for it
+        :returns: the task, to change its rate by
+        """
+        task = PeriodicTask(self, callback)
+        with self._lock:
+            self._tasks.append(task)
+        self.set_rate(task, rate)
+        return task
+
+    def set_rate(self, task: PeriodicTask, rate: float) -> None:
+        """Change a task's rate; see :meth:`PeriodicTask.set_rate`."""
+        now = self._clock.now()
+        with self._lock:
+            task.generation += 1
+            if rate <= 0.0:
+                task.timetable = None
+            elif task.timetable is None:
+                task.timetable = Timetable(rate)
+            else:
+                task.timetable.set_rate(rate, now if now is not None else 0.0)
+            self._unplanned.append(task)
+        self._clock.wake()
+
+    def close(self) -> None:
+        """Call nothing any more."""
+        self._closed = True
+        self._clock.wake()
+
+    def _run(self) -> None:
+        while not self._closed:
+            now = self._clock.now()
+            if now is not None:
+                for callback, elapsed in self._take_due(now):
+                    self._call(callback, elapsed)
+            self._clock.wait_until(self._queue[0][0] if self._queue else None)
+
+    def _call(self, callback: Callback, elapsed: float) -> None:
+        if self._closed:
+            return
+        try:
+            callback(elapsed)
+        except Exception:  # one task's defect must not end the others
+            rospy.logerr_throttle(5.0, "a periodic task failed:\n%s" % traceback.format_exc())
+
+    def _take_due(self, now: float) -> List[Tuple[Callback, float]]:
+        """Return what is to be called now, and queue it for the next time."""
+        due: List[Tuple[Callback, float]] = []
+        with self._lock:
+            if now < self._latest:
+                self._follow_clock_back(now)
+            self._latest = now
+            for task in self._unplanned:
+                self._plan(task, now)
+            self._unplanned = []
+            while self._queue and self._queue[0][0] <= now:
+                _, _, generation, task = heapq.heappop(self._queue)
+                if generation == task.generation and task.timetable is not None:
+                    due.append((task.callback, task.timetable.take(now)))
+                    self._plan(task, now)
+        return due
+
+    def _plan(self, task: PeriodicTask, now: float) -> None:
+        if task.timetable is not None:
+            deadline = task.timetable.deadline(now)
+            heapq.heappush(self._queue, (deadline, next(self._order), task.generation, task))
+
+    def _follow_clock_back(self, now: float) -> None:
+        self._queue = []
+        self._unplanned = list(self._tasks)
+        for task in self._tasks:
+            if task.timetable is not None:
+                task.timetable.restart(now)

@@ -16,6 +16,7 @@ from typing import Optional, Sequence, Set, Tuple, Type, TypeVar
 
 import rospy
 
+from basic_comms.description import offer_description
 from basic_comms.parameter_server import MISSING
 from basic_comms.parameter_watch import Observation, ParameterWatcher, Watch, get_watcher
 from basic_comms.parameters import ParameterError, ParameterSet, shown, to_wire
@@ -82,7 +83,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
         return settled.values  # type: ignore[return-value]
 
     def start(self, on_change: Optional[Callable[[Snapshot, Snapshot], None]] = None) -> None:
-        """Follow changes from now on.
+        """Follow changes from now on, and describe the parameters when asked.
 
         :param on_change: called with the new and the old snapshot, once for
             each change; must be short, other changes wait for it
@@ -91,6 +92,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
             self.add_listener(on_change)
         rospy.loginfo("%s: %s", self.key, _settings(self.values.as_dict()))
         self._watcher.add(self)
+        offer_description(self.key, lambda: self.values)
 
     def add_listener(self, on_change: Callable[[Snapshot, Snapshot], None]) -> None:
         """Have one more function called with each change.

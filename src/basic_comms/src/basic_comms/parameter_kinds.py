@@ -321,9 +321,14 @@ def _finite_number(raw: Any) -> Optional[float]:
 
 
 def shown(value: Any, limit: int = 80) -> str:
-    """Return a value for a message: short, and numbers without needless digits."""
+    """Return a value for a message: short, and numbers without needless digits.
+
+    :param value: any raw or coerced value
+    :param limit: longest result, characters
+    """
     if isinstance(value, float):
-        text = "%.12g" % value
+        text = "%.6g" % value
+        text = (text if float(text) == value else "%.12g" % value).replace("e+0", "e")
     elif isinstance(value, str):
         text = "'%s'" % value
     else:

@@ -1,0 +1,93 @@
+# The build with catkin_make, only when what it reads or made has changed.
+# shellcheck shell=bash
+
+# A stamp is written after a good build and describes it line by line: the system
+# it was made for, each file it read (Python sources run from where they are and
+# need no build, unlike the files that list them) and each file it made.
+stamp=$state/stamp
+# Stands there while a build runs, and stays behind if the build is cut short.
+building=$state/building
+
+build_facts() {
+    echo "workspace $workspace"
+    echo "python $(readlink -f /usr/bin/python3)"
+    echo "ros $(has_noetic && echo "$noetic" || echo /usr)"
+    echo "tests $(has_rostest && echo ON || echo OFF)"
+}
+
+build_inputs() {
+    find -L "$workspace/src" -mindepth 2 \( -name '.*' -o -name __pycache__ \) -prune -o \
+        -type f \( -name package.xml -o -name CMakeLists.txt -o -name setup.py -o -name '*.in' \
+        -o -name '*.cmake' -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o -name '*.cfg' \
+        -o -name '*.c' -o -name '*.cc' -o -name '*.cpp' -o -name '*.h' -o -name '*.hpp' \) \
+        -printf 'in %P\t%s %T@\n' -o \
+        -type f -path '*/scripts/*' -printf 'in %P\t\n' 2>/dev/null | LC_ALL=C sort
+}
+
+build_products() {
+    find "$workspace/devel" \( -name __pycache__ -o -name '*.lock' \) -prune -o -type f \
+        -printf 'out %P\n' 2>/dev/null | LC_ALL=C sort
+}
+
+# rostest's CMake file comes in with the tests' packages; without it no test can be configured.
+has_rostest() {
+    compgen -G "/usr/lib/*/cmake/rostest/rostestConfig.cmake" >/dev/null ||
+        [ -e "$noetic/share/rostest/cmake/rostestConfig.cmake" ]
+}
+
+build_is_fresh() {
+    [ -f "$stamp" ] && [ ! -e "$building" ] && [ -f "$workspace/devel/setup.bash" ] &&
+        [ "$(build_facts; build_inputs; build_products)" = "$(<"$stamp")" ]
+}
+
+# What stands there cannot be built upon if a build was cut short, if it was made
+# for another place or system (CMake keeps paths), or if a file it read is gone
+# (catkin_make leaves the products of a removed package or message in place).
+build_must_start_over() { # STAMP-TO-BE
+    local cache=$workspace/build/CMakeCache.txt
+    if [ -e "$building" ]; then return 0; fi
+    if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$workspace/src" "$cache"; then
+        return 0
+    fi
+    [ -f "$stamp" ] && [ -n "$(awk -F '\t' '
+        look == "up" { now[$1]; next }
+        /^(workspace|python|ros|in) / && !($1 in now)
+    ' look=up <(echo "$1") look= "$stamp")" ]
+}
+
+refuse_catkin_tools() {
+    if grep -qs 'catkin build' "$workspace/build/.built_by"; then
+        die "this tree was built with 'catkin build', and catkin refuses to mix that with catkin_make:" \
+            "run 'catkin clean' first, or use another clone."
+    fi
+}
+
+build() {
+    local read_by_it
+    read_by_it=$(build_facts; build_inputs)
+    refuse_catkin_tools
+    if build_must_start_over "$read_by_it"; then
+        say "building from nothing with catkin_make"
+        find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" -exec rm -rf {} +
+        rm -rf "$workspace/devel"
+    else
+        say "building with catkin_make"
+    fi
+    : >"$building"
+    # In a shell of its own: other workspaces that the caller has sourced stay out of this one.
+    if ! logged run_catkin_make "$(has_rostest && echo ON || echo OFF)"; then
+        [ ! -f "$stamp" ] || echo failed >>"$stamp"
+        rm "$building"
+        die "the build failed: see above."
+    fi
+    { echo "$read_by_it"; build_products; } >"$stamp.new"
+    mv "$stamp.new" "$stamp"
+    rm "$building"
+}
+
+run_catkin_make() ( # ON|OFF: with or without the tests' targets
+    unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH
+    ! has_noetic || source_setup "$noetic"
+    cd "$workspace"
+    catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$1"
+)

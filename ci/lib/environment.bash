@@ -1,0 +1,58 @@
+# The environment that the distribution's ROS 1 works in.
+# shellcheck shell=bash
+
+# ROS's Python modules belong to /usr/bin/python3: keep every other python away.
+clean_environment() {
+    local path=/usr/sbin:/usr/bin:/sbin:/bin directory
+    local -a directories
+    IFS=: read -ra directories <<<"${PATH-}"
+    for directory in "${directories[@]}"; do
+        case $directory in '' | /usr/sbin | /usr/bin | /sbin | /bin) continue ;; esac
+        # pyenv's shims, a venv, conda: whatever holds a python of its own.
+        [ -x "$directory/python3" ] || [ -x "$directory/python" ] || path=$path:$directory
+    done
+    export PATH=$path
+    unset PYTHONHOME VIRTUAL_ENV CONDA_PREFIX CONDA_DEFAULT_ENV PYENV_VERSION
+
+    # A directory of somebody's own modules is harmless. One of installed packages
+    # belongs to another python or another ROS, whose modules would hide ours.
+    path=
+    IFS=: read -ra directories <<<"${PYTHONPATH-}"
+    for directory in "${directories[@]}"; do
+        case $directory in
+            '' | *-packages | *-packages/) ;;
+            *) path=${path:+$path:}$directory ;;
+        esac
+    done
+    if [ -n "$path" ]; then export PYTHONPATH=$path; else unset PYTHONPATH; fi
+
+    # Without any locale the Python of Debian's ROS reads files as ASCII.
+    [ -n "${LC_ALL-}${LC_CTYPE-}${LANG-}" ] || export LANG=C.UTF-8
+}
+
+source_setup() { # PREFIX: an installed ROS or a catkin devel space
+    local setup=$1/setup.bash
+    # catkin's setup files take positional parameters for options of their own,
+    # read variables that may be unset and carry on after failing commands.
+    set --
+    set +eu
+    # shellcheck disable=SC1090
+    source "$setup"
+    set -eu
+}
+
+# Make the built workspace the one that the next command sees.
+enter_workspace() {
+    source_setup "$workspace/devel"
+    if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
+        # roscore and rospy then listen on the loopback device only. (Set but
+        # empty, either would be taken for a name.)
+        unset ROS_IP
+        export ROS_HOSTNAME=localhost
+        case ${ROS_MASTER_URI-} in
+            '' | *://localhost:* | *://127.*) ;;
+            *) say "ROS_MASTER_URI is $ROS_MASTER_URI, but nodes started here cannot be" \
+                "reached from there: set ROS_IP or ROS_HOSTNAME to this machine's." ;;
+        esac
+    fi
+}

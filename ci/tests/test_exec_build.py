@@ -1,0 +1,108 @@
+"""ci/exec builds when something changed, and only then; nothing half done looks finished."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+from conftest import Workspace
+
+
+def test_first_run_builds_and_keeps_the_streams_apart(workspace: Workspace) -> None:
+    result = workspace.run("sh", "-c", "cat; python3 -c 'import tiny.msg'; exit 7", stdin="in\n")
+    assert (result.stdout, result.returncode) == ("in\n", 7)
+    assert result.stderr == "ci/exec: building with catkin_make\n"
+
+
+def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> None:
+    workspace.add_package("spare")
+    assert workspace.shows("tiny.Beat") and workspace.shows("spare.Beat")
+    assert workspace.run("true").stderr == ""
+
+    shutil.copy(
+        str(workspace.root / "src/tiny/msg/Beat.msg"), str(workspace.root / "src/tiny/msg/Bar.msg")
+    )
+    assert workspace.shows("tiny.Bar")
+    assert workspace.run("true").stderr == ""
+
+    (workspace.root / "src/tiny/msg/Beat.msg").unlink()
+    shutil.rmtree(str(workspace.root / "src/spare"))
+    assert not workspace.shows("tiny.Beat")
+    assert not workspace.shows("spare.Beat")
+    assert workspace.shows("tiny.Bar")
+
+    # Somebody's own "catkin_make clean" takes products away behind the stamp's back.
+    subprocess.check_call(
+        ["make", "-C", str(workspace.root / "build"), "clean"], stdout=subprocess.DEVNULL
+    )
+    assert workspace.shows("tiny.Bar")
+
+
+def test_moved_workspace_is_built_anew(workspace: Workspace) -> None:
+    assert workspace.shows("tiny.Beat")
+    moved = workspace.root.with_name("elsewhere")
+    workspace.root.rename(moved)
+    workspace.root = moved
+    result = workspace.run("rospack", "find", "tiny")
+    assert result.stdout.strip() == str(moved / "src" / "tiny")
+    assert workspace.shows("tiny.Beat")
+
+
+def test_two_at_once_build_once(workspace: Workspace) -> None:
+    both = [workspace.start("python3", "-c", "import tiny.msg") for _ in range(2)]
+    ends = [(process.communicate(timeout=120)[1], process.returncode) for process in both]
+    assert [status for _, status in ends] == [0, 0], ends
+    assert "".join(err for err, _ in ends).count("building") == 1
+
+
+def test_failed_build_is_shown_and_not_taken_for_finished(workspace: Workspace) -> None:
+    assert workspace.run("true").returncode == 0
+    lists = workspace.root / "src" / "tiny" / "CMakeLists.txt"
+    good, times = lists.read_text(), os.stat(str(lists))
+    lists.write_text(good + 'message(FATAL_ERROR "as the test wants it")\n')
+    for _ in range(2):
+        result = workspace.run("echo", "not reached")
+        assert (result.stdout, result.returncode) == ("", 125)
+        assert "as the test wants it" in result.stderr
+    lists.write_text(good)
+    os.utime(str(lists), ns=(times.st_atime_ns, times.st_mtime_ns))
+    assert "building" in workspace.run("true").stderr
+
+
+def test_interrupted_build_starts_over(workspace: Workspace) -> None:
+    begun = workspace.root / "begun"
+    workspace.fakes["catkin_make"] = "mkdir devel; : > devel/setup.bash; : > '%s'; sleep 60" % begun
+    process = workspace.start("echo", "not reached")
+    give_up = time.monotonic() + 60.0
+    while not begun.exists() and time.monotonic() < give_up:
+        assert process.poll() is None
+        time.sleep(0.01)  # poll
+    os.killpg(process.pid, signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+    assert out == "" and process.returncode != 0
+    workspace.fakes.clear()
+    result = workspace.run("python3", "-c", "import tiny.msg")
+    assert result.returncode == 0
+    assert "from nothing" in result.stderr
+
+
+def test_refuses_a_tree_of_catkin_build(workspace: Workspace) -> None:
+    (workspace.root / "build").mkdir()
+    (workspace.root / "build" / ".built_by").write_text("catkin build")
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert "'catkin clean'" in result.stderr
+
+
+def test_another_workspace_of_the_caller_stays_out(
+    workspace: Workspace, built: Workspace
+) -> None:
+    script = ". '%s/devel/setup.bash'; exec '%s/ci/exec' printenv CMAKE_PREFIX_PATH"
+    shutil.rmtree(str(workspace.root / "src" / "tiny"))
+    workspace.add_package("other")
+    out = subprocess.check_output(
+        ["bash", "-c", script % (built.root, workspace.root)], env=workspace.environment()
+    )
+    assert str(built.root) not in out.decode()
+    assert workspace.shows("other.Beat") and not workspace.shows("tiny.Beat")

@@ -1,0 +1,121 @@
+"""ci/exec leaves the command alone: its streams, its status, its process; and gives it ROS."""
+
+import os
+import pathlib
+import pty
+import subprocess
+
+import pytest
+from conftest import Workspace
+
+PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,$ROS_IP,$LANG"')
+
+
+def test_streams_and_status_are_the_commands(built: Workspace) -> None:
+    result = built.run("sh", "-c", "cat; echo err >&2; exit 7", stdin="in\n")
+    assert (result.stdout, result.stderr, result.returncode) == ("in\n", "err\n", 7)
+
+
+def test_command_takes_the_place_of_the_script(built: Workspace) -> None:
+    process = built.start("sh", "-c", "echo $$; ls -l /proc/self/fd >&2")
+    out, descriptors = process.communicate(timeout=60)
+    assert int(out) == process.pid
+    assert "lock" not in descriptors
+
+
+def test_arguments_arrive_unchanged(built: Workspace) -> None:
+    arguments = ["--extend", "two words", "", "*"]
+    result = built.run("printf", "<%s>", *arguments)
+    assert result.stdout == "".join("<%s>" % argument for argument in arguments)
+
+
+def test_unknown_command_is_127(built: Workspace) -> None:
+    result = built.run("no-such-command")
+    assert result.returncode == 127
+    assert "no-such-command" in result.stderr
+
+
+def test_help_is_the_header(built: Workspace) -> None:
+    result = built.run("--help")
+    assert result.returncode == 0
+    assert result.stdout.startswith("Usage: ci/exec")
+    assert "CI_EXEC_NO_INSTALL" in result.stdout
+    assert "set -e" not in result.stdout
+
+
+def test_works_through_a_symbolic_link(built: Workspace, tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "ros"
+    link.symlink_to(built.root / "ci" / "exec")
+    result = subprocess.run([str(link), "rospack", "find", "tiny"], stdout=subprocess.PIPE)
+    assert result.stdout.decode().strip() == str(built.root / "src" / "tiny")
+
+
+@pytest.mark.parametrize(
+    "changes, seen",
+    [
+        ({"LANG": "C"}, "localhost,,C"),
+        ({"ROS_HOSTNAME": "robot", "LANG": "C"}, "robot,,C"),
+        ({"ROS_IP": "192.0.2.1", "LANG": "C"}, ",192.0.2.1,C"),
+        ({"ROS_HOSTNAME": "", "ROS_IP": "", "LANG": "C"}, "localhost,,C"),
+        ({"LANG": None, "LC_ALL": None, "LC_CTYPE": None}, "localhost,,C.UTF-8"),
+    ],
+)
+def test_defaults_of_the_environment(built: Workspace, changes: dict, seen: str) -> None:
+    assert built.run(*PRINT_ENVIRONMENT, **changes).stdout.strip() == seen
+
+
+def test_warns_of_a_remote_master_without_an_own_name(built: Workspace) -> None:
+    remote = "http://robot:11311"
+    assert remote in built.run("true", ROS_MASTER_URI=remote).stderr
+    assert built.run("true", ROS_MASTER_URI=remote, ROS_IP="192.0.2.1").stderr == ""
+    assert built.run("true", ROS_MASTER_URI="http://localhost:11312").stderr == ""
+
+
+def test_another_python_is_kept_away(built: Workspace, tmp_path: pathlib.Path) -> None:
+    shims = tmp_path / "venv" / "bin"
+    shims.mkdir(parents=True)
+    for name in ("python", "python3"):
+        (shims / name).write_text("#!/bin/sh\nexit 66\n")
+        (shims / name).chmod(0o755)
+    modules = tmp_path / "lib" / "python3.7" / "site-packages"
+    modules.mkdir(parents=True)
+    (modules / "genpy.py").write_text("raise RuntimeError('of another python')\n")
+    (tmp_path / "mine.py").write_text("")
+    code = "import mine, genpy, os, tiny.msg; print(os.environ.get('VIRTUAL_ENV'))"
+    result = built.run(
+        *("env", "python3", "-c", code),
+        PATH="%s:%s" % (shims, os.environ["PATH"]),
+        VIRTUAL_ENV=str(tmp_path / "venv"),
+        PYTHONHOME=str(tmp_path / "venv"),
+        PYTHONPATH="%s:%s" % (modules, tmp_path),
+    )
+    assert (result.stdout, result.stderr) == ("None\n", "")
+    assert built.run("sh", "-c", "command -v python", PATH="%s:/usr/bin" % shims).stdout != str(
+        shims / "python"
+    )
+
+
+def test_shell_keeps_the_environment_that_a_bashrc_spoils(
+    built: Workspace, tmp_path: pathlib.Path
+) -> None:
+    (tmp_path / ".bashrc").write_text("PATH=/spoilt:$PATH\nalias mine='echo alias'\n")
+    terminal, child_side = pty.openpty()
+    shell = subprocess.Popen(
+        [str(built.root / "ci" / "exec")],
+        env=built.environment({"HOME": str(tmp_path), "TERM": "dumb"}),
+        stdin=child_side,
+        stdout=subprocess.PIPE,
+        stderr=child_side,
+        start_new_session=True,
+    )
+    os.write(terminal, b"mine; type -t roscd; echo $PATH; exit 5\n")
+    out = shell.communicate(timeout=60)[0].decode()
+    os.close(terminal)
+    os.close(child_side)
+    assert shell.returncode == 5
+    assert "alias\nfunction\n" in out
+    assert "/usr/bin" in out and "/spoilt" not in out
+
+
+def test_without_a_terminal_the_shell_reads_commands(built: Workspace) -> None:
+    assert built.run(stdin="echo $ROS_DISTRO; exit 4\n").returncode == 4

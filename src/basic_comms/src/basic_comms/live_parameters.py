@@ -16,6 +16,7 @@ from typing import Optional, Sequence, Set, Tuple, Type, TypeVar
 
 import rospy
 
+from basic_comms import reconfigure
 from basic_comms.description import offer_description
 from basic_comms.parameter_server import MISSING
 from basic_comms.parameter_watch import Observation, ParameterWatcher, Watch, get_watcher
@@ -93,6 +94,8 @@ class LiveParameters(Watch, Generic[Snapshot]):
         rospy.loginfo("%s: %s", self.key, _settings(self.values.as_dict()))
         self._watcher.add(self)
         offer_description(self.key, lambda: self.values)
+        if reconfigure.AVAILABLE:
+            reconfigure.ReconfigureInterface(self)
 
     def add_listener(self, on_change: Callable[[Snapshot, Snapshot], None]) -> None:
         """Have one more function called with each change.

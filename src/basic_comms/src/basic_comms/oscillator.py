@@ -1,7 +1,7 @@
 """Phase accumulator: the phase of an oscillator whose frequency may change at any sample."""
 
-#: Advance since the anchor at which the anchor moves on, rad. It bounds what rounding does to
-#: ``phase + frequency * (time - anchor)`` by three half-units in the last place of 1024, 3.5e-13 rad.
+#: Advance since the anchor at which the anchor moves on, rad. Rounding then changes
+#: ``phase + frequency * (time - anchor)`` by no more than 1.5 units in the last place of 1024.
 _LONGEST_ADVANCE = 1024.0
 
 #: Anchor phases are whole multiples of 2**-128 rad, so moving an anchor adds 3e-39 rad of error.

@@ -1,0 +1,72 @@
+"""Publishers that send at once, and that a stalled subscriber cannot hold up."""
+
+from typing import Any, List, NamedTuple, Optional
+
+import genpy
+import rospy
+
+from basic_comms import rospy_internals
+
+#: queue of the plain publisher that stands in where rospy's internals are not as expected
+FALLBACK_QUEUE_SIZE = 100
+
+
+class SubscriberStatistics(NamedTuple):
+    """What became of the messages to one subscriber."""
+
+    #: name of the subscribing node
+    node: str
+    #: messages sent
+    sent: int
+    #: messages dropped because it did not read
+    lost: int
+    #: whether it is being left behind now
+    stalled: bool
+
+
+class Publisher(rospy.Publisher):
+    """A ``rospy.Publisher`` without a queue.
+
+    :meth:`publish` returns when the message is with the operating system: the lowest latency, and
+    no loss to a subscriber that reads. One that does not holds up one call, by at most 50 ms; from
+    then on it gets the newest message only, in the background, until it reads again. What it loses
+    is counted and reported, and what it gets is whole. May be used from several threads.
+
+    :param name: topic
+    :param data_class: message class
+    :param latch: whether later subscribers get the last message
+    """
+
+    def __init__(self, name: str, data_class: type, latch: bool = False) -> None:
+        self._topic: Optional[rospy_internals.OutgoingTopic] = None
+        mismatch = rospy_internals.publisher_mismatch()
+        if mismatch:
+            rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
+            super().__init__(name, data_class, latch=latch, queue_size=FALLBACK_QUEUE_SIZE)
+        else:
+            self._topic = rospy_internals.take_over_publisher(self, name, data_class, latch)
+
+    def publish(self, *args: Any, **kwds: Any) -> None:
+        """Send a message, given itself or by its fields, as with ``rospy.Publisher``.
+
+        :raises rospy.ROSSerializationException: if a field has a value that does not fit
+        :raises rospy.ROSException: if the publisher is unregistered or the node not initialised;
+            never because the node is shutting down
+        """
+        if self._topic is None or kwds or len(args) != 1 or type(args[0]) is not self.data_class:
+            super().publish(*args, **kwds)
+            return
+        try:
+            self._topic.publish(args[0])
+        except genpy.SerializationError as error:
+            raise rospy.ROSSerializationException(str(error)) from error
+
+    def statistics(self) -> List[SubscriberStatistics]:
+        """Tell how the present subscribers fare.
+
+        :returns: one entry per subscriber; none where rospy's own queues are in use
+        """
+        links = self._topic.links() if self._topic is not None else []
+        return [
+            SubscriberStatistics(link.name, link.sent, link.lost, link.stalled) for link in links
+        ]

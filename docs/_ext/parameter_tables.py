@@ -1,0 +1,53 @@
+"""The directive ``{parameters} MODULE CLASS``: a table of what a node declares.
+
+The class is a :class:`basic_comms.parameters.ParameterSet`, the very one that
+the node validates by, so the table cannot say anything else than the node does.
+"""
+
+import importlib
+from typing import Any, Dict, List
+
+from basic_comms.parameters import ParameterSet, describe, shown
+from docutils import nodes
+from sphinx.util.docutils import SphinxDirective
+from tables import table
+
+HEADERS = ["Parameter", "Type", "Default", "Allowed", "Unit", "What it is"]
+
+
+class ParameterTable(SphinxDirective):
+    """One row for each parameter of a set, in the order of declaration."""
+
+    required_arguments = 2
+
+    def run(self) -> List[nodes.Node]:
+        module_name, class_name = self.arguments
+        module = importlib.import_module(module_name)
+        self.env.note_dependency(str(module.__file__))
+        declaration = getattr(module, class_name)
+        if not issubclass(declaration, ParameterSet):
+            raise self.error("%s.%s declares no parameters" % (module_name, class_name))
+        return [table(HEADERS, [_row(item) for item in describe(declaration())])]
+
+
+def _row(item: Dict[str, Any]) -> List[str]:
+    default = item["default"]
+    return [
+        "`~%s`" % item["name"],
+        item["type"],
+        "`%s`" % (default or '""' if isinstance(default, str) else shown(default)),
+        _unbroken(item["range"]),
+        item["unit"],
+        item["help"],
+    ]
+
+
+def _unbroken(text: str) -> str:
+    """Keep an interval on one line; the words of an enum may go on several."""
+    return text.replace(", ", ",\u00a0") if text[:1] in ("(", "[") else text
+
+
+def setup(app: Any) -> Dict[str, bool]:
+    """Register the directive with Sphinx."""
+    app.add_directive("parameters", ParameterTable)
+    return {"parallel_read_safe": True}

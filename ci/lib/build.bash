@@ -1,5 +1,4 @@
 # The build with catkin_make, only when what it reads or made has changed.
-# shellcheck shell=bash
 
 # A stamp is written after a good build and describes it line by line: the system
 # it was made for, each file it read (Python sources run from where they are and
@@ -88,6 +87,6 @@ build() {
 run_catkin_make() ( # ON|OFF: with or without the tests' targets
     unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH
     ! has_noetic || source_setup "$noetic"
-    cd "$workspace"
+    cd "$workspace" || exit
     catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$1"
 )

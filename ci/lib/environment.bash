@@ -1,5 +1,4 @@
 # The environment that the distribution's ROS 1 works in.
-# shellcheck shell=bash
 
 # ROS's Python modules belong to /usr/bin/python3: keep every other python away.
 clean_environment() {

@@ -1,5 +1,4 @@
 # System packages: what ci/apt-packages.txt lists, what is missing, how it comes in.
-# shellcheck shell=bash
 
 has_noetic() { [ -f "$noetic/setup.bash" ]; }
 
@@ -38,7 +37,7 @@ unknown_packages() { # PACKAGE…
 system_name() {
     (
         PRETTY_NAME=
-        # shellcheck disable=SC1091
+        # shellcheck source=/dev/null
         [ ! -r /etc/os-release ] || source /etc/os-release
         echo "${PRETTY_NAME:-this system}"
     )

@@ -1,5 +1,4 @@
 # Shared by ci/exec and ci/test: what makes a workspace ready to run in.
-# shellcheck shell=bash
 
 library=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 workspace=$(cd "$library/../.." && pwd -P)

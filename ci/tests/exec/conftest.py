@@ -4,11 +4,11 @@ import os
 import pathlib
 import shutil
 import subprocess
-from typing import Dict, List, Optional
+from typing import Dict, Optional
 
 import pytest
 
-CI = pathlib.Path(__file__).resolve().parents[1]
+CI = pathlib.Path(__file__).resolve().parents[2]
 
 PACKAGE_XML = """<package format="3">
   <name>%(name)s</name> <version>0.0.0</version> <description>For a test.</description>

@@ -48,9 +48,7 @@ def test_may_be_forbidden_to_install(workspace: Workspace) -> None:
     result = workspace.run("echo", "not reached", CI_EXEC_NO_INSTALL="1")
     assert (result.stdout, result.returncode) == ("", 125)
     line = result.stderr.splitlines()[-1]
-    assert line.replace("sudo ", "") == (
-        "apt-get install --no-install-recommends catkin one two"
-    )
+    assert line.replace("sudo ", "") == ("apt-get install --no-install-recommends catkin one two")
     assert log.read_text() == ""
 
 

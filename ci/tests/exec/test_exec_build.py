@@ -95,9 +95,7 @@ def test_refuses_a_tree_of_catkin_build(workspace: Workspace) -> None:
     assert "'catkin clean'" in result.stderr
 
 
-def test_another_workspace_of_the_caller_stays_out(
-    workspace: Workspace, built: Workspace
-) -> None:
+def test_another_workspace_of_the_caller_stays_out(workspace: Workspace, built: Workspace) -> None:
     script = ". '%s/devel/setup.bash'; exec '%s/ci/exec' printenv CMAKE_PREFIX_PATH"
     shutil.rmtree(str(workspace.root / "src" / "tiny"))
     workspace.add_package("other")

@@ -1,0 +1,164 @@
+"""Run one step of the tests, a command, and count what it tested."""
+
+import dataclasses
+import os
+import pathlib
+import signal
+import socket
+import subprocess
+import time
+from typing import Dict, List, Set, Tuple
+from xml.etree import ElementTree
+
+# How long a command may take to clean up behind itself after the time is up, s.
+GRACE = 30.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    """A command to run for a tier.
+
+    ``{results}`` in an argument stands for the directory for JUnit files. A command that
+    writes none is one test by itself.
+    """
+
+    tier: str
+    name: str
+    command: List[str]
+    time_limit: float = 300.0  # s
+    writes_junit: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What came of a step."""
+
+    step: Step
+    passed: int
+    failed: int
+    skipped: int
+    seconds: float
+    log: str
+
+    @property
+    def good(self) -> bool:
+        return self.passed > 0 and self.failed == 0 and self.skipped == 0
+
+
+class Runner:
+    """Runs steps, each with its files in a directory of its own; several threads may share it."""
+
+    def __init__(self) -> None:
+        self._running: Set["subprocess.Popen[bytes]"] = set()
+
+    def run(self, step: Step, directory: pathlib.Path) -> Outcome:
+        """Run a step to its end or to its time limit."""
+        results, scratch, log = directory / "results", directory / "tmp", directory / "log"
+        results.mkdir(parents=True)
+        scratch.mkdir()
+        began = time.monotonic()
+        with log.open("wb") as output:
+            process = subprocess.Popen(
+                [argument.replace("{results}", str(results)) for argument in step.command],
+                env=environment(directory),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+            self._running.add(process)
+            try:
+                status = process.wait(step.time_limit)
+            except subprocess.TimeoutExpired:
+                output.write(b"\nstopped: it took more than %d s\n" % step.time_limit)
+                status = -1
+            stop(process)
+            self._running.discard(process)
+            end_leftovers(directory)
+        return judge(step, status, results, time.monotonic() - began, log)
+
+    def interrupt(self) -> None:
+        """Make the steps that are running end soon."""
+        for process in list(self._running):
+            os.killpg(process.pid, signal.SIGINT)
+
+
+def judge(
+    step: Step, status: int, results: pathlib.Path, seconds: float, log: pathlib.Path
+) -> Outcome:
+    """Count a step's tests; what ends badly or tests nothing has at least one failure."""
+    passed, failed, skipped = count(results) if step.writes_junit else (int(status == 0), 0, 0)
+    text = log.read_text(errors="replace")
+    if status != 0 and failed == 0:
+        failed = 1
+        text += "\nended with status %d\n" % status
+    if passed + failed + skipped == 0:
+        failed = 1
+        text += "\nno test ran\n"
+    return Outcome(step, passed, failed, skipped, seconds, text)
+
+
+def environment(directory: pathlib.Path) -> Dict[str, str]:
+    """The environment of a step: a master port and places for files of its own."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        port = probe.getsockname()[1]
+    return dict(
+        os.environ,
+        ROS_MASTER_URI="http://localhost:%d" % port,
+        ROS_HOME=str(directory / "ros"),
+        ROS_LOG_DIR=str(directory / "ros" / "log"),
+        TMPDIR=str(directory / "tmp"),
+        HYPOTHESIS_STORAGE_DIRECTORY=str(directory / "hypothesis"),
+    )
+
+
+def stop(process: "subprocess.Popen[bytes]") -> None:
+    """End a command if it still runs, giving it the chance to end its own children."""
+    for number in (signal.SIGINT, signal.SIGKILL):
+        if process.poll() is None:
+            os.killpg(process.pid, number)
+            try:
+                process.wait(GRACE)
+            except subprocess.TimeoutExpired:
+                continue
+
+
+def end_leftovers(directory: pathlib.Path) -> None:
+    """Kill what a step has left behind.
+
+    roslaunch gives every node a session of its own, so that the step's process group does
+    not hold them; but they all have the step's ROS_HOME.
+    """
+    mark = b"ROS_HOME=%s" % os.fsencode(directory / "ros")
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if mark in (process / "environ").read_bytes().split(b"\0"):
+                os.kill(int(process.name), signal.SIGKILL)
+        except OSError:
+            continue  # ended meanwhile, or somebody else's
+
+
+def count(results: pathlib.Path) -> Tuple[int, int, int]:
+    """Count the test cases in the JUnit files below a directory.
+
+    rostest writes a file for each test node and one about running them; the latter's cases
+    are counted only where a node failed to report.
+
+    :returns: how many passed, failed and were skipped
+    """
+    passed = failed = skipped = 0
+    for path in sorted(results.rglob("*.xml")):
+        try:
+            cases = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
+        except ElementTree.ParseError:
+            failed += 1
+            continue
+        for case in cases:
+            if case.find("failure") is not None or case.find("error") is not None:
+                failed += 1
+            elif case.find("skipped") is not None:
+                skipped += 1
+            elif not path.name.startswith("rostest-"):
+                passed += 1
+    return passed, failed, skipped

@@ -1,0 +1,108 @@
+"""What each tier of tests consists of."""
+
+import pathlib
+import sys
+from typing import Callable, Dict, List
+
+from steps import Step
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+SOURCES = WORKSPACE / "src"
+CI = WORKSPACE / "ci"
+ROOT = len(WORKSPACE.parts)
+
+
+def packages() -> List[pathlib.Path]:
+    """The directories of the workspace's packages."""
+    return sorted(manifest.parent for manifest in SOURCES.glob("*/package.xml"))
+
+
+def python_files() -> List[str]:
+    """All Python files of the project, scripts without a suffix too."""
+    files = []
+    for place in ("ci", "docs", "src"):
+        for path in sorted((WORKSPACE / place).rglob("*")):
+            generated = any(part.startswith(("_", ".")) for part in path.parent.parts[ROOT:])
+            if path.is_file() and not generated:
+                if path.suffix == ".py" or (not path.suffix and runs_with("python", path)):
+                    files.append(str(path))
+    return files
+
+
+def shell_scripts() -> List[str]:
+    """The scripts that people call; what these source is checked with them."""
+    scripts = sorted(path for path in CI.iterdir() if path.is_file())
+    return [str(path) for path in scripts if runs_with("bash", path)]
+
+
+def runs_with(language: str, path: pathlib.Path) -> bool:
+    with path.open("rb") as file:
+        line = file.readline(80)
+    return line.startswith(b"#!") and language.encode() in line
+
+
+def lint() -> List[Step]:
+    files = python_files()
+    libraries = [str(package / "src") for package in packages() if (package / "src").is_dir()]
+    commands = {
+        "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES)],
+        "flake8": ["flake8", "--config", str(WORKSPACE / ".flake8")] + files,
+        "black": ["black", "--check", "--diff", "--quiet"] + files,
+        "mypy": ["mypy", str(CI / "lib")] + libraries,
+        "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
+    }
+    for package in packages():
+        if (package / "launch").is_dir():
+            commands["roslaunch-check " + package.name] = [
+                *("rosrun", "roslaunch", "roslaunch-check", "-t", "-i"),
+                *("-o", "{results}/launch.xml", str(package / "launch")),
+            ]
+    return [Step("lint", name, command) for name, command in commands.items()]
+
+
+def docs() -> List[Step]:
+    source, target = str(WORKSPACE / "docs"), str(WORKSPACE / "docs" / "_build" / "html")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
+    return [Step("docs", "html", command + ["-d", "{results}/doctrees", source, target])]
+
+
+def unit() -> List[Step]:
+    places = {package.name: package / "test" / "unit" for package in packages()}
+    places["ci/exec"] = CI / "tests" / "exec"
+    return [pytest_step("unit", name, place) for name, place in places.items() if place.is_dir()]
+
+
+def install() -> List[Step]:
+    return [pytest_step("install", "install space", CI / "tests" / "install")]
+
+
+def pytest_step(tier: str, name: str, place: pathlib.Path) -> Step:
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
+    command += ["--junitxml={results}/pytest.xml", str(place)]
+    return Step(tier, name, command, writes_junit=True, time_limit=600.0)
+
+
+def integration() -> List[Step]:
+    return [
+        Step(
+            "integration",
+            "%s/%s" % (package.name, test.stem),
+            [
+                *("rostest", "--pkgdir", str(package), "--package", package.name),
+                *("--results-base-dir", "{results}", "--results-filename", test.stem + ".xml"),
+                str(test),
+            ],
+            writes_junit=True,
+        )
+        for package in packages()
+        for test in sorted((package / "test" / "integration").glob("*.test"))
+    ]
+
+
+TIERS: Dict[str, Callable[[], List[Step]]] = {
+    "lint": lint,
+    "docs": docs,
+    "unit": unit,
+    "install": install,
+    "integration": integration,
+}

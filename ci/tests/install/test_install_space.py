@@ -1,0 +1,106 @@
+"""``catkin_make install`` gives an install space that everything runs from."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import time
+from typing import Callable, Dict, List
+
+import pytest
+
+SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
+PACKAGES = sorted(manifest.parent for manifest in SOURCES.glob("*/package.xml"))
+
+# A command in the install space, its streams and its process.
+Start = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture(scope="session")
+def install_space(tmp_path_factory: "pytest.TempPathFactory") -> pathlib.Path:
+    """Install with build and devel spaces of its own, so that the developer's are left alone."""
+    spaces = tmp_path_factory.mktemp("spaces")
+    subprocess.check_call(
+        [
+            *("catkin_make", "--source", str(SOURCES), "--build", str(spaces / "build")),
+            "-DCATKIN_DEVEL_PREFIX=%s" % (spaces / "devel"),
+            "-DCMAKE_INSTALL_PREFIX=%s" % (spaces / "install"),
+            *("-DCATKIN_ENABLE_TESTING=OFF", "-DPYTHON_EXECUTABLE=/usr/bin/python3", "install"),
+        ],
+        cwd=str(spaces),
+        env=outside_the_workspace(),
+    )
+    return spaces / "install"
+
+
+def outside_the_workspace() -> Dict[str, str]:
+    """The environment without what this workspace's devel space has put into it."""
+    environment = dict(os.environ)
+    for name in ("CMAKE_PREFIX_PATH", "PYTHONPATH", "ROS_PACKAGE_PATH"):
+        entries = environment.get(name, "").split(":")
+        mine = str(SOURCES.parent) + "/"
+        environment[name] = ":".join(entry for entry in entries if not entry.startswith(mine))
+    return environment
+
+
+@pytest.fixture
+def start(install_space: pathlib.Path) -> Start:
+    """Starts a command in the install space."""
+
+    def start_command(*command: str) -> "subprocess.Popen[str]":
+        return subprocess.Popen(
+            ["bash", "-c", 'source "$0/setup.bash" && exec "$@"', str(install_space), *command],
+            env=outside_the_workspace(),
+            stdout=subprocess.PIPE,
+            universal_newlines=True,
+        )
+
+    return start_command
+
+
+def output(process: "subprocess.Popen[str]") -> str:
+    out, _ = process.communicate(timeout=60)
+    assert process.returncode == 0, out
+    return out.strip()
+
+
+def names_below(directory: pathlib.Path) -> List[str]:
+    return sorted(str(path.relative_to(directory)) for path in directory.rglob("*.*"))
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
+def test_package_is_found_with_its_files(
+    package: pathlib.Path, install_space: pathlib.Path, start: Start
+) -> None:
+    share = install_space / "share" / package.name
+    assert output(start("rospack", "find", package.name)) == str(share)
+    for kind in ("launch", "config"):
+        assert names_below(share / kind) == names_below(package / kind)
+    programs = install_space / "lib" / package.name
+    for script in (package / "scripts").glob("*"):
+        assert os.access(str(programs / script.name), os.X_OK), script.name
+
+
+@pytest.mark.parametrize(
+    "package", [p for p in PACKAGES if (p / "launch").is_dir()], ids=lambda package: package.name
+)
+def test_launch_files_find_their_nodes_and_includes(
+    package: pathlib.Path, install_space: pathlib.Path, start: Start, tmp_path: pathlib.Path
+) -> None:
+    launch = install_space / "share" / package.name / "launch"
+    check = ("rosrun", "roslaunch", "roslaunch-check", "-t", "-i", "-o", str(tmp_path / "x.xml"))
+    output(start(*check, str(launch)))
+
+
+def test_the_course_runs(install_space: pathlib.Path, start: Start) -> None:
+    launch = start("roslaunch", "basic_comms", "cw1.launch")
+    try:
+        give_up = time.monotonic() + 60.0
+        while start("rosnode", "list").wait(timeout=60) != 0 and time.monotonic() < give_up:
+            assert launch.poll() is None
+        assert output(start("rostopic", "echo", "-n", "1", "/proc_signal")).startswith("data: ")
+        code = "import basic_comms; print(basic_comms.__file__)"
+        assert output(start("python3", "-c", code)).startswith(str(install_space))
+    finally:
+        launch.send_signal(signal.SIGINT)
+        launch.communicate(timeout=60)

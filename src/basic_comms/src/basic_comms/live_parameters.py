@@ -217,7 +217,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
 
     def _named(self, error: ParameterError) -> ParameterError:
         names = ", ".join("%s/%s" % (self.key, name) for name in error.name.split(", "))
-        return ParameterError(names, error.value, error.allowed)
+        return ParameterError(names, error.value, error.allowed, error.reason)
 
     def _warn(self, error: ParameterError, settled: Settled) -> None:
         kept = {name: getattr(settled.values, name) for name in error.name.split(", ")}

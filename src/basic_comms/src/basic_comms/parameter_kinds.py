@@ -21,20 +21,20 @@ class ParameterError(ValueError):
     :param name: name of the parameter, resolved or as declared
     :param value: the value that was refused, as it came
     :param allowed: what is allowed, worded to follow "allowed is"
+    :param reason: more about this value, where what is allowed does not say it
     """
 
-    def __init__(self, name: str, value: Any, allowed: str) -> None:
-        super().__init__(name, value, allowed)
+    def __init__(self, name: str, value: Any, allowed: str, reason: str = "") -> None:
+        super().__init__(name, value, allowed, reason)
         self.name = name
         self.value = value
         self.allowed = allowed
+        self.reason = reason
 
     def __str__(self) -> str:
-        return "parameter %s: %s is refused, allowed is %s" % (
-            self.name,
-            shown(self.value),
-            self.allowed,
-        )
+        text = "parameter %s: %s is refused, allowed is %s"
+        text %= (self.name, shown(self.value), self.allowed)
+        return "%s (%s)" % (text, self.reason) if self.reason else text
 
 
 class Parameter(Generic[Value]):
@@ -305,8 +305,14 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
 
 
 def to_wire(value: Any) -> Any:
-    """Return a value as the parameter server takes it (tuples become lists)."""
-    return list(value) if isinstance(value, tuple) else value
+    """Return a value as the parameter server takes it.
+
+    :param value: a coerced value
+    :returns: lists for tuples, plain text for what is derived from text
+    """
+    if isinstance(value, tuple):
+        return [to_wire(item) for item in value]
+    return str(value) if isinstance(value, str) else value
 
 
 def _finite_number(raw: Any) -> Optional[float]:

@@ -48,6 +48,9 @@ def settle(
     refusals: List[ParameterError] = []
     values: Dict[str, Any] = {}
     for name, parameter in in_force.declared.items():
+        if name in raw and _denotes(raw[name], to_wire(current[name])):
+            values[name] = current[name]  # unchanged, so not judged again
+            continue
         try:
             values[name] = parameter.coerce(raw[name]) if name in raw else fallback[name]
         except ParameterError as error:

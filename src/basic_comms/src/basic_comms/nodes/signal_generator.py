@@ -1,68 +1,120 @@
 """The signal generator: publishes samples of a waveform."""
 
 import math
+import threading
+from typing import Optional
 
 import rospy
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
 from basic_comms.node_main import run
-from basic_comms.oscillator import PhaseAccumulator
-from basic_comms.parameters import FloatParameter, ParameterSet
+from basic_comms.publishing import Publisher
+from basic_comms.run_control import RUNNING, RunControl, RunStatus
 from basic_comms.scheduling import Scheduler
-from basic_comms.waveforms import sine
-
-
-class SignalGeneratorParameters(ParameterSet):
-    """Private parameters of the signal generator."""
-
-    rate = FloatParameter(
-        10.0, above=0.0, maximum=10000.0, unit="Hz", help="how many samples a second are published"
-    )
-    amplitude = FloatParameter(
-        2.0, minimum=0.0, maximum=1e9, help="peak of the signal around its offset"
-    )
-    frequency = FloatParameter(
-        2.0 * math.pi,
-        minimum=-1e6,
-        maximum=1e6,
-        unit="rad/s",
-        help="angular frequency; 0 holds the signal, a negative one runs it backwards",
-    )
-    phase = FloatParameter(
-        0.0, minimum=-1e6, maximum=1e6, unit="rad", help="added to the phase of the signal"
-    )
-    offset = FloatParameter(
-        0.0, minimum=-1e9, maximum=1e9, help="added to the signal; its mean for most shapes"
-    )
+from basic_comms.signal_parameters import SignalParameters
+from basic_comms.signal_settings import highest_frequency
+from basic_comms.signal_source import SignalSource
 
 
 class SignalGenerator:
-    """Publishes y = amplitude sin(frequency t + phase) + offset, sample by sample.
+    """Publishes a signal sample by sample; by default y = amplitude sin(frequency time_x).
 
-    Sample n carries its own time: it belongs to the moment n / rate after the
-    first, which is also when it is published. A change of a parameter takes
-    effect at a sample and never makes the phase jump.
+    Each sample carries its own time: it belongs to the moment it was due, n / rate after the first
+    one, and not to the slightly later one at which it went out. A change of a parameter takes
+    effect at a sample and never makes the phase jump. While the signal does not run, stop_value
+    goes out with amplitude and frequency 0, and time_x stands still.
 
     :ROS Publishers:
         - ``signal`` (basic_comms/signal_msg)
+        - ``~status`` (std_msgs/String), latched: ``running``, ``idle`` or ``finished``, and the
+          signal's time in s
+
+    :ROS Services:
+        - ``~enable`` (std_srvs/SetBool): stop the signal, or let it go on where it was
+        - ``~reset`` (std_srvs/Trigger): time_x and phase start at 0 again
 
     :ROS Parameters:
-        - those of :class:`SignalGeneratorParameters`, private and live
+        - those of :class:`.SignalParameters`, private and live
     """
 
     def __init__(self) -> None:
-        self._parameters = LiveParameters(SignalGeneratorParameters)
-        self._oscillator = PhaseAccumulator()
-        self._publisher = rospy.Publisher("signal", signal_msg, queue_size=10)
+        self._parameters = LiveParameters(SignalParameters)
+        self._source = SignalSource()
+        self._run_control = RunControl(self._parameters.values.autostart)
+        # Requests are obeyed at the next sample, by the one thread that makes samples.
+        self._requests = threading.Lock()
+        self._wanted: Optional[bool] = None
+        self._reset_wanted = False
+        self._enabled = self._parameters.values.autostart
+        self._state = ""
+        self._publisher = Publisher("signal", signal_msg)
+        self._status_publisher = Publisher("~status", String, latch=True)
+        rospy.Service("~enable", SetBool, self._enable)
+        rospy.Service("~reset", Trigger, self._reset)
+        self._warn_above_nyquist(self._parameters.values)
         self._task = Scheduler().every(self._parameters.values.rate, self._publish)
-        self._parameters.start(on_change=lambda new, old: self._task.set_rate(new.rate))
+        self._parameters.start(on_change=self._on_change)
 
-    def _publish(self, time_x: float) -> None:
+    def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:
+        self._task.set_rate(new.rate)
+        self._warn_above_nyquist(new)
+
+    def _publish(self, elapsed: float) -> None:
         settings = self._parameters.values
-        phase = self._oscillator.advance(time_x, settings.frequency) + settings.phase
-        y = settings.amplitude * sine(phase) + settings.offset
-        self._publisher.publish(settings.amplitude, settings.frequency, time_x, y)
+        self._obey_requests(elapsed)
+        status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
+        message = signal_msg(time_x=status.time_x, signal_y=settings.stop_value)
+        if status.state == RUNNING:
+            sample = self._source.sample(status.time_x, settings)
+            message.amplitude = sample.amplitude
+            message.frequency = sample.frequency
+            message.signal_y = sample.value
+        self._publisher.publish(message)
+        if status.state != self._state:
+            self._announce(status)
+
+    def _obey_requests(self, elapsed: float) -> None:
+        with self._requests:
+            wanted, self._wanted = self._wanted, None
+            reset_wanted, self._reset_wanted = self._reset_wanted, False
+        if wanted is not None:
+            self._run_control.enable(elapsed, wanted)
+        if reset_wanted:
+            self._run_control.reset()
+            self._source.reset()
+            self._state = ""  # announced anew
+
+    def _announce(self, status: RunStatus) -> None:
+        self._state = status.state
+        self._status_publisher.publish(String(str(status)))
+        rospy.loginfo("signal: %s s", status)
+
+    def _enable(self, request: SetBoolRequest) -> SetBoolResponse:
+        with self._requests:
+            changed = request.data != self._enabled
+            self._enabled = self._wanted = request.data
+        state = "enabled" if request.data else "stopped"
+        return SetBoolResponse(True, state if changed else "%s already" % state)
+
+    def _reset(self, _request: TriggerRequest) -> TriggerResponse:
+        with self._requests:
+            self._reset_wanted = True
+        return TriggerResponse(True, "time_x and phase start at 0 again")
+
+    def _warn_above_nyquist(self, settings: SignalParameters) -> None:
+        highest = highest_frequency(settings)
+        nyquist = math.pi * settings.rate
+        if highest > nyquist:
+            rospy.logwarn(
+                "signal: %.6g rad/s is above the Nyquist frequency of %.6g rad/s at a rate of %g Hz",
+                highest,
+                nyquist,
+                settings.rate,
+            )
 
 
 def main() -> None:

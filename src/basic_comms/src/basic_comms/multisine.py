@@ -4,7 +4,6 @@ import math
 from typing import List, Sequence
 
 from basic_comms.oscillator import PhaseAccumulator
-from basic_comms.waveforms import within_one
 
 
 class Multisine:
@@ -26,7 +25,7 @@ class Multisine:
     ) -> float:
         """Return the next sample, as a part of the sum of all amplitudes.
 
-        The three lists are of one length.
+        The three lists are of one length. Without any amplitude the value is 0.
 
         :param time: time of the sample, s
         :param amplitudes: relative amplitudes of the components
@@ -38,10 +37,10 @@ class Multisine:
         while len(self._oscillators) < count:
             self._oscillators.append(PhaseAccumulator())
         del self._oscillators[count:]
-        total = sum(abs(amplitude) for amplitude in amplitudes)
-        value = 0.0
+        value = total = 0.0
         for oscillator, amplitude, frequency, phase in zip(
             self._oscillators, amplitudes, frequencies, phases
         ):
             value += amplitude * math.sin(oscillator.advance(time, frequency) + phase)
-        return within_one(value / total) if total else 0.0
+            total += abs(amplitude)
+        return value / total if total else 0.0

@@ -6,8 +6,6 @@ from array import array
 from bisect import bisect_right
 from typing import Iterable, List, Optional, Tuple
 
-from basic_comms.waveforms import within_one
-
 #: Most rows and bytes that are read, so that a wrong file cannot fill the memory.
 LARGEST_ROWS = 1_000_000
 LARGEST_BYTES = 64 * 2**20
@@ -54,8 +52,8 @@ class Series:
     def value(self, elapsed: float, hold: bool, loop: bool) -> float:
         """Return the signal at a time.
 
-        Beyond the last row its value stays, unless the signal loops: then the time of the last row
-        is that of the first again.
+        Before the first row and beyond the last their values stay, unless the signal loops: then
+        the time of the last row is that of the first again.
 
         :param elapsed: time since the first row, s
         :param hold: keep each value until the next row, instead of interpolating linearly
@@ -63,7 +61,7 @@ class Series:
         :returns: value in [-1, 1]
         """
         if loop and self.duration:
-            elapsed = max(0.0, (elapsed + _EARLY) % self.duration - _EARLY)
+            elapsed = (elapsed + _EARLY) % self.duration - _EARLY
         row = bisect_right(self._times, elapsed + _EARLY if hold else elapsed) - 1
         if row < 0:
             return self._values[0]
@@ -71,7 +69,7 @@ class Series:
             return self._values[row]
         before, after = self._times[row], self._times[row + 1]
         rise = self._values[row + 1] - self._values[row]
-        return within_one(self._values[row] + rise * ((elapsed - before) / (after - before)))
+        return self._values[row] + rise * ((elapsed - before) / (after - before))
 
 
 def load_series(path: str) -> Series:

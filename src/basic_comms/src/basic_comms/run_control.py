@@ -50,16 +50,19 @@ class RunControl:
         :param now: reading of the clock, s
         :param enabled: whether the signal is to run
         """
-        if enabled and not self._enabled:
-            self._since = now
-        elif self._enabled and not enabled:
-            self._collect(now)
-            self._since = None
+        if enabled == self._enabled:
+            return
+        self._read(now)
         self._enabled = enabled
+        if enabled:
+            self._since = now
+        else:
+            self._collected = self._seconds(now)
+            self._since = None
 
     def reset(self) -> None:
         """Take the time back to 0, or start the delay again if it is not over."""
-        self._collected = self._time_x = 0.0
+        self._collected = 0.0
         self._since = None
 
     def at(self, now: float, start_delay: float, duration: float) -> RunStatus:
@@ -70,11 +73,9 @@ class RunControl:
         :param duration: time after which the signal is finished, s; 0 for never
         :returns: state and time of the signal
         """
-        if now < self._latest_reading:
-            self._collect(self._latest_reading)
-        if self._enabled and (self._since is None or now < self._latest_reading):
+        self._read(now)
+        if self._enabled and self._since is None:
             self._since = now
-        self._latest_reading = now
         seconds = self._seconds(now)
         if self._delayed:
             if not self._enabled or seconds < start_delay:
@@ -92,13 +93,15 @@ class RunControl:
         self._time_x = seconds
         return RunStatus(state, seconds)
 
+    def _read(self, now: float) -> None:
+        """Note a reading of the clock, and count on from it if the clock has been set back."""
+        if now < self._latest_reading and self._since is not None:
+            self._collected = self._seconds(self._latest_reading)
+            self._since = now
+        self._latest_reading = now
+
     def _seconds(self, now: float) -> float:
+        """Return the time collected at a reading that is not before the one last noted, s."""
         if self._since is None:
             return self._collected
-        return self._collected + max(0.0, now - self._since)
-
-    def _collect(self, now: float) -> None:
-        """Take the seconds up to a reading of the clock as they are."""
-        self._collected = self._seconds(now)
-        if self._since is not None:
-            self._since = now
+        return self._collected + (now - self._since)

@@ -59,8 +59,6 @@ def conflict(settings: SignalSettings) -> Optional[str]:
             "multisine_amplitudes, multisine_frequencies and multisine_phases have "
             f"{lengths[0]}, {lengths[1]} and {lengths[2]} items: lists of one length are allowed"
         )
-    if not any(settings.multisine_amplitudes):
-        return "multisine_amplitudes: at least one amplitude other than 0 is needed"
     if settings.waveform == "file" and settings.series is None:
         return "waveform 'file': a CSV file of time,value is needed in the parameter file"
     return None
@@ -80,7 +78,7 @@ def highest_frequency(settings: SignalSettings) -> float:
     if settings.waveform == "chirp":
         return max(abs(settings.chirp_f0), abs(settings.chirp_f1))
     if settings.waveform == "multisine":
-        return max(abs(frequency) for frequency in settings.multisine_frequencies)
+        return max((abs(frequency) for frequency in settings.multisine_frequencies), default=0.0)
     if settings.waveform == "prbs":
         return math.pi / settings.chip_time
     return 0.0

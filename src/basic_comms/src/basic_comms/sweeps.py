@@ -54,7 +54,6 @@ class Chirp(NamedTuple):
         """
         if since == until:
             return self.frequency(until)
-        since, until = min(since, until), max(since, until)
         advance = self._repeated(since, until) if self.repeat else self._once(since, until)
         return advance / (until - since)
 

@@ -23,15 +23,6 @@ def cycle_fraction(phase: float) -> float:
     return fraction if fraction < 1.0 - EDGE else 0.0
 
 
-def within_one(value: float) -> float:
-    """Take off what rounding has added beyond the bounds.
-
-    :param value: value that is meant to lie in [-1, 1]
-    :returns: the nearest value that does
-    """
-    return max(-1.0, min(1.0, value))
-
-
 def sine(phase: float) -> float:
     """Return the sine of a phase.
 

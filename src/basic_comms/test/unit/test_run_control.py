@@ -35,6 +35,14 @@ def test_a_stopped_signal_keeps_its_time_and_continues_from_there():
     assert states(control, [30.25, 31.0]) == ["running 2.750", "running 3.500"]
 
 
+def test_a_sample_that_was_due_before_enable_does_not_take_the_time_back():
+    control = RunControl()
+    states(control, [10.0])
+    control.enable(12.0, False)
+    control.enable(15.5, True)
+    assert states(control, [15.4, 16.5]) == ["running 2.000", "running 3.100"]
+
+
 def test_to_enable_or_to_stop_twice_changes_nothing():
     control = RunControl()
     states(control, [10.0])
@@ -133,11 +141,15 @@ def test_a_clock_set_back_does_not_take_the_time_back():
     control = RunControl()
     states(control, [100.0, 105.0])
     assert states(control, [50.0, 51.0]) == ["running 5.000", "running 6.000"]
+    control.enable(20.0, False)
+    assert states(control, [15.0, 16.0]) == ["idle 6.000", "idle 6.000"]
+    control.enable(10.0, True)
+    assert states(control, [10.5]) == ["running 6.500"]
 
 
 operations = st.one_of(
     st.tuples(st.just("at"), st.floats(-5.0, 20.0), st.floats(0.0, 30.0)),
-    st.tuples(st.just("enable"), st.floats(0.0, 5.0), st.booleans()),
+    st.tuples(st.just("enable"), st.floats(-5.0, 20.0), st.booleans()),
 )
 
 

@@ -8,6 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
+from basic_comms.noise import Noise
+from basic_comms.prbs import Prbs
 from basic_comms.shapes import WAVEFORMS
 from basic_comms.signal_settings import conflict, highest_frequency
 from basic_comms.signal_source import SignalSource
@@ -154,6 +156,18 @@ def test_random_shapes_repeat_with_their_seed(waveform):
     assert [source.sample(time, settings(waveform=waveform)).value for time in times] == first
 
 
+def test_another_seed_or_order_takes_effect_at_once():
+    source = SignalSource()
+    for n, seed in enumerate([3, 4, 4]):
+        value = source.sample(n * 0.1, settings(waveform="gaussian_noise", seed=seed)).value
+    noise = Noise(4)
+    assert [noise.gaussian(), noise.gaussian()][1] * 2.0 == value
+    for n, order in enumerate([9, 5, 5, 5, 5, 5]):
+        chosen = settings(waveform="prbs", prbs_order=order, seed=6)
+        value = source.sample(1.0 + n * 0.1, chosen).value
+        assert value == 2.0 * Prbs(order, 6).chip(n)
+
+
 def test_prbs_lasts_its_chip_time_and_its_period():
     times = [n * 0.05 for n in range(4 * 31)]
     values = run(times, waveform="prbs", prbs_order=5, chip_time=0.1)
@@ -195,12 +209,33 @@ def test_components_of_a_multisine_keep_their_phases_when_others_come_and_go():
     assert value == pytest.approx(2.0 * math.sin(1.0 + 3.0 * 1.0))
 
 
+def test_a_component_added_again_is_where_it_would_be_had_it_always_been_there():
+    source = SignalSource()
+    for time, frequencies in [(1.0, [1.0, 5.0]), (2.0, [1.0]), (3.0, [1.0, 7.0])]:
+        count = len(frequencies)
+        chosen = settings(
+            waveform="multisine",
+            multisine_amplitudes=[1.0] * count,
+            multisine_frequencies=frequencies,
+            multisine_phases=[0.0] * count,
+        )
+        value = source.sample(time, chosen).value
+    assert value == pytest.approx(math.sin(3.0) + math.sin(21.0))
+
+
+def test_a_multisine_without_amplitudes_is_silent():
+    assert run([0.5], waveform="multisine", multisine_amplitudes=[0.0] * 3) == [0.0]
+    empty = dict.fromkeys([name for name in DEFAULTS if name.startswith("multisine_")], [])
+    assert run([0.5], waveform="multisine", **empty) == [0.0]
+    assert highest_frequency(settings(waveform="multisine", **empty)) == 0.0
+
+
 def test_reset_starts_phase_and_waveform_again():
     source, chosen = SignalSource(), settings(waveform="chirp")
-    first = [source.sample(n * 0.1, chosen) for n in range(20)]
+    first = [source.sample(n * 0.1, chosen) for n in range(1, 20)]
     source.sample(50.0, settings(frequency=3.0))
     source.reset()
-    assert [source.sample(n * 0.1, chosen) for n in range(20)] == first
+    assert [source.sample(n * 0.1, chosen) for n in range(1, 20)] == first
 
 
 @pytest.mark.parametrize(
@@ -210,7 +245,6 @@ def test_reset_starts_phase_and_waveform_again():
         ({"chirp_f1": -1.0}, "chirp_f0 1.0 and chirp_f1 -1.0: a logarithmic chirp needs"),
         ({"chirp_f1": 1.0}, "two positive frequencies that differ"),
         ({"multisine_phases": []}, "have 3, 3 and 0 items: lists of one length"),
-        ({"multisine_amplitudes": [0.0, 0.0, 0.0]}, "at least one amplitude other than 0"),
         ({"waveform": "file", "series": None}, "waveform 'file': a CSV file"),
     ],
 )

@@ -1,11 +1,13 @@
 """Signal source: from settings and time to one sample after another."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from basic_comms.oscillator import PhaseAccumulator
 from basic_comms.shapes import SHAPES
-from basic_comms.signal_settings import SignalSettings
 from basic_comms.sweeps import Chirp
+
+if TYPE_CHECKING:
+    from basic_comms.signal_parameters import SignalParameters
 
 
 class Sample(NamedTuple):
@@ -59,7 +61,7 @@ class SignalSource:
         self._waveform = ""
         self._time = 0.0
 
-    def sample(self, time_x: float, settings: SignalSettings) -> Sample:
+    def sample(self, time_x: float, settings: "SignalParameters") -> Sample:
         """Return the next sample.
 
         :param time_x: time of the sample, s since the start of the signal, never decreasing

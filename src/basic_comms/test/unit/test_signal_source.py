@@ -1,4 +1,4 @@
-"""The signal as a whole: bounds, continuity, what each setting does, and what does not fit."""
+"""The signal as a whole: bounds, continuity and what each setting does."""
 
 import math
 
@@ -11,7 +11,7 @@ from scipy import signal
 from basic_comms.noise import Noise
 from basic_comms.prbs import Prbs
 from basic_comms.shapes import WAVEFORMS
-from basic_comms.signal_settings import conflict, highest_frequency
+from basic_comms.signal_settings import highest_frequency
 from basic_comms.signal_source import SignalSource
 from basic_comms.waveforms import TWO_PI
 
@@ -236,25 +236,6 @@ def test_reset_starts_phase_and_waveform_again():
     source.sample(50.0, settings(frequency=3.0))
     source.reset()
     assert [source.sample(n * 0.1, chosen) for n in range(1, 20)] == first
-
-
-@pytest.mark.parametrize(
-    "changes, words",
-    [
-        ({"chirp_f0": 0.0}, "chirp_f0 0.0 and chirp_f1 50.0: a logarithmic chirp needs"),
-        ({"chirp_f1": -1.0}, "chirp_f0 1.0 and chirp_f1 -1.0: a logarithmic chirp needs"),
-        ({"chirp_f1": 1.0}, "two positive frequencies that differ"),
-        ({"multisine_phases": []}, "have 3, 3 and 0 items: lists of one length"),
-        ({"waveform": "file", "series": None}, "waveform 'file': a CSV file"),
-    ],
-)
-def test_settings_that_do_not_fit_together_are_named(changes, words):
-    assert conflict(settings(chirp_shape="logarithmic")) is None
-    assert words in conflict(settings(**{"chirp_shape": "logarithmic", **changes}))
-
-
-def test_a_linear_chirp_may_have_any_frequencies_and_a_file_may_be_absent_elsewhere():
-    assert conflict(settings(chirp_f0=-1.0, chirp_f1=-1.0, series=None)) is None
 
 
 def test_the_highest_frequency_tells_what_has_to_be_below_nyquist():

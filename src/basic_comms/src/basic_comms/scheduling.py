@@ -137,3 +137,19 @@ class Scheduler:
         for task in self._tasks:
             if task.timetable is not None:
                 task.timetable.restart(now)
+
+
+_scheduler: Optional[Scheduler] = None
+_scheduler_lock = threading.Lock()
+
+
+def get_scheduler() -> Scheduler:
+    """Return this process's scheduler, made at the first call.
+
+    :returns: a scheduler on the clock of rospy; the node must have been initialised
+    """
+    global _scheduler
+    with _scheduler_lock:
+        if _scheduler is None:
+            _scheduler = Scheduler()
+        return _scheduler

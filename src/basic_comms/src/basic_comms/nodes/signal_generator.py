@@ -12,9 +12,10 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
 from basic_comms.node_main import run
+from basic_comms.node_scope import NodeScope
 from basic_comms.publishing import Publisher
 from basic_comms.run_control import RUNNING, RunControl, RunStatus
-from basic_comms.scheduling import Scheduler
+from basic_comms.scheduling import get_scheduler
 from basic_comms.signal_parameters import SignalParameters
 from basic_comms.signal_settings import highest_frequency
 from basic_comms.signal_source import SignalSource
@@ -39,10 +40,12 @@ class SignalGenerator:
 
     :ROS Parameters:
         - those of :class:`.SignalParameters`, private and live
+
+    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self) -> None:
-        self._parameters = LiveParameters(SignalParameters)
+    def __init__(self, scope: NodeScope = NodeScope()) -> None:
+        self._parameters = LiveParameters(SignalParameters, scope.parameters)
         self._source = SignalSource()
         self._run_control = RunControl(self._parameters.values.autostart)
         # Requests are obeyed at the next sample, by the one thread that makes samples.
@@ -51,12 +54,12 @@ class SignalGenerator:
         self._reset_wanted = False
         self._enabled = self._parameters.values.autostart
         self._state = ""
-        self._publisher = Publisher("signal", signal_msg)
-        self._status_publisher = Publisher("~status", String, latch=True)
-        rospy.Service("~enable", SetBool, self._enable)
-        rospy.Service("~reset", Trigger, self._reset)
+        self._publisher = Publisher(scope.topic("signal"), signal_msg)
+        self._status_publisher = Publisher(scope.private("status"), String, latch=True)
+        rospy.Service(scope.private("enable"), SetBool, self._enable)
+        rospy.Service(scope.private("reset"), Trigger, self._reset)
         self._warn_above_nyquist(self._parameters.values)
-        self._task = Scheduler().every(self._parameters.values.rate, self._publish)
+        self._task = get_scheduler().every(self._parameters.values.rate, self._publish)
         self._parameters.start(on_change=self._on_change)
 
     def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:
@@ -91,7 +94,7 @@ class SignalGenerator:
     def _announce(self, status: RunStatus) -> None:
         self._state = status.state
         self._status_publisher.publish(String(str(status)))
-        rospy.loginfo("signal: %s s", status)
+        rospy.loginfo("%s: %s s", self._publisher.resolved_name, status)
 
     def _enable(self, request: SetBoolRequest) -> SetBoolResponse:
         with self._requests:
@@ -110,7 +113,8 @@ class SignalGenerator:
         nyquist = math.pi * settings.rate
         if highest > nyquist:
             rospy.logwarn(
-                "signal: %.6g rad/s is above the Nyquist frequency of %.6g rad/s at a rate of %g Hz",
+                "%s: %.6g rad/s is above the Nyquist frequency of %.6g rad/s at a rate of %g Hz",
+                self._publisher.resolved_name,
                 highest,
                 nyquist,
                 settings.rate,

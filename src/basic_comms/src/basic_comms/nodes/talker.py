@@ -11,7 +11,8 @@ from basic_comms.node_main import run
 from basic_comms.parameter_server import MISSING
 from basic_comms.parameter_watch import Observation, Watch, get_watcher
 from basic_comms.parameters import EnumParameter, FloatParameter, ParameterSet
-from basic_comms.scheduling import Scheduler
+from basic_comms.publishing import Publisher
+from basic_comms.scheduling import get_scheduler
 from basic_comms.stream_log import StreamLog
 
 
@@ -59,8 +60,8 @@ class Talker:
         self._keys = candidates(rospy.get_name())
         self._messages = self._follow_messages()
         self._log = StreamLog()
-        self._publisher = rospy.Publisher("chatter", String, queue_size=10)
-        self._task = Scheduler().every(self._parameters.values.rate, self._publish)
+        self._publisher = Publisher("chatter", String)
+        self._task = get_scheduler().every(self._parameters.values.rate, self._publish)
         self._parameters.start(on_change=lambda new, old: self._task.set_rate(new.rate))
 
     def _follow_messages(self) -> Dict[str, Message]:
@@ -77,7 +78,7 @@ class Talker:
         scope = self._parameters.values.message_scope
         text = "%s %s" % (message_text(found, self._keys, scope), rospy.get_time())
         self._log.line(text)
-        self._publisher.publish(text)
+        self._publisher.publish(String(text))
 
 
 def main() -> None:

@@ -175,7 +175,8 @@ class _NumberParameter(Parameter[Value]):
     def _on_step(self, number: float, step: float) -> bool:
         start = self.minimum if self.minimum is not None else self.above or 0.0
         steps = (number - start) / step
-        return math.isclose(steps, round(steps), abs_tol=1e-9)
+        # As much as rounding explains, also where the step is small against the number.
+        return math.isclose(steps, round(steps), rel_tol=1e-13, abs_tol=1e-9)
 
 
 class FloatParameter(_NumberParameter[float]):

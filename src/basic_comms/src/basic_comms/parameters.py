@@ -92,9 +92,11 @@ class ParameterSet:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        own = {key: item for key, item in vars(cls).items() if isinstance(item, Parameter)}
-        cls.declared = {**cls.declared, **own}
-        cls.rules = cls.rules + [item for item in vars(cls).values() if hasattr(item, "parameters")]
+        members: Dict[str, Any] = {}
+        for base in reversed(cls.__mro__):
+            members.update(vars(base))
+        cls.declared = {key: item for key, item in members.items() if isinstance(item, Parameter)}
+        cls.rules = [item for item in members.values() if hasattr(item, "parameters")]
 
     def __init__(self, **values: Any) -> None:
         unknown = sorted(set(values) - set(self.declared))
@@ -133,6 +135,9 @@ class ParameterSet:
         return None
 
     def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError("a snapshot does not change: use replace()")
+
+    def __delattr__(self, name: str) -> None:
         raise AttributeError("a snapshot does not change: use replace()")
 
     def __eq__(self, other: object) -> bool:

@@ -15,7 +15,7 @@ from typing import Callable, List, Optional, Tuple, Union
 import rospy
 
 from basic_comms.clocks import MonotonicClock, SimulatedClock
-from basic_comms.timetable import Timetable
+from basic_comms.timetable import SLACK_S, Timetable
 
 AnyClock = Union[MonotonicClock, SimulatedClock]
 Callback = Callable[[float], None]
@@ -27,7 +27,8 @@ class PeriodicTask:
     def __init__(self, scheduler: "Scheduler", callback: Callback) -> None:
         self.callback = callback
         self.timetable: Optional[Timetable] = None
-        #: Counts changes of rate; what was queued before the last one is void.
+        self.paused = False
+        #: Counts how often it was planned; what was queued before is void.
         self.generation = 0
         self._scheduler = scheduler
 
@@ -76,15 +77,12 @@ class Scheduler:
 
     def set_rate(self, task: PeriodicTask, rate: float) -> None:
         """Change a task's rate; see :meth:`PeriodicTask.set_rate`."""
-        now = self._clock.now()
         with self._lock:
-            task.generation += 1
-            if rate <= 0.0:
-                task.timetable = None
-            elif task.timetable is None:
+            task.paused = rate <= 0.0
+            if task.timetable is not None and not task.paused:
+                task.timetable.set_rate(rate)
+            elif not task.paused:
                 task.timetable = Timetable(rate)
-            else:
-                task.timetable.set_rate(rate, now if now is not None else 0.0)
             self._unplanned.append(task)
         self._clock.wake()
 
@@ -119,7 +117,7 @@ class Scheduler:
             for task in self._unplanned:
                 self._plan(task, now)
             self._unplanned = []
-            while self._queue and self._queue[0][0] <= now:
+            while self._queue and self._queue[0][0] <= now + SLACK_S:
                 _, _, generation, task = heapq.heappop(self._queue)
                 if generation == task.generation and task.timetable is not None:
                     due.append((task.callback, task.timetable.take(now)))
@@ -127,7 +125,8 @@ class Scheduler:
         return due
 
     def _plan(self, task: PeriodicTask, now: float) -> None:
-        if task.timetable is not None:
+        task.generation += 1
+        if task.timetable is not None and not task.paused:
             deadline = task.timetable.deadline(now)
             heapq.heappush(self._queue, (deadline, next(self._order), task.generation, task))
 

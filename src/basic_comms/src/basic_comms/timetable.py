@@ -3,6 +3,10 @@
 import math
 from typing import Optional
 
+#: A deadline less than this ahead counts as passed, s: stamps of /clock are
+#: rounded, since 1970 to 2.4e-7 s, and must not miss the deadlines they meet.
+SLACK_S = 1e-6
+
 
 class Timetable:
     """When a periodic task is due, and what time has passed for it.
@@ -11,14 +15,16 @@ class Timetable:
     changes or the clock is set back, so that rounding and lateness never add
     up. Elapsed time counts on over both.
 
-    :param rate: how often the task is due, Hz; above 0
+    :param rate: how often the task is due, Hz; above 0 and below 1 / SLACK_S
     """
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
         self._anchor: Optional[float] = None
         self._elapsed_at_anchor = 0.0
-        self._taken = 0
+        #: Number of the next deadline, counted from 0 at the anchor.
+        self._next = 0
+        self._taken_at = float("-inf")
 
     def deadline(self, now: float) -> float:
         """Return when the task is due next; at once, where it was never taken.
@@ -28,7 +34,7 @@ class Timetable:
         """
         if self._anchor is None:
             self._anchor = now
-        return self._anchor + self._taken / self._rate
+        return self._anchor + self._next / self._rate
 
     def take(self, now: float) -> float:
         """Take the latest deadline that has passed; earlier ones are skipped.
@@ -36,23 +42,22 @@ class Timetable:
         :param now: the time, at or after the deadline, s
         :returns: time from the first deadline to this one, s
         """
-        start = self.deadline(now) if self._anchor is None else self._anchor
-        latest = max(self._taken, math.floor((now - start) * self._rate))
-        self._taken = latest + 1
-        return self._elapsed_at_anchor + latest / self._rate
+        anchor = self.deadline(now) if self._anchor is None else self._anchor
+        self._next = max(self._next + 1, self._first_after(now, anchor))
+        self._taken_at = now
+        return self._elapsed_at_anchor + (self._next - 1) / self._rate
 
-    def set_rate(self, rate: float, now: float) -> None:
+    def set_rate(self, rate: float) -> None:
         """Change the rate; the next deadline counts from the last one taken.
 
-        :param rate: how often the task is due from now on, Hz; above 0
-        :param now: the time, s
+        :param rate: how often the task is due from now on, Hz
         """
-        if self._anchor is not None and self._taken:
-            last = (self._taken - 1) / self._rate
-            due = max(self._anchor + last + 1.0 / rate, now)
-            self._elapsed_at_anchor += due - self._anchor
-            self._anchor = due
-            self._taken = 0
+        if self._anchor is not None and self._next:
+            last = (self._next - 1) / self._rate
+            self._anchor += last
+            self._elapsed_at_anchor += last
+            self._rate = rate
+            self._next = self._first_after(self._taken_at, self._anchor)
         self._rate = rate
 
     def restart(self, now: float) -> None:
@@ -60,6 +65,13 @@ class Timetable:
 
         :param now: the time that the clock was set to, s
         """
-        self._elapsed_at_anchor += self._taken / self._rate
+        self._elapsed_at_anchor += self._next / self._rate
         self._anchor = now
-        self._taken = 0
+        self._next = 0
+
+    def _first_after(self, now: float, anchor: float) -> int:
+        """Return the number of the first deadline that has not passed yet."""
+        number = max(1, math.floor((now + SLACK_S - anchor) * self._rate))
+        while anchor + number / self._rate <= now + SLACK_S:
+            number += 1  # at most twice: rounding may hide that a deadline is met
+        return number

@@ -18,8 +18,9 @@ extensions = [
     "sphinx.ext.graphviz",
     "parameter_tables",
     "launch_tables",
+    "waveform_plots",
 ]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "_generated"]
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 3
 launch_tables_folder = str(PACKAGE / "launch")

@@ -6,6 +6,7 @@ from typing import Callable
 import rospy
 
 from basic_comms.parameter_server import UNREACHABLE
+from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import ParameterError
 
 EXIT_OK, EXIT_REFUSED = 0, 1
@@ -23,6 +24,7 @@ def run(name: str, start: Callable[[], object]) -> None:
     """
     try:
         rospy.init_node(name)
+        get_watcher()  # also registers the node again, should the master be restarted
         node = start()
         rospy.spin()
         del node

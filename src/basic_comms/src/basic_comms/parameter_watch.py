@@ -120,7 +120,7 @@ class ParameterWatcher:
         while not self._closed:
             self._bell.wait(RECONCILE_S)
             self._bell.clear()
-            if self._closed or not self._watches:
+            if self._closed:
                 continue
             try:
                 self._look()
@@ -150,7 +150,8 @@ class ParameterWatcher:
             if _same(reading.values, before.values) or read_at > limit:
                 break
         if self._forgotten:
-            rospy.logwarn("the master was restarted: writing the settings in force to it")
+            rospy.logwarn("the master was restarted: registering again, settings in force are kept")
+            rospy_internals.register_again()
             self.server.subscribe(watch.key for watch in self._watches)
         self._pass_on(reading, read_at)
         self._forgotten = False

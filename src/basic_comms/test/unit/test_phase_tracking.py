@@ -1,0 +1,310 @@
+"""The phase tracker against the exact sine that its samples were rounded from."""
+
+import math
+import struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basic_comms.phase_intervals import TURN, intersect, phases_of_sine
+from basic_comms.phase_tracking import PhaseTracker
+
+# Half a unit in the last place of float32, relative: how far the frequency field may be off.
+ROUNDING = 2.0**-24
+
+
+def float32(value):
+    """Round to what a float32 field carries."""
+    return struct.unpack("f", struct.pack("f", value))[0]
+
+
+class Line:
+    """A sine source of exact phase, wired to a tracker by rounded fields."""
+
+    def __init__(self, amplitude=2.0, frequency=6.2832, phase=0.0, time=0.0):
+        self.amplitude = amplitude
+        self.frequency = frequency
+        self.phase = phase
+        self.time = time
+        self.offset = 0.0
+        self.tracker = PhaseTracker()
+
+    def advance(self, step):
+        """Let time pass; return by how much the phase advanced."""
+        before = self.time
+        self.time += step
+        angle = self.frequency * (self.time - before)
+        self.phase += angle
+        return angle
+
+    def deliver(self, outlier=0.0):
+        """Hand over a sample, falsified if asked; return the tracker's error in amplitudes."""
+        quadrature = self.tracker.update(
+            float32(self.amplitude),
+            float32(self.frequency),
+            self.time,
+            float32(self.offset + self.amplitude * math.sin(self.phase) + outlier),
+            self.offset,
+        )
+        return abs(quadrature / self.amplitude - math.cos(self.phase))
+
+
+class Promise:
+    """The error allowed, sample by sample, in amplitudes."""
+
+    def __init__(self):
+        self.settled = False
+        self.passed = 0.0
+
+    def after(self, angle):
+        """Return the bound once the phase has advanced by an angle since the previous sample."""
+        # Half turns say nothing new about a sampled sine: only what goes beyond them counts.
+        self.passed += abs(math.remainder(angle, math.pi))
+        self.settled |= abs(math.sin(angle)) >= 0.02 or self.passed >= 0.05
+        if self.settled:
+            # A step of many turns is as uncertain as the rounded frequency makes it.
+            return 1e-5 + ROUNDING * abs(angle)
+        return max(1e-5, 2e-7 / max(abs(math.sin(angle)), 1e-9))
+
+
+def powers_of_ten(low, high):
+    """Floats whose decades are equally likely."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+signs = st.sampled_from([1.0, -1.0])
+near_crest = st.builds(
+    lambda crest, distance, side: crest * 0.5 * math.pi + side * distance,
+    signs,
+    powers_of_ten(-7, -1),
+    signs,
+)
+starts = st.just(0.0) | st.floats(0.0, 1e3) | st.floats(86400.0, 864000.0)
+
+
+@st.composite
+def lines(draw):
+    """Draw a source and its sampling step: 1 mrad/s and up, slow and far beyond Nyquist."""
+    angle = draw(powers_of_ten(-4, 1))
+    step = max(angle / draw(powers_of_ten(-3, 4)), 1e-5)
+    line = Line(
+        amplitude=draw(signs) * draw(powers_of_ten(-6, 6)),
+        frequency=draw(signs) * angle / step,
+        phase=draw(st.floats(-math.pi, math.pi) | near_crest),
+        time=draw(starts),
+    )
+    return line, step
+
+
+@given(lines(), st.lists(st.floats(0.5, 1.5), min_size=20, max_size=20))
+def test_error_stays_within_the_promise_wherever_the_tracker_joins(drawn, stretches):
+    line, step = drawn
+    promise = Promise()
+    line.deliver()
+    for stretch in stretches:
+        allowed = promise.after(line.advance(step * stretch))
+        assert line.deliver() <= allowed
+
+
+@given(lines(), st.data())
+def test_error_stays_within_the_promise_through_live_changes(drawn, data):
+    line, step = drawn
+    promise = Promise()
+    line.deliver()
+    for _ in range(8):
+        line.amplitude *= data.draw(signs) * data.draw(powers_of_ten(-1, 1))
+        line.frequency *= data.draw(st.floats(-1.5, 1.5))
+        for _ in range(3):
+            allowed = promise.after(line.advance(step))
+            assert line.deliver() <= allowed
+
+
+@given(lines(), st.lists(st.integers(1, 40), min_size=20, max_size=20))
+def test_lost_samples_cost_no_more_than_the_rounding_of_frequency(drawn, gaps):
+    line, step = drawn
+    promise = Promise()
+    line.deliver()
+    for gap in gaps:
+        allowed = promise.after(line.advance(step * gap))
+        assert line.deliver() <= allowed
+
+
+@given(near_crest, powers_of_ten(-5, -3))
+def test_slow_start_at_a_crest_is_settled_after_50_mrad(phase, angle):
+    line = Line(phase=phase, frequency=1.0)
+    line.deliver()
+    while line.time < 0.06:
+        line.advance(angle if line.time < 0.04 else 0.001)
+        if line.time < 0.05:
+            assert line.deliver() <= 2e-7 / math.sin(angle)
+        else:
+            assert line.deliver() <= 1e-5
+
+
+def test_a_day_later_it_is_as_exact_as_in_the_first_second():
+    line = Line(frequency=6.2832)
+    line.deliver()
+    worst = 0.0
+    for _ in range(864000):
+        line.advance(0.1)
+        worst = max(worst, line.deliver())
+    assert line.time == pytest.approx(86400.0)
+    assert worst < 1e-6
+
+
+@pytest.mark.parametrize("stand_still", [0.0, math.pi / 0.1, -TURN / 0.1])
+@given(phase=near_crest | st.floats(-math.pi, math.pi))
+def test_keeps_the_phase_while_samples_repeat_themselves(stand_still, phase):
+    line = Line(phase=phase)
+    line.deliver()
+    for _ in range(5):
+        line.advance(0.1)
+        line.deliver()
+    line.frequency = float32(stand_still)
+    for _ in range(50):
+        line.advance(0.1)
+        assert line.deliver() <= 2e-5
+
+
+@given(lines(), st.integers(1, 20))
+def test_keeps_its_course_without_amplitude(drawn, count):
+    line, step = drawn
+    promise = Promise()
+    line.deliver()
+    for _ in range(20):
+        allowed = promise.after(line.advance(step))
+        line.deliver()
+    for _ in range(count):
+        allowed = promise.after(line.advance(step))
+        assert line.tracker.update(0.0, float32(line.frequency), line.time, 0.0) == 0.0
+    allowed = promise.after(line.advance(step))
+    if promise.settled:
+        assert line.deliver() <= allowed + count * ROUNDING * abs(line.frequency * step)
+
+
+@given(st.floats(0.05, 3.0), st.floats(0.01, TURN - 0.01), st.floats(-math.pi, math.pi))
+def test_finds_a_sine_that_jumped_from_two_new_samples(angle, jump, phase):
+    line = Line(frequency=angle, phase=phase)
+    for _ in range(20):
+        line.advance(1.0)
+        line.deliver()
+    line.phase += jump
+    # A jump may hide from its first sample, where the sine has the same value on both courses.
+    for _ in range(3):
+        line.advance(1.0)
+        line.deliver()
+    for _ in range(20):
+        line.advance(1.0)
+        assert line.deliver() <= 1e-5
+
+
+@given(st.floats(0.001, 3.0), st.floats(-math.pi, math.pi), st.floats(0.01, 5.0), signs)
+def test_an_outlier_does_not_turn_it_from_its_course(angle, phase, size, sign):
+    line = Line(frequency=angle, phase=phase)
+    for _ in range(60):
+        line.advance(1.0)
+        line.deliver()
+    line.advance(1.0)
+    if angle < 0.5:
+        assert line.deliver(outlier=sign * size) <= 1e-4
+    else:
+        line.deliver(outlier=sign * size)
+    line.advance(1.0)
+    assert line.deliver() <= 1e-5
+
+
+@given(st.floats(0.1, 1.0), st.floats(1e-6, 1e-3))
+def test_an_inexact_sine_is_followed_about_as_well_as_it_is_made(angle, jitter):
+    line = Line(frequency=angle)
+    errors = []
+    for index in range(200):
+        line.advance(1.0)
+        errors.append(line.deliver(outlier=2.0 * jitter * math.sin(index * index)))
+    errors.sort()
+    assert errors[len(errors) * 9 // 10] <= 20.0 * jitter
+    # Near a crest a small error of the value may be taken for a large one of the phase.
+    assert errors[-1] <= 5.0 * math.sqrt(jitter)
+
+
+def test_pulls_a_phase_that_is_off_towards_an_inexact_sine():
+    line = Line(frequency=0.5)
+    for index in range(200):
+        if index == 50:
+            line.phase += 2.0
+        line.advance(1.0)
+        error = line.deliver(outlier=0.02 * math.sin(index * index))
+        if index > 150:
+            assert error < 0.05
+
+
+@given(st.floats(-20.0, 20.0), st.floats(0.05, 3.0), st.floats(-math.pi, math.pi))
+def test_takes_the_input_offset_off(offset, angle, phase):
+    line = Line(frequency=angle, phase=phase)
+    line.offset = offset
+    line.deliver()
+    # The wire rounds the sum, so the offset costs precision of its own.
+    allowed = 1e-5 + 2.0 * ROUNDING * abs(offset) / abs(math.sin(angle))
+    for _ in range(20):
+        line.advance(1.0)
+        assert line.deliver() <= allowed
+
+
+@pytest.mark.parametrize("backwards", [0.0, 0.05, 1e6])
+def test_starts_anew_when_time_does_not_run_forward(backwards):
+    line = Line(time=100.0)
+    for _ in range(10):
+        line.advance(0.1)
+        line.deliver()
+    assert line.tracker.restarts == 0
+    line.time -= backwards
+    line.phase = 2.2
+    line.deliver()
+    assert line.tracker.restarts == 1
+    for _ in range(10):
+        line.advance(0.1)
+        assert line.deliver() <= 1e-5
+    assert line.tracker.restarts == 1
+
+
+def test_a_generator_left_alone_is_known_from_the_first_sample():
+    for time in (0.0, 0.3, 40.0):
+        line = Line(phase=6.2832 * time, time=time)
+        assert line.deliver() <= 1e-3
+
+
+wire = st.floats(width=32, allow_nan=False, allow_infinity=False)
+clock = st.floats(allow_nan=False, allow_infinity=False) | st.floats(0.0, 10.0)
+
+
+@given(st.lists(st.tuples(wire, wire, clock, wire), max_size=12))
+def test_any_finite_samples_give_a_quadrature_within_the_amplitude(samples):
+    tracker = PhaseTracker()
+    for amplitude, frequency, time_x, signal_y in samples:
+        assert abs(tracker.update(amplitude, frequency, time_x, signal_y)) <= abs(amplitude)
+
+
+@given(st.floats(-math.pi, math.pi) | near_crest, st.floats(1e-9, 1e-2), st.floats(-1.0, 1.0))
+def test_the_phases_of_a_measured_sine_hold_the_true_one(phase, tolerance, part):
+    found = phases_of_sine(math.sin(phase) + 0.999 * part * tolerance, tolerance)
+    assert any(abs(math.remainder(phase - centre, TURN)) <= half + 1e-12 for centre, half in found)
+    for centre, half in found:
+        for side in (-1.0, 0.0, 1.0):
+            assert abs(math.sin(centre + side * half) - math.sin(phase)) <= 2.001 * tolerance
+
+
+def test_no_phase_has_a_sine_beyond_one():
+    assert phases_of_sine(1.1, 0.05) == []
+    assert phases_of_sine(-1.1, 0.05) == []
+
+
+def test_every_phase_fits_a_sine_that_is_not_known():
+    ((_, half),) = phases_of_sine(0.3, 5.0)
+    assert half == pytest.approx(math.pi)
+
+
+def test_intersection_keeps_what_both_agree_on_whatever_the_turn():
+    ((centre, half),) = intersect([(1.0 + 3 * TURN, 0.2)], [(1.3, 0.2), (2.0, 0.2)])
+    assert centre == pytest.approx(1.15)
+    assert half == pytest.approx(0.05)
+    assert intersect([(1.0, 0.2)], [(2.0, 0.2)]) == []

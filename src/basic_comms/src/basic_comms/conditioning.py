@@ -1,0 +1,106 @@
+"""Condition a signal sample by sample: scale, phase shift, offset and a lift above zero.
+
+For samples of A sin(theta) the result is
+
+    scale * A * sin(theta + shift) + offset + lift,   lift = max(0, |scale * A| - offset) or 0
+
+where sin(theta + shift) = sin(theta) cos(shift) + cos(theta) sin(shift). The first sine is the
+sample itself: without a phase shift any signal passes unchanged but for scale, offset and lift.
+"""
+
+import math
+from typing import Optional, Protocol
+
+from basic_comms.phase_tracking import PhaseTracker
+
+_FLOAT32_MAX = (2.0 - 2.0**-23) * 2.0**127
+
+
+class Settings(Protocol):
+    """What a :class:`Conditioner` reads; an object must not change once it was passed in."""
+
+    @property
+    def amplitude_scale(self) -> float:
+        """Gain of the signal around input_offset."""
+
+    @property
+    def phase_shift(self) -> float:
+        """Lead of the output over the input, rad."""
+
+    @property
+    def offset(self) -> float:
+        """Added to the output, in its unit."""
+
+    @property
+    def keep_positive(self) -> bool:
+        """Lift the output by as much as its negative peak lies below zero."""
+
+    @property
+    def input_offset(self) -> float:
+        """Taken off the input first, in its unit."""
+
+
+class Conditioner:
+    """Turn samples of a signal into samples of the conditioned signal.
+
+    Settings act on the output alone, so a change of them takes effect at the next sample and
+    leaves no trace behind.
+    """
+
+    def __init__(self) -> None:
+        #: How many samples gave no output, see :meth:`process`.
+        self.rejected = 0
+        self._tracker = PhaseTracker()
+        self._settings: Optional[Settings] = None
+        self._scale = self._cosine = 1.0
+        self._sine = self._offset = self._input_offset = 0.0
+        self._keep_positive = False
+
+    @property
+    def restarts(self) -> int:
+        """How often time_x repeated itself or ran backwards, which starts the phase anew."""
+        return self._tracker.restarts
+
+    def process(
+        self,
+        amplitude: float,
+        frequency: float,
+        time_x: float,
+        signal_y: float,
+        settings: Settings,
+    ) -> Optional[float]:
+        """Take in one sample and give the conditioned one.
+
+        :param amplitude: peak of the signal around input_offset
+        :param frequency: angular frequency since the previous sample, rad/s
+        :param time_x: time of the sample, s
+        :param signal_y: value of the signal
+        :param settings: what to do; read only when it is another object than last time
+        :returns: conditioned value; None if a field is not finite (then the sample is as good as
+            lost) or the value does not fit into a float32
+        """
+        if not math.isfinite(amplitude + frequency + time_x + signal_y):
+            self.rejected += 1
+            return None
+        if settings is not self._settings:
+            self._adopt(settings)
+        quadrature = self._tracker.update(
+            amplitude, frequency, time_x, signal_y, self._input_offset
+        )
+        shifted = (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
+        result = self._scale * shifted + self._offset
+        if self._keep_positive:
+            result += max(0.0, abs(self._scale * amplitude) - self._offset)
+        if not abs(result) <= _FLOAT32_MAX:
+            self.rejected += 1
+            return None
+        return result
+
+    def _adopt(self, settings: Settings) -> None:
+        self._settings = settings
+        self._scale = settings.amplitude_scale
+        self._cosine = math.cos(settings.phase_shift)
+        self._sine = math.sin(settings.phase_shift)
+        self._offset = settings.offset
+        self._keep_positive = settings.keep_positive
+        self._input_offset = settings.input_offset

@@ -1,17 +1,117 @@
-"""Scale and shift the signal (walking skeleton: no phase shift yet)."""
+"""The process node: scales, shifts and offsets the signal."""
+
+import math
+import threading
+from typing import Optional
 
 import rospy
 from std_msgs.msg import Float32
 
+from basic_comms.conditioning import Conditioner
+from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
+from basic_comms.node_main import run
+from basic_comms.node_scope import NodeScope
+from basic_comms.parameters import BoolParameter, FloatParameter, ParameterSet
+from basic_comms.publishing import Publisher
+from basic_comms.scheduling import get_scheduler
+
+#: Least time between two warnings about the same kind of odd input, s.
+_WARN_EVERY_S = 10.0
+
+
+class ProcessParameters(ParameterSet):
+    """Private parameters of the process node."""
+
+    amplitude_scale = FloatParameter(
+        0.5, minimum=-1e6, maximum=1e6, help="gain of the signal around the input offset"
+    )
+    phase_shift = FloatParameter(
+        math.pi / 2.0,
+        minimum=-1e3,
+        maximum=1e3,
+        unit="rad",
+        help="lead of the output over the input",
+    )
+    offset = FloatParameter(0.0, minimum=-1e9, maximum=1e9, help="added to the output")
+    keep_positive = BoolParameter(
+        True, help="lift the output by as much as its negative peak lies below zero"
+    )
+    input_offset = FloatParameter(
+        0.0, minimum=-1e9, maximum=1e9, help="mean of the input, taken off first"
+    )
+    rate = FloatParameter(
+        0.0,
+        minimum=0.0,
+        maximum=10000.0,
+        unit="Hz",
+        help="publish the latest output at this rate; 0 answers each sample at once",
+    )
+
+
+class Process:
+    """Publishes the conditioned signal, for each sample at once or at a rate of its own.
+
+    :ROS Subscribers:
+        - ``signal`` (basic_comms/signal_msg)
+
+    :ROS Publishers:
+        - ``proc_signal`` (std_msgs/Float32); nothing before the first sample
+
+    :ROS Parameters:
+        - those of :class:`ProcessParameters`, private and live
+
+    :param scope: where the names above are; those of the process's own node by default
+    """
+
+    def __init__(self, scope: NodeScope = NodeScope()) -> None:
+        self._parameters = LiveParameters(ProcessParameters, scope.parameters)
+        self._conditioner = Conditioner()
+        self._one_at_a_time = threading.Lock()  # each publisher of signal has a thread of its own
+        self._latest: Optional[float] = None
+        self._publisher = Publisher(scope.topic("proc_signal"), Float32)
+        self._repetition = get_scheduler().every(self._parameters.values.rate, self._publish_latest)
+        self._parameters.start(on_change=lambda new, old: self._repetition.set_rate(new.rate))
+        self._subscriber = rospy.Subscriber(
+            scope.topic("signal"), signal_msg, self._on_signal, tcp_nodelay=True
+        )
+
+    def _on_signal(self, sample: signal_msg) -> None:
+        settings = self._parameters.values
+        with self._one_at_a_time:
+            restarts = self._conditioner.restarts
+            value = self._conditioner.process(
+                sample.amplitude, sample.frequency, sample.time_x, sample.signal_y, settings
+            )
+            restarted = self._conditioner.restarts != restarts
+        if restarted:
+            self._warn_of_restart(sample.time_x)
+        if value is None:
+            self._warn_of_rejection()
+            return
+        self._latest = value
+        if settings.rate == 0.0:
+            self._publisher.publish(Float32(value))
+
+    def _publish_latest(self, _elapsed: float) -> None:
+        if self._latest is not None:
+            self._publisher.publish(Float32(self._latest))
+
+    def _warn_of_restart(self, time_x: float) -> None:
+        rospy.logwarn_throttle(
+            _WARN_EVERY_S,
+            "signal: time_x went back or repeated itself (now %g s): the phase starts anew"
+            % time_x,
+        )
+
+    def _warn_of_rejection(self) -> None:
+        rospy.logwarn_throttle(
+            _WARN_EVERY_S,
+            "%s: %d samples dropped so far, because a field or the result is not finite"
+            % (self._subscriber.resolved_name, self._conditioner.rejected),
+        )
 
 
 def main() -> None:
     """Run the node until it is shut down."""
-    rospy.init_node("process")
-    scale = rospy.get_param("~amplitude_scale", 0.5)
-    publisher = rospy.Publisher("proc_signal", Float32, queue_size=10)
-    rospy.Subscriber(
-        "signal", signal_msg, lambda message: publisher.publish(scale * message.signal_y)
-    )
-    rospy.spin()
+    run("process", Process)

@@ -1,0 +1,66 @@
+"""The fleet: many pairs of signal generator and process in one process of the machine."""
+
+import resource
+from typing import Callable, List
+
+import rospy
+
+from basic_comms.live_parameters import LiveParameters
+from basic_comms.node_main import run
+from basic_comms.node_scope import NodeScope
+from basic_comms.nodes.process import Process
+from basic_comms.nodes.signal_generator import SignalGenerator
+from basic_comms.parameters import IntParameter, ParameterError, ParameterSet, StringParameter
+
+
+class FleetParameters(ParameterSet):
+    """Private parameters of the fleet; read at the start."""
+
+    count = IntParameter(2, minimum=0, maximum=5000, help="how many groups there are")
+    prefix = StringParameter("Group", help="what the groups' names start with, before 1, 2, ...")
+
+
+class Fleet:
+    """Hosts groups that look like as many pairs of separate nodes.
+
+    Each group ``<prefix>1`` ... ``<prefix>N`` holds what the nodes
+    ``signal_generator`` and ``process`` would hold there: topics, parameters,
+    services. A member whose parameters are refused stays down alone.
+
+    :ROS Parameters:
+        - those of :class:`FleetParameters`, private
+        - of each member, in ``<group>/signal_generator`` and ``<group>/process``
+    """
+
+    def __init__(self) -> None:
+        _allow_many_connections()
+        self._parameters = LiveParameters(FleetParameters)
+        values = self._parameters.values
+        groups = [
+            rospy.resolve_name("%s%d" % (values.prefix, number))
+            for number in range(1, values.count + 1)
+        ]
+        self._members: List[object] = []
+        for group in groups:
+            # The process first, so that it hears the generator's first sample.
+            self._start(Process, NodeScope.hosted(group, "process"))
+            self._start(SignalGenerator, NodeScope.hosted(group, "signal_generator"))
+        rospy.loginfo("%d members of %d groups run", len(self._members), len(groups))
+        self._parameters.start()
+
+    def _start(self, member: Callable[[NodeScope], object], scope: NodeScope) -> None:
+        try:
+            self._members.append(member(scope))
+        except ParameterError as error:
+            rospy.logerr("%s; %s stays down", error, scope.parameters)
+
+
+def _allow_many_connections() -> None:
+    """Raise the limit of open files as far as this user may: a group takes about ten."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("fleet", Fleet)

@@ -23,11 +23,10 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
     outcomes = []
     runner = Runner()
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        running = [
-            pool.submit(runner.run, step, directory / ("%03d" % number))
-            for number, step in enumerate(steps)
-        ]
+        running: List["concurrent.futures.Future[Outcome]"] = []
         try:
+            for number, step in enumerate(steps):
+                running.append(pool.submit(runner.run, step, directory / ("%03d" % number)))
             for future in concurrent.futures.as_completed(running):
                 outcome = future.result()
                 outcomes.append(outcome)

@@ -50,6 +50,7 @@ class Runner:
 
     def __init__(self) -> None:
         self._running: Set["subprocess.Popen[bytes]"] = set()
+        self._interrupted = False
 
     def run(self, step: Step, directory: pathlib.Path) -> Outcome:
         """Run a step to its end or to its time limit."""
@@ -67,6 +68,8 @@ class Runner:
                 start_new_session=True,
             )
             self._running.add(process)
+            if self._interrupted:  # perhaps before interrupt() could see this process
+                stop(process)
             try:
                 status = process.wait(step.time_limit)
             except subprocess.TimeoutExpired:
@@ -78,7 +81,8 @@ class Runner:
         return judge(step, status, results, time.monotonic() - began, log)
 
     def interrupt(self) -> None:
-        """Make the steps that are running end soon."""
+        """Make the steps that are running, or only just starting, end soon."""
+        self._interrupted = True
         for process in list(self._running):
             os.killpg(process.pid, signal.SIGINT)
 

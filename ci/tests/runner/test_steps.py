@@ -1,0 +1,136 @@
+"""ci/test takes for good only what ran, reported and passed."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+
+import pytest
+import run_tiers
+from steps import Outcome, Runner, Step
+
+PASSED = "<testcase name='a'/>"
+FAILED = "<testcase name='b'><failure/></testcase>"
+BROKEN = "<testcase name='c'><error/></testcase>"
+SKIPPED = "<testcase name='d'><skipped/></testcase>"
+
+
+def run(directory: pathlib.Path, *command: str, **options: float) -> Outcome:
+    step = Step("tier", "step", list(command), **options)  # type: ignore[arg-type]
+    return Runner().run(step, directory / "step")
+
+
+def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> Outcome:
+    """Run a step that writes JUnit files, whose names are given with _ for -."""
+    script = "; ".join(
+        'echo "<testsuite>%s</testsuite>" > {results}/%s.xml' % (cases, name.replace("_", "-"))
+        for name, cases in files.items()
+    )
+    return run(directory, "sh", "-c", "%s; exit %d" % (script or ":", status), writes_junit=True)
+
+
+def tally(outcome: Outcome) -> tuple:
+    return outcome.passed, outcome.failed, outcome.skipped, outcome.good
+
+
+def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
+    assert tally(run(tmp_path / "good", "true")) == (1, 0, 0, True)
+    bad = run(tmp_path / "bad", "sh", "-c", "echo the reason >&2; exit 3")
+    assert tally(bad) == (0, 1, 0, False)
+    assert "the reason" in bad.log and "status 3" in bad.log
+
+
+def test_cases_are_counted_by_their_end(tmp_path: pathlib.Path) -> None:
+    outcome = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
+    assert tally(outcome) == (3, 2, 1, False)
+
+
+def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:
+    assert tally(run_writing(tmp_path, one=PASSED + SKIPPED)) == (1, 0, 1, False)
+
+
+@pytest.mark.parametrize("files", [{}, {"empty": ""}])
+def test_no_case_is_a_failure(tmp_path: pathlib.Path, files: dict) -> None:
+    outcome = run_writing(tmp_path, **files)
+    assert tally(outcome) == (0, 1, 0, False)
+    assert "no test ran" in outcome.log
+
+
+def test_a_bad_end_is_a_failure_though_all_cases_passed(tmp_path: pathlib.Path) -> None:
+    assert tally(run_writing(tmp_path, status=2, one=PASSED)) == (1, 1, 0, False)
+
+
+def test_half_a_file_is_a_failure(tmp_path: pathlib.Path) -> None:
+    command = "echo '<testsuite>' > {results}/half.xml"
+    assert tally(run(tmp_path, "sh", "-c", command, writes_junit=True)) == (0, 1, 0, False)
+
+
+def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
+    tmp_path: pathlib.Path,
+) -> None:
+    outcome = run_writing(tmp_path, rosunit_one=PASSED, rostest_file=PASSED + FAILED)
+    assert tally(outcome) == (1, 1, 0, False)
+    # A test node with no test in it.
+    assert not run_writing(tmp_path / "none", rosunit_one="", rostest_file=PASSED).good
+
+
+def test_time_limit_ends_what_escaped_too(tmp_path: pathlib.Path) -> None:
+    command = "setsid sleep 300 & echo $!; exec sleep 300"
+    outcome = run(tmp_path, "sh", "-c", command, time_limit=0.5)
+    assert tally(outcome) == (0, 1, 0, False)
+    assert "more than" in outcome.log
+    escaped = int(outcome.log.split()[0])
+    with pytest.raises(ProcessLookupError):
+        wait_until_gone(escaped)
+
+
+def wait_until_gone(pid: int) -> None:
+    """Return only if the process lives on."""
+    for _ in range(500):
+        os.kill(pid, 0)
+        with open("/proc/%d/stat" % pid) as stat:
+            if stat.read().split()[2] == "Z":  # dead, and nobody's to reap here
+                raise ProcessLookupError(pid)
+        threading.Event().wait(0.01)
+
+
+def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
+    names = ("ROS_MASTER_URI", "ROS_HOME", "ROS_LOG_DIR", "TMPDIR", "HYPOTHESIS_STORAGE_DIRECTORY")
+    command = ("sh", "-c", "echo " + " ".join("$" + name for name in names))
+    one, other = (run(tmp_path / name, *command).log.split() for name in ("one", "other"))
+    assert len(one) == len(other) == len(names)
+    assert not set(one) & set(other)
+    assert all(str(tmp_path) in path for path in one[1:])
+
+
+def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
+    good = Outcome(Step("unit", "a", []), passed=3, failed=0, skipped=0, seconds=1.0, log="")
+    assert run_tiers.summarise(["unit"], [good, good], 2.0)
+    assert capsys.readouterr().out.splitlines()[-1] == "6 passed, 0 failed, 0 skipped"
+
+    bad = Outcome(Step("unit", "b", []), passed=1, failed=0, skipped=1, seconds=1.0, log="")
+    assert not run_tiers.summarise(["unit"], [good, bad], 2.0)
+    assert capsys.readouterr().out.splitlines()[-1] == "4 passed, 0 failed, 1 skipped"
+
+    assert not run_tiers.summarise(["unit", "docs"], [good], 2.0)
+    assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 1 failed, 0 skipped"
+
+
+def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
+    command = ["sh", "-c", "echo $$ > '%s'; exec sleep 300" % (tmp_path / "pid")]
+    code = (
+        "import sys, tiers, run_tiers; from steps import Step;"
+        "tiers.TIERS['x'] = lambda: [Step('x', 'x', %r)] * 9; sys.exit(run_tiers.main(['x']))"
+    )
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-c", code % command],
+        env=dict(os.environ, PYTHONPATH=os.path.dirname(run_tiers.__file__), TMPDIR=str(scratch)),
+    )
+    while not (tmp_path / "pid").exists() and process.poll() is None:
+        threading.Event().wait(0.01)
+    process.terminate()
+    assert process.wait(60) == 130
+    assert list(scratch.iterdir()) == []

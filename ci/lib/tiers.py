@@ -30,9 +30,9 @@ def python_files() -> List[str]:
 
 
 def shell_scripts() -> List[str]:
-    """The scripts that people call; what these source is checked with them."""
-    scripts = sorted(path for path in CI.iterdir() if path.is_file())
-    return [str(path) for path in scripts if runs_with("bash", path)]
+    """The scripts that are run; what these source is checked with them."""
+    files = sorted(path for path in CI.rglob("*") if path.is_file())
+    return [str(path) for path in files if runs_with("bash", path)]
 
 
 def runs_with(language: str, path: pathlib.Path) -> bool:
@@ -69,11 +69,17 @@ def docs() -> List[Step]:
 def unit() -> List[Step]:
     places = {package.name: package / "test" / "unit" for package in packages()}
     places["ci/exec"] = CI / "tests" / "exec"
+    places["ci/test"] = CI / "tests" / "runner"
     return [pytest_step("unit", name, place) for name, place in places.items() if place.is_dir()]
 
 
 def install() -> List[Step]:
-    return [pytest_step("install", "install space", CI / "tests" / "install")]
+    return [pytest_step("install", "install", CI / "tests" / "spaces" / "test_install_space.py")]
+
+
+def catkin_build() -> List[Step]:
+    place = CI / "tests" / "spaces" / "test_catkin_build.py"
+    return [pytest_step("catkin_build", "catkin build", place)]
 
 
 def pytest_step(tier: str, name: str, place: pathlib.Path) -> Step:
@@ -104,5 +110,6 @@ TIERS: Dict[str, Callable[[], List[Step]]] = {
     "docs": docs,
     "unit": unit,
     "install": install,
+    "catkin_build": catkin_build,
     "integration": integration,
 }

@@ -128,7 +128,7 @@ def workspace(tmp_path: pathlib.Path) -> Workspace:
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+def built(tmp_path_factory: "pytest.TempPathFactory") -> Workspace:
     """A built workspace, for tests that change nothing in it."""
     workspace = Workspace(tmp_path_factory.mktemp("built"))
     assert workspace.run("true").returncode == 0

@@ -8,16 +8,16 @@ import time
 from typing import Callable, Dict, List
 
 import pytest
-
-SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
-PACKAGES = sorted(manifest.parent for manifest in SOURCES.glob("*/package.xml"))
+from conftest import PACKAGES, SOURCES
 
 # A command in the install space, its streams and its process.
 Start = Callable[..., "subprocess.Popen[str]"]
 
 
 @pytest.fixture(scope="session")
-def install_space(tmp_path_factory: "pytest.TempPathFactory") -> pathlib.Path:
+def install_space(
+    tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]
+) -> pathlib.Path:
     """Install with build and devel spaces of its own, so that the developer's are left alone."""
     spaces = tmp_path_factory.mktemp("spaces")
     subprocess.check_call(
@@ -28,29 +28,19 @@ def install_space(tmp_path_factory: "pytest.TempPathFactory") -> pathlib.Path:
             *("-DCATKIN_ENABLE_TESTING=OFF", "-DPYTHON_EXECUTABLE=/usr/bin/python3", "install"),
         ],
         cwd=str(spaces),
-        env=outside_the_workspace(),
+        env=underlay,
     )
     return spaces / "install"
 
 
-def outside_the_workspace() -> Dict[str, str]:
-    """The environment without what this workspace's devel space has put into it."""
-    environment = dict(os.environ)
-    for name in ("CMAKE_PREFIX_PATH", "PYTHONPATH", "ROS_PACKAGE_PATH"):
-        entries = environment.get(name, "").split(":")
-        mine = str(SOURCES.parent) + "/"
-        environment[name] = ":".join(entry for entry in entries if not entry.startswith(mine))
-    return environment
-
-
 @pytest.fixture
-def start(install_space: pathlib.Path) -> Start:
+def start(install_space: pathlib.Path, underlay: Dict[str, str]) -> Start:
     """Starts a command in the install space."""
 
     def start_command(*command: str) -> "subprocess.Popen[str]":
         return subprocess.Popen(
             ["bash", "-c", 'source "$0/setup.bash" && exec "$@"', str(install_space), *command],
-            env=outside_the_workspace(),
+            env=underlay,
             stdout=subprocess.PIPE,
             universal_newlines=True,
         )

@@ -1,0 +1,214 @@
+"""Every launch file loads under its documented arguments; nothing is started here."""
+
+import os
+import shlex
+import subprocess
+from typing import Any, Dict, List, Set, Tuple
+from xml.dom import minidom
+
+import pytest
+import rospkg
+from roslaunch import RLException
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+LAUNCH = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch")
+GROUPS = ["/Group1/talker", "/Group1/listener", "/Group2/talker", "/Group2/listener"]
+
+#: What may be typed after ``roslaunch basic_comms``, and the nodes that come up.
+COMMANDS: Dict[str, List[str]] = {
+    "activity1.launch": GROUPS,
+    "activity1.launch scope:=private": GROUPS,
+    "activity2.launch": GROUPS,
+    "activity2.launch scope:=global": GROUPS,
+    "activity2.launch scope:=local": GROUPS,
+    "activity2.launch scope:=private": GROUPS,
+    "activity2.launch scope:=closest": GROUPS,
+    "activity3.launch": GROUPS,
+    "activity3.launch scope:=global": GROUPS,
+    "activity4.launch": ["/Group1/signal_generator", "/Group1/process"],
+    "signal_gen.launch": ["/signal_generator"],
+    "signal_gen.launch amplitude:=1 frequency:=2e-1": ["/signal_generator"],
+    "process.launch": ["/process"],
+    "process.launch rate:=50 keep_positive:=false": ["/process"],
+    "cw1.launch": ["/signal_generator", "/process"],
+    "cw1.launch ns:=/": ["/signal_generator", "/process"],
+    "cw1.launch ns:=robot": ["/robot/signal_generator", "/robot/process"],
+    "cw1.launch ns:=/robot/arm": ["/robot/arm/signal_generator", "/robot/arm/process"],
+    "cw1.launch __ns:=lab": ["/lab/signal_generator", "/lab/process"],
+    "cw1.launch __ns:=lab ns:=robot": ["/lab/robot/signal_generator", "/lab/robot/process"],
+    "talker_listener.launch": ["/talker", "/listener"],
+    "talker_listener.launch topic_name:=gossip rate:=1": ["/talker", "/listener"],
+    "talker_listener.launch prefix:=lab": ["/lab/talker", "/lab/listener"],
+    "talker_listener.launch __ns:=a prefix:=b": ["/a/b/talker", "/a/b/listener"],
+    "features/arg.launch text:=hello rate:=1": ["/arg_talker"],
+    "features/delayed_start.launch": ["/listener", "/talker"],
+    "features/delayed_start.launch delay:=0.5": ["/listener", "/talker"],
+    "features/env.launch": ["/usual", "/short", "/own"],
+    "features/group_ns.launch": [
+        "/left/talker",
+        "/left/inner/talker",
+        "/far/talker",
+        "/right/listener",
+    ],
+    "features/if_unless.launch": ["/listener", "/talker"],
+    "features/if_unless.launch listen:=0 mood:=bad": ["/talker"],
+    "features/if_unless.launch quiet:=1": ["/listener"],
+    "features/if_unless.launch listen:=false quiet:=true": [],
+    "features/include.launch rate:=1": ["/defaults/talker", "/one_by_one/talker", "/all/talker"],
+    "features/last_setting_wins.launch": ["/signal_generator"],
+    "features/launch_prefix.launch": ["/talker"],
+    "features/launch_prefix.launch command:='nice -n 1'": ["/talker"],
+    "features/machine.launch": ["/talker", "/listener"],
+    "features/node_args.launch": ["/talker"],
+    "features/param_types.launch": [],
+    "features/param_types.launch bytes:=true": [],
+    "features/remap.launch": ["/before", "/inside", "/own", "/after"],
+    "features/required.launch": ["/talker", "/listener"],
+    "features/respawn.launch delay:=0": ["/talker"],
+    "features/rosparam.launch rate:=1": ["/talker"],
+    "features/self_test.launch": ["/talker"],
+    "features/substitution.launch rate:=1": ["/talker_"],
+}
+
+
+def files(*endings: str) -> List[str]:
+    """Return the names of the launch files, relative to the folder launch."""
+    return sorted(
+        os.path.relpath(os.path.join(folder, name), LAUNCH)
+        for folder, _, names in os.walk(LAUNCH)
+        for name in names
+        if name.endswith(endings)
+    )
+
+
+def load(command: str, *more: str) -> ROSLaunchConfig:
+    """Return what roslaunch would start for a command such as ``cw1.launch ns:=robot``."""
+    name, *arguments = shlex.split(command)
+    config = ROSLaunchConfig()
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    loader.load(os.path.join(LAUNCH, name), config, argv=arguments + list(more), verbose=False)
+    config.assign_machines()
+    return config
+
+
+def listed_arguments(name: str) -> Dict[str, Tuple[str, str]]:
+    """Return doc and default of each argument that ``roslaunch --ros-args`` lists."""
+    loader = XmlLoader(resolve_anon=False, args_only=True)
+    loader.load(os.path.join(LAUNCH, name), ROSLaunchConfig(), argv=[], verbose=False)
+    listed: Dict[str, Tuple[str, str]] = loader.root_context.resolve_dict.get("arg_doc", {})
+    return listed
+
+
+def node_names(config: ROSLaunchConfig) -> List[str]:
+    """Return the global names of all nodes, those made up by $(anon) cut short."""
+    names = (node.namespace + node.name for node in config.nodes)
+    return [name.split("_")[0] + "_" if name.count("_") > 2 else name for name in names]
+
+
+def required_arguments(command: str) -> List[str]:
+    return ["text:=x"] if command.startswith("features/arg") else []
+
+
+def test_every_file_is_in_the_table() -> None:
+    assert set(files(".launch")) == {command.split(" ")[0] for command in COMMANDS}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_command_brings_up_its_nodes(command: str) -> None:
+    config = load(command)
+    assert config.config_errors == []
+    assert sorted(node_names(config)) == sorted(COMMANDS[command])
+
+
+@pytest.mark.parametrize("command", files(".launch"))
+def test_terminals_are_for_every_node_and_only_when_asked_for(command: str) -> None:
+    arguments = required_arguments(command)
+    for node in load(command, *arguments).nodes:
+        assert "xterm" not in (node.launch_prefix or "")
+        assert node.output == "screen"
+    for node in load(command, "terminals:=true", *arguments).nodes:
+        assert node.launch_prefix.startswith("xterm -e")
+
+
+@pytest.mark.parametrize("name", files(".launch", ".xml"))
+def test_every_argument_has_a_doc(name: str) -> None:
+    root = minidom.parse(os.path.join(LAUNCH, name)).documentElement
+    declared = [tag for tag in root.childNodes if tag.nodeName == "arg"]
+    assert [tag.getAttribute("name") for tag in declared if not tag.getAttribute("doc")] == []
+
+
+@pytest.mark.parametrize("name", files(".launch"))
+def test_only_what_has_no_default_is_listed_as_required(name: str) -> None:
+    listed = listed_arguments(name)
+    required = {argument for argument, (_, default) in listed.items() if not default}
+    assert required == ({"text"} if name == "features/arg.launch" else set())
+
+
+def test_ros_args_is_readable_help() -> None:
+    command = ["roslaunch", "--ros-args", "basic_comms", "talker_listener.launch"]
+    text = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode()
+    assert "Required Arguments" not in text
+    assert 'rate (default "10.0"): messages per second, Hz' in text
+    assert {line.split()[0] for line in text.splitlines()[1:]} == {
+        "prefix",
+        "rate",
+        "scope",
+        "terminals",
+        "topic_name",
+    }
+
+
+def test_file_names_are_unique_so_that_roslaunch_finds_them_without_a_folder() -> None:
+    names = [os.path.basename(name) for name in files(".launch", ".xml")]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("scope", ["global", "local", "private", "closest"])
+@pytest.mark.parametrize("activity", ["activity2.launch", "activity3.launch"])
+def test_scope_reaches_both_talkers(activity: str, scope: str) -> None:
+    parameters = load(activity, "scope:=" + scope).params
+    assert parameters["/Group1/talker/message_scope"].value == scope
+    assert parameters["/Group2/talker/message_scope"].value == scope
+
+
+def test_activities_2_and_3_set_the_same_parameters() -> None:
+    def values(command: str) -> Dict[str, Any]:
+        return {key: parameter.value for key, parameter in load(command).params.items()}
+
+    assert values("activity2.launch") == values("activity3.launch")
+    texts: Set[str] = {value for key, value in values("activity2.launch").items() if "Mess" in key}
+    assert len(texts) == 3
+
+
+def test_a_required_argument_must_be_given() -> None:
+    with pytest.raises(RLException, match="requires the 'text' arg to be set"):
+        load("features/arg.launch")
+
+
+def test_a_constant_argument_cannot_be_given() -> None:
+    with pytest.raises(RLException, match="cannot override arg 'name'"):
+        load("features/arg.launch", "text:=x", "name:=y")
+
+
+def test_self_test_holds_one_test_for_rostest() -> None:
+    (test,) = load("features/self_test.launch").tests
+    assert (test.package, test.type, test.test_name) == ("rostest", "hztest", "talker_rate")
+
+
+def test_machine_is_assigned_to_its_node_only() -> None:
+    nodes = load("features/machine.launch", "address:=192.0.2.1").nodes
+    assert {node.name: node.machine.address for node in nodes} == {
+        "talker": "192.0.2.1",
+        "listener": "localhost",
+    }
+
+
+@pytest.mark.parametrize("name", ["signal_generator.yaml", "process.yaml"])
+def test_config_files_know_no_namespaces(name: str) -> None:
+    config = load("activity4.launch")
+    node = "/Group1/%s/" % name[: -len(".yaml")]
+    with open(os.path.join(LAUNCH, "..", "config", name)) as source:
+        lines = [line.split(":")[0] for line in source if not line.startswith("#")]
+    assert all(node + key in config.params for key in lines)

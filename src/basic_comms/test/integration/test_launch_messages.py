@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""What the talkers say: each scope of Message, and changes made with rosparam while they talk."""
+
+import subprocess
+import unittest
+from typing import Dict, List
+
+import rospy
+import rostest
+from helpers.graph import Graph
+from helpers.hearing import Ear
+from helpers.launching import launch_file, launched
+from std_msgs.msg import String
+
+SCOPES = ("closest", "global", "local", "private")
+GLOBAL, LOCAL = "/Message", "/lab/Message"
+TEXTS = {GLOBAL: "global text", LOCAL: "local text"}
+TEXTS.update({"/lab/%s/Message" % scope: "private text" for scope in SCOPES})
+
+
+def rosparam(*arguments: str) -> List[str]:
+    """Run the rosparam command and return the lines it prints."""
+    command = ["rosparam", *arguments]
+    return subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode().splitlines()
+
+
+class LaunchMessages(unittest.TestCase):
+    """Four talkers that differ in message_scope only, and the texts at each level."""
+
+    graph: Graph
+    ears: Dict[str, Ear]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("launch_messages")
+        cls.graph = Graph()
+        cls.ears = {scope: Ear("/lab/heard/" + scope, String) for scope in SCOPES}
+
+    def setUp(self) -> None:
+        for name, text in TEXTS.items():
+            self.graph.set_parameter(name, text)
+
+    def tearDown(self) -> None:
+        for name in set(TEXTS) & self.graph.parameters():
+            self.graph.delete_parameter(name)
+
+    def assert_says(self, scope: str, text: str) -> None:
+        """Wait until a talker says a text, followed by the time, from now on."""
+        self.ears[scope].forget()
+        message = self.ears[scope].wait_for(lambda heard: heard.data.startswith(text + " "))
+        self.assertRegex(message.data[len(text) :], r"^ \d+\.\d+$")
+
+    def test_each_scope_finds_its_text(self) -> None:
+        self.assert_says("global", "global text")
+        self.assert_says("local", "local text")
+        self.assert_says("private", "private text")
+        self.assert_says("closest", "private text")
+
+    def test_the_number_after_the_text_is_the_ros_time(self) -> None:
+        before = rospy.get_time()
+        self.ears["global"].forget()
+        message = self.ears["global"].wait_for(lambda heard: True)
+        said = float(message.data.split()[-1])
+        # One that was under way when we began to listen may be a little older.
+        self.assertGreater(said, before - 1.0)
+        self.assertLessEqual(said, rospy.get_time())
+
+    def test_closest_walks_outwards_as_texts_are_deleted(self) -> None:
+        self.assert_says("closest", "private text")
+        rosparam("delete", "/lab/closest/Message")
+        self.assert_says("closest", "local text")
+        rosparam("delete", LOCAL)
+        self.assert_says("closest", "global text")
+        rosparam("delete", GLOBAL)
+        self.assert_says("closest", "hello world")
+        rosparam("set", LOCAL, "back again")
+        self.assert_says("closest", "back again")
+
+    def test_an_explicit_scope_says_so_when_its_text_is_missing(self) -> None:
+        for name in TEXTS:
+            self.graph.delete_parameter(name)
+        for scope in ("global", "local", "private"):
+            self.assert_says(scope, "No Parameter Found")
+
+    def test_rosparam_set_shows_at_every_level(self) -> None:
+        rosparam("set", GLOBAL, "new global")
+        self.assert_says("global", "new global")
+        rosparam("set", LOCAL, "new local")
+        self.assert_says("local", "new local")
+        rosparam("set", "/lab/private/Message", "42")
+        self.assert_says("private", "42")
+        self.assert_says("closest", "private text")
+
+    def test_rosparam_gets_and_lists_what_was_set_as_it_was_set(self) -> None:
+        rosparam("set", "/lab/private/Message", "as it is")
+        self.assert_says("private", "as it is")
+        self.assertEqual(rosparam("get", "/lab/private/Message"), ["as it is"])
+        self.assertEqual(rosparam("get", "/lab/private/rate"), ["20.0"])
+        self.assertLessEqual(set(TEXTS), set(rosparam("list")))
+        rosparam("delete", "/lab/private/Message")
+        self.assertNotIn("/lab/private/Message", rosparam("list", "/lab"))
+
+    def test_message_scope_can_be_changed_while_it_talks(self) -> None:
+        rosparam("set", "/lab/closest/message_scope", "global")
+        self.assert_says("closest", "global text")
+        rosparam("set", "/lab/closest/message_scope", "closest")
+        self.assert_says("closest", "private text")
+
+    def test_a_parameter_outlives_its_node(self) -> None:
+        pair = launched(launch_file("talker_listener.launch"), "prefix:=outlive")
+        with pair as launch:
+            launch.graph.wait_for_nodes("/outlive/talker", "/outlive/listener")
+            launch.graph.set_parameter("/outlive/talker/Message", "still here")
+            launch.graph.kill("/outlive/talker")
+            launch.graph.wait_for_nodes("/outlive/listener")
+            self.assertEqual(launch.graph.parameter("/outlive/talker/Message"), "still here")
+            self.assertEqual(launch.graph.parameter("/outlive/talker/rate"), 10.0)
+
+    def test_a_node_that_starts_again_finds_what_was_set_before(self) -> None:
+        ear = Ear("/again/chatter", String)
+        file = launch_file("features/respawn.launch")
+        with launched(file, "__ns:=again", "delay:=0.1") as launch:
+            launch.graph.wait_for_nodes("/again/talker")
+            launch.graph.set_parameter("/again/talker/rate", 25.0)
+            launch.graph.set_parameter("/again/Message", "from the first life")
+            first = launch.processes()["talker.py"]
+            launch.graph.kill("/again/talker")
+            launch.wait_for_new_process("talker.py", first)
+            launch.graph.wait_for_nodes("/again/talker")
+            ear.forget()
+            ear.wait_for(lambda heard: heard.data.startswith("from the first life "))
+            self.assertEqual(launch.graph.parameter("/again/talker/rate"), 25.0)
+        ear.close()
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "launch_messages", LaunchMessages)

@@ -24,8 +24,9 @@ Callback = Callable[[float], None]
 class PeriodicTask:
     """A function that is called at a rate; made by :meth:`Scheduler.every`."""
 
-    def __init__(self, scheduler: "Scheduler", callback: Callback) -> None:
+    def __init__(self, scheduler: "Scheduler", callback: Callback, catch_up: float) -> None:
         self.callback = callback
+        self.catch_up = catch_up
         self.timetable: Optional[Timetable] = None
         self.paused = False
         #: Counts how often it was planned; what was queued before is void.
@@ -61,15 +62,19 @@ class Scheduler:
         rospy.on_shutdown(self.close)
         threading.Thread(target=self._run, name="scheduler", daemon=True).start()
 
-    def every(self, rate: float, callback: Callback) -> PeriodicTask:
+    def every(self, rate: float, callback: Callback, catch_up: float = 0.0) -> PeriodicTask:
         """Call a function at a rate, the first time at once.
 
         :param rate: calls a second, Hz; 0 pauses
         :param callback: called with the time since the first call, s; short,
             since the other tasks of the process wait for it
+        :param catch_up: lateness up to which calls are made up for, s; never
+            where time is simulated
         :returns: the task, to change its rate by
         """
-        task = PeriodicTask(self, callback)
+        if not isinstance(self._clock, MonotonicClock):
+            catch_up = 0.0
+        task = PeriodicTask(self, callback, catch_up)
         with self._lock:
             self._tasks.append(task)
         self.set_rate(task, rate)
@@ -82,7 +87,7 @@ class Scheduler:
             if task.timetable is not None and not task.paused:
                 task.timetable.set_rate(rate)
             elif not task.paused:
-                task.timetable = Timetable(rate)
+                task.timetable = Timetable(rate, task.catch_up)
             self._unplanned.append(task)
         self._clock.wake()
 

@@ -16,10 +16,13 @@ class Timetable:
     up. Elapsed time counts on over both.
 
     :param rate: how often the task is due, Hz; above 0 and below 1 / SLACK_S
+    :param catch_up: lateness up to which every deadline is taken, one after the
+        other, s; of those that are later only the latest is
     """
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, rate: float, catch_up: float = 0.0) -> None:
         self._rate = rate
+        self._catch_up = catch_up
         self._anchor: Optional[float] = None
         self._elapsed_at_anchor = 0.0
         #: Number of the next deadline, counted from 0 at the anchor.
@@ -37,13 +40,15 @@ class Timetable:
         return self._anchor + self._next / self._rate
 
     def take(self, now: float) -> float:
-        """Take the latest deadline that has passed; earlier ones are skipped.
+        """Take a deadline that has passed: the next, or the latest if that is too late.
 
         :param now: the time, at or after the deadline, s
         :returns: time from the first deadline to this one, s
         """
-        anchor = self.deadline(now) if self._anchor is None else self._anchor
-        self._next = max(self._next + 1, self._first_after(now, anchor))
+        late = now - self.deadline(now)
+        self._next += 1
+        if late > self._catch_up and self._anchor is not None:
+            self._next = max(self._next, self._first_after(now, self._anchor))
         self._taken_at = now
         return self._elapsed_at_anchor + (self._next - 1) / self._rate
 

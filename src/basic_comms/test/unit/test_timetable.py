@@ -71,6 +71,20 @@ def test_a_day_at_1_khz_ends_on_the_very_grid():
     assert timetable.deadline(0.0) == 1.7e9 + 86400.001
 
 
+def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
+    timetable = Timetable(10.0, catch_up=0.5)
+    timetable.take(0.0)
+    assert [timetable.take(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
+    assert timetable.deadline(0.31) == pytest.approx(0.4)
+
+
+def test_what_is_missed_by_too_much_is_not_made_up_for():
+    timetable = Timetable(10.0, catch_up=0.5)
+    timetable.take(0.0)
+    assert timetable.take(60.05) == pytest.approx(60.0)
+    assert timetable.deadline(60.05) == pytest.approx(60.1)
+
+
 def test_missed_deadlines_are_skipped_and_the_grid_is_kept():
     timetable = Timetable(10.0)
     timetable.take(0.0)

@@ -20,6 +20,9 @@ from basic_comms.signal_parameters import SignalParameters
 from basic_comms.signal_settings import highest_frequency
 from basic_comms.signal_source import SignalSource
 
+#: A machine that is busy for up to this long makes samples late, but loses none, s.
+_CATCH_UP_S = 0.5
+
 
 class SignalGenerator:
     """Publishes a signal sample by sample; by default y = amplitude sin(frequency time_x).
@@ -59,7 +62,9 @@ class SignalGenerator:
         rospy.Service(scope.private("enable"), SetBool, self._enable)
         rospy.Service(scope.private("reset"), Trigger, self._reset)
         self._warn_above_nyquist(self._parameters.values)
-        self._task = get_scheduler().every(self._parameters.values.rate, self._publish)
+        self._task = get_scheduler().every(
+            self._parameters.values.rate, self._publish, catch_up=_CATCH_UP_S
+        )
         self._parameters.start(on_change=self._on_change)
 
     def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""A fleet of three groups looks like three pairs of nodes; one member's parameter is bad."""
+
+import unittest
+
+import rosgraph
+import rospy
+import rostest
+from helpers.graph import Graph
+from helpers.hearing import Ear
+from helpers.waiting import wait_until
+from std_msgs.msg import Float32
+from std_srvs.srv import SetBool, Trigger
+
+from basic_comms.msg import signal_msg
+from basic_comms.nodes.process import ProcessParameters
+from basic_comms.signal_parameters import SignalParameters
+
+
+class FleetOfThree(unittest.TestCase):
+    """Robot1 and Robot3 are whole; of Robot2 only the generator is up."""
+
+    graph: Graph
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_fleet")
+        cls.graph = Graph()
+        rospy.wait_for_service("/fleet/describe", 60.0)
+
+    def test_topics_and_services_are_those_of_separate_nodes(self) -> None:
+        topics = self.graph.topics()
+        services = {name for name, _ in rosgraph.Master("/test_fleet").getSystemState()[2]}
+        for group in ("/Robot1", "/Robot3"):
+            self.assertEqual(topics[group + "/signal"], "basic_comms/signal_msg")
+            self.assertEqual(topics[group + "/proc_signal"], "std_msgs/Float32")
+            self.assertEqual(topics[group + "/signal_generator/status"], "std_msgs/String")
+            for service in ("signal_generator/enable", "signal_generator/reset"):
+                self.assertIn("%s/%s" % (group, service), services)
+            for node in ("signal_generator", "process"):
+                self.assertIn("%s/%s/describe" % (group, node), services)
+
+    def test_parameters_are_those_of_separate_nodes(self) -> None:
+        for group in ("/Robot1", "/Robot3"):
+            generator = self.graph.parameter(group + "/signal_generator")
+            process = self.graph.parameter(group + "/process")
+            self.assertEqual(set(generator), set(SignalParameters.declared))
+            self.assertEqual(set(process), set(ProcessParameters.declared))
+
+    def test_a_refused_member_stays_down_alone(self) -> None:
+        self.assertNotIn("/Robot2/proc_signal", self.graph.topics())
+        self.assertIn("/Robot2/signal", self.graph.topics())
+        for group in ("/Robot1", "/Robot3"):
+            ear = Ear(group + "/proc_signal", Float32)
+            ear.wait_for(lambda answer: True)
+            ear.close()
+
+    def test_each_member_has_parameters_of_its_own(self) -> None:
+        ears = {name: Ear("/%s/signal" % name, signal_msg) for name in ("Robot1", "Robot3")}
+        ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
+        self.graph.set_parameter("/Robot1/signal_generator/amplitude", 7.0)
+        ears["Robot1"].wait_for(lambda sample: sample.amplitude == 7.0)
+        ears["Robot3"].forget()
+        ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
+        self.graph.set_parameter("/Robot1/signal_generator/amplitude", -1.0)
+        wait_until(
+            lambda: self.graph.parameter("/Robot1/signal_generator/amplitude") == 7.0,
+            lambda: "the bad value was not put back",
+        )
+        for ear in ears.values():
+            ear.close()
+
+    def test_services_reach_one_member_only(self) -> None:
+        rospy.ServiceProxy("/Robot1/signal_generator/enable", SetBool)(False)
+        stopped, running = Ear("/Robot1/signal", signal_msg), Ear("/Robot3/signal", signal_msg)
+        stopped.wait_for(lambda sample: sample.amplitude == 0.0)
+        running.wait_for(lambda sample: sample.amplitude > 0.0)
+        rospy.ServiceProxy("/Robot1/signal_generator/enable", SetBool)(True)
+        stopped.wait_for(lambda sample: sample.amplitude > 0.0)
+        answer = rospy.ServiceProxy("/Robot3/process/describe", Trigger)()
+        self.assertIn("phase_shift", answer.message)
+        stopped.close()
+        running.close()
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "fleet", FleetOfThree)

@@ -339,5 +339,19 @@ def shown(value: Any, limit: int = 80) -> str:
     elif isinstance(value, str):
         text = "'%s'" % value
     else:
-        text = repr(to_wire(value))
+        text = repr(getattr(value, "data", to_wire(value)))  # base64 arrives wrapped
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def is_same(one: Any, other: Any) -> bool:
+    """Tell whether two raw values are alike, also in kind: 1, 1.0 and True differ.
+
+    :param one: a value as the parameter server holds it
+    :param other: another
+    """
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(is_same(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(is_same, one, other))
+    both_nan = one != one and other != other
+    return type(one) is type(other) and bool(one == other or both_nan)

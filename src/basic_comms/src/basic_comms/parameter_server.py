@@ -17,14 +17,23 @@ _SUCCESS = 1
 UNREACHABLE = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 
 
-class Missing:
-    """The value of a key that the server does not hold."""
+class NoValue:
+    """Stands in for a value; its own kind, so that no parameter takes it.
+
+    :param text: how it is shown
+    """
+
+    def __init__(self, text: str) -> None:
+        self._text = text
 
     def __repr__(self) -> str:
-        return "MISSING"
+        return self._text
 
 
-MISSING = Missing()
+#: The value of a key that the server does not hold.
+MISSING = NoValue("MISSING")
+#: A value that the master cannot send, such as an integer of 64 bits.
+UNREADABLE = NoValue("a value that the master cannot send")
 
 
 class Reading(NamedTuple):
@@ -81,17 +90,34 @@ class ParameterServer:
         """Read keys in one request, past every cache.
 
         :param keys: global names of parameters or namespaces
-        :returns: the values, and whether the master knows this node
+        :returns: the values, and whether the master knows this node; below a
+            namespace, UNREADABLE stands for what the master cannot send
         :raises UNREACHABLE: if the master does not answer
         """
         calls: List[Tuple[Any, ...]] = [("lookupNode", self._node_name), ("getPid",)]
-        calls += [("getParam", key) for key in keys]
-        node, pid, *answers = self._request(calls)
-        values = {
-            key: value if code == _SUCCESS else MISSING
-            for key, (code, _, value) in zip(keys, answers)
-        }
+        try:
+            node, pid, *answers = self._request(calls + [("getParam", key) for key in keys])
+        except xmlrpc.client.Fault:  # one value that cannot be sent hides all others
+            node, pid = self._request(calls)
+            values = {key: self._read_alone(key) for key in keys}
+        else:
+            values = {key: _value(answer) for key, answer in zip(keys, answers)}
         return Reading(values, node[0] == _SUCCESS, pid[2])
+
+    def _read_alone(self, key: str) -> Any:
+        """Read one key; where that fails, all that is below it one by one."""
+        try:
+            return _value(self._request([("getParam", key)])[0])
+        except xmlrpc.client.Fault:
+            tree: Dict[str, Any] = {}
+            for name in self._request([("getParamNames",)])[0][2]:
+                if name.startswith(key + "/"):
+                    *branches, leaf = name[len(key) + 1 :].split("/")
+                    branch = tree
+                    for part in branches:
+                        branch = branch.setdefault(part, {})
+                    branch[leaf] = self._read_alone(name)
+            return tree or UNREADABLE
 
     def write(self, values: Mapping[str, Any]) -> None:
         """Set keys in one request. The master does not notify the writing node.
@@ -133,3 +159,8 @@ class ParameterServer:
                 getattr(batch, method)(self._node_name, *arguments)
             answers = batch()
             return [answers[i] for i in range(len(calls))]
+
+
+def _value(answer: Tuple[int, str, Any]) -> Any:
+    code, _, value = answer
+    return value if code == _SUCCESS else MISSING

@@ -1,5 +1,6 @@
 """What each kind of parameter takes, what it refuses, and what it says then."""
 
+import copy
 import datetime
 import math
 import xmlrpc.client
@@ -18,6 +19,7 @@ from basic_comms.parameter_kinds import (
     ListParameter,
     ParameterError,
     StringParameter,
+    is_same,
     shown,
     to_wire,
 )
@@ -299,7 +301,23 @@ def test_default_must_be_allowed_itself():
         ("a b", "'a b'"),
         ((1, 2), "[1, 2]"),
         ({}, "{}"),
+        (xmlrpc.client.Binary(b"hi"), "b'hi'"),
     ],
 )
 def test_values_are_shown_briefly(value, text):
     assert shown(value) == text
+
+
+@pytest.mark.parametrize(
+    "value, other",
+    [(1, 1.0), (1, True), (0.0, False), ("1", 1), (1.0, 1.5), ([1], [1.0]), ([1], [1, 1])]
+    + [({"a": 1}, {"a": True}), ({"a": 1}, {"b": 1}), ({}, []), (NAN, 0.0), (None, {})],
+)
+def test_values_that_differ_in_kind_are_not_the_same(value, other):
+    assert not is_same(value, other)
+    assert not is_same({"a": [value]}, {"a": [other]})
+
+
+@given(RAW)
+def test_any_value_is_the_same_as_its_copy(raw):
+    assert is_same(raw, copy.deepcopy(raw))

@@ -10,24 +10,21 @@ A node in a few lines::
 
 import threading
 import time
-from collections import defaultdict, deque
-from typing import Any, Callable, Collection, DefaultDict, Deque, Dict, Generic, List, Mapping
+from typing import Any, Callable, Collection, Dict, Generic, List, Mapping
 from typing import Optional, Sequence, Set, Tuple, Type, TypeVar
 
 import rospy
 
 from basic_comms import reconfigure
+from basic_comms.contention import Contention
 from basic_comms.description import offer_description
-from basic_comms.parameter_server import MISSING
+from basic_comms.parameter_server import MISSING, UNREADABLE
 from basic_comms.parameter_watch import Observation, ParameterWatcher, Watch, get_watcher
 from basic_comms.parameters import ParameterError, ParameterSet, shown, to_wire
-from basic_comms.settling import Settled, is_allowed, last_allowed, settle, unknown_names
+from basic_comms.settling import Settled, settle, unknown_names
 
 Snapshot = TypeVar("Snapshot", bound=ParameterSet)
-
-#: How long after a write of ours a notification may still tell of a value that
-#: the write has replaced, s.
-_OVERLAP_S = 5.0
+Listener = Callable[[Snapshot, Snapshot], None]
 
 
 class LiveParameters(Watch, Generic[Snapshot]):
@@ -60,15 +57,21 @@ class LiveParameters(Watch, Generic[Snapshot]):
         self._watcher = watcher if watcher is not None else get_watcher()
         self._server = self._watcher.server
         self._exempt = exempt
-        self._listeners: List[Callable[[Snapshot, Snapshot], None]] = []
+        self._listeners: List[Listener[Snapshot]] = []
         self._lock = threading.RLock()
         self._warned: Set[str] = set()
-        self._put_back = _Writes()
+        self._refused: Set[str] = set()
+        self._contention = Contention()
         self._last_raw: Dict[str, Any] = {}
         self._written_at = 0.0
-        # Subscribed before it is read: a change in between rings the bell.
-        self._server.subscribe([self.key])
-        self.values = self._read_at_start(declaration)
+        self._telling = False
+        # Subscribed before it is read: a change in between is not missed.
+        self._watcher.subscribe(self)
+        try:
+            self.values = self._told = self._read_at_start(declaration)
+        except Exception:
+            self._watcher.remove(self)
+            raise
 
     def _read_at_start(self, declaration: Type[Snapshot]) -> Snapshot:
         raw = self._server.read([self.key]).values[self.key]
@@ -80,10 +83,10 @@ class LiveParameters(Watch, Generic[Snapshot]):
         if settled.refusals:
             raise self._named(settled.refusals[0])
         self._warn_of_unknown(declaration.declared, raw)
-        self._write(raw, settled.writes, time.monotonic())
+        self._write(raw, settled.writes, at_once=True)
         return settled.values  # type: ignore[return-value]
 
-    def start(self, on_change: Optional[Callable[[Snapshot, Snapshot], None]] = None) -> None:
+    def start(self, on_change: Optional[Listener[Snapshot]] = None) -> None:
         """Follow changes from now on, and describe the parameters when asked.
 
         :param on_change: called with the new and the old snapshot, once for
@@ -97,7 +100,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
         if reconfigure.AVAILABLE:
             reconfigure.ReconfigureInterface(self)
 
-    def add_listener(self, on_change: Callable[[Snapshot, Snapshot], None]) -> None:
+    def add_listener(self, on_change: Listener[Snapshot]) -> None:
         """Have one more function called with each change.
 
         :param on_change: as in :meth:`start`
@@ -110,8 +113,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
         :param changes: new values by name
         :raises ParameterError: if a value or a combination is not allowed;
             nothing is changed then
-        :raises UNREACHABLE: if the master does not answer; the change is in
-            force all the same and is written once it answers
+        :raises UNREACHABLE: if the master does not answer; nothing is changed then
         """
         with self._lock:
             old = self.values
@@ -119,9 +121,11 @@ class LiveParameters(Watch, Generic[Snapshot]):
                 new = old.replace(**changes)
             except ParameterError as error:
                 raise self._named(error) from None
-            self._bring_into_force(new)
             changed = {k: to_wire(v) for k, v in new.as_dict().items() if getattr(old, k) != v}
             self._send(changed)
+            if isinstance(self.known, dict):
+                self.known = {**self.known, **changed}
+            self._bring_into_force(new)
 
     def observe(self, seen: Observation) -> bool:
         """Judge what the server holds now; see :class:`parameter_watch.Watch`."""
@@ -133,36 +137,22 @@ class LiveParameters(Watch, Generic[Snapshot]):
             if not isinstance(raw, dict):
                 self._restore_namespace(raw)
                 return True
-            now = time.monotonic()
             settled = settle(
                 self.values,
                 raw,
                 missing=self.values if seen.forgotten else None,
-                overwritten=self._overwritten(raw, seen.pushed, now),
+                overwritten=self._contention.overwritten(
+                    self.values, raw, self._by_name(seen.pushed), time.monotonic()
+                ),
             )
-            for error in settled.refusals:
-                self._warn(error, settled)
+            self._warn_of_refused(settled)
             self._warn_of_unknown(self.values.declared, raw)
-            self._bring_into_force(settled.values)  # type: ignore[arg-type]
-            return self._write(raw, settled.writes, now)
-
-    def _overwritten(
-        self, raw: Mapping[str, Any], pushed: Sequence[Tuple[str, Any]], now: float
-    ) -> Dict[str, Any]:
-        """Find good values that bad ones, or our own writes, have just replaced.
-
-        The server has no compare-and-set, so a write of ours can hit a value
-        that is newer than the one it is about. The notifications tell.
-        """
-        rivals: DefaultDict[str, List[Any]] = defaultdict(list)
-        for name, value in self._by_name(pushed):
-            if name not in self.values.declared:
-                continue
-            declared = self.values.declared[name]
-            bad = name in raw and not is_allowed(declared, raw[name])
-            if bad or self._put_back.stands(name, raw.get(name, MISSING), now):
-                rivals[name].append(value if value is not MISSING else to_wire(declared.default))
-        return last_allowed(self.values, rivals)
+            try:
+                # Before any listener may write something newer.
+                self._write(raw, settled.writes, at_once=seen.forgotten)
+            finally:
+                self._bring_into_force(settled.values)  # type: ignore[arg-type]
+            return True
 
     def _by_name(self, pushed: Sequence[Tuple[str, Any]]) -> List[Tuple[str, Any]]:
         """Take notifications of the namespace apart into those of its parameters."""
@@ -175,41 +165,49 @@ class LiveParameters(Watch, Generic[Snapshot]):
         return parts
 
     def _bring_into_force(self, new: Snapshot) -> None:
-        old = self.values
-        if new == old:
-            return
-        self.values = new
-        before = old.as_dict()
+        before, self.values = self.values.as_dict(), new
         for name, value in new.as_dict().items():
             if value != before[name]:
                 text = "%s/%s: %s -> %s"
                 rospy.loginfo(text, self.key, name, shown(before[name]), shown(value))
-        for listener in list(self._listeners):
-            try:
-                listener(new, old)
-            except Exception:  # a listener's defect must not end the watcher for all
-                rospy.logerr("%s: a listener failed", self.key, exc_info=True)
+        if self._telling:
+            return  # a listener has changed values: the loop below tells of it
+        self._telling = True
+        while self.values != self._told:
+            old, self._told = self._told, self.values
+            for listener in list(self._listeners):
+                self._tell(listener, self._told, old)
+        self._telling = False
 
-    def _write(self, raw: Mapping[str, Any], writes: Mapping[str, Any], now: float) -> bool:
-        """Make the server tell the truth; return False if some of it has to wait."""
-        allowed: Dict[str, Any] = {}
-        for name, value in writes.items():
-            replaced = raw.get(name, MISSING)
-            if self._put_back.may_write(name, replaced, now):
-                self._put_back.note(name, replaced, value, now)
-                allowed[name] = value
-        self._last_raw = {**raw, **allowed}
+    def _tell(self, listener: Listener[Snapshot], new: Snapshot, old: Snapshot) -> None:
+        try:
+            listener(new, old)
+        except Exception:  # a listener's defect must not end the watcher for all
+            rospy.logerr("%s: a listener failed", self.key, exc_info=True)
+
+    def _write(self, raw: Mapping[str, Any], writes: Mapping[str, Any], at_once: bool) -> None:
+        """Make the server tell the truth, or later what would be written too often."""
+        now = time.monotonic()
+        allowed = {k: v for k, v in writes.items() if at_once or self._contention.allow(k, now)}
         self._send(allowed)
-        return len(allowed) == len(writes)
+        self.known = self._last_raw = {**raw, **writes}
+        if len(allowed) == len(writes):
+            self._refused.clear()
 
     def _send(self, values: Mapping[str, Any]) -> None:
+        if not values:
+            return
+        for name, value in values.items():
+            self._contention.note(name, value, time.monotonic())
         self._server.write({"%s/%s" % (self.key, name): value for name, value in values.items()})
         self._written_at = time.monotonic()
 
     def _restore_namespace(self, raw: Any) -> None:
         rospy.logwarn("%s; all values stay in force", self._not_a_namespace(raw))
         values = {name: to_wire(value) for name, value in self.values.as_dict().items()}
-        self._server.write({self.key: {**self._last_raw, **values}})
+        rest = {k: value for k, value in self._last_raw.items() if value is not UNREADABLE}
+        self.known = {**rest, **values}
+        self._server.write({self.key: self.known})
         self._written_at = time.monotonic()
 
     def _not_a_namespace(self, raw: Any) -> ParameterError:
@@ -219,9 +217,14 @@ class LiveParameters(Watch, Generic[Snapshot]):
         names = ", ".join("%s/%s" % (self.key, name) for name in error.name.split(", "))
         return ParameterError(names, error.value, error.allowed, error.reason)
 
-    def _warn(self, error: ParameterError, settled: Settled) -> None:
-        kept = {name: getattr(settled.values, name) for name in error.name.split(", ")}
-        rospy.logwarn("%s; in force is %s", self._named(error), _settings(kept))
+    def _warn_of_refused(self, settled: Settled) -> None:
+        """Warn of what is refused, once also if it is put back only later."""
+        refused = {str(error): error for error in settled.refusals}
+        for text, error in refused.items():
+            if text not in self._refused:
+                kept = {name: getattr(settled.values, name) for name in error.name.split(", ")}
+                rospy.logwarn("%s; in force is %s", self._named(error), _settings(kept))
+        self._refused = set(refused)  # until it is put back
 
     def _warn_of_unknown(self, declared: Collection[str], raw: Mapping[str, Any]) -> None:
         for name, nearest in unknown_names(declared, raw, self._exempt).items():
@@ -229,40 +232,6 @@ class LiveParameters(Watch, Generic[Snapshot]):
                 self._warned.add(name)
                 hint = "; did you mean %s?" % nearest if nearest else ""
                 rospy.logwarn("parameter %s/%s is not used by this node%s", self.key, name, hint)
-
-
-class _Writes:
-    """What we wrote to the server lately, what it replaced, and how often.
-
-    A program that keeps writing the same bad value is answered at once twenty
-    times and then every ten seconds, so that two programs never overwrite each
-    other in an endless quick loop.
-    """
-
-    BURST, WINDOW_S = 20, 10.0
-
-    def __init__(self) -> None:
-        self._last: Dict[str, Tuple[Any, float]] = {}
-        self._replaced: Dict[str, Any] = {}
-        self._times: DefaultDict[str, Deque[float]] = defaultdict(lambda: deque(maxlen=self.BURST))
-
-    def may_write(self, name: str, raw: Any, now: float) -> bool:
-        """Tell whether a raw value may be replaced now, or only later."""
-        if self._replaced.get(name) != raw:
-            self._times[name].clear()
-        times = self._times[name]
-        return len(times) < self.BURST or now - times[0] > self.WINDOW_S
-
-    def note(self, name: str, raw: Any, value: Any, now: float) -> None:
-        """Remember that a value replaces a raw one."""
-        self._replaced[name] = raw
-        self._last[name] = (value, now)
-        self._times[name].append(now)
-
-    def stands(self, name: str, raw: Any, now: float) -> bool:
-        """Tell whether the server still holds what we wrote a moment ago."""
-        value, at = self._last.get(name, (MISSING, 0.0))
-        return value is not MISSING and bool(raw == value) and now - at < _OVERLAP_S
 
 
 def _settings(values: Mapping[str, Any]) -> str:

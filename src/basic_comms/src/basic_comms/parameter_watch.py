@@ -8,14 +8,16 @@ thread for each process then reads the truth, and reads it once a second anyway.
 
 import threading
 import time
-from typing import Any, Deque, Dict, List, NamedTuple, Optional, Tuple
+import traceback
 from collections import deque
+from typing import Any, Deque, List, NamedTuple, Optional, Set, Tuple
 
 import rosgraph
 import rospy
 
 from basic_comms import rospy_internals
-from basic_comms.parameter_server import MISSING, UNREACHABLE, ParameterServer, Reading
+from basic_comms.parameter_kinds import is_same
+from basic_comms.parameter_server import MISSING, UNREACHABLE, NoValue, ParameterServer, Reading
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
@@ -24,16 +26,17 @@ RECONCILE_S = 1.0
 SETTLE_S = 0.02
 #: Longest wait for changes to come to rest, s.
 SETTLE_LIMIT_S = 0.15
-#: Notifications kept until the next read; older ones no longer matter.
-_MAX_PUSHES = 1000
+#: A defect of a watch is logged at most this often, s.
+_LOG_PERIOD_S = 10.0
+_UNKNOWN = NoValue("UNKNOWN")
 
 
 class Observation(NamedTuple):
     """What the watcher saw of one key.
 
     :param value: raw value on the server, MISSING where nothing is set
-    :param pushed: notified (key, raw value) since the last observation, oldest
-        first; a deleted key comes as MISSING
+    :param pushed: notified (key, raw value) since the last observation that was
+        taken note of, oldest first; a deleted key comes as MISSING
     :param forgotten: the master was restarted and lost what it held
     :param read_at: start of the read, s on the monotonic clock
     """
@@ -52,12 +55,18 @@ class Watch:
 
     def __init__(self, key: str) -> None:
         self.key = key
+        #: What the server is to hold by now; another value is news. Whoever
+        #: writes to the server keeps this up to date.
+        self.known: Any = _UNKNOWN
+        #: Notifications that have not been taken note of yet.
+        self.pushes: Deque[Tuple[str, Any]] = deque()
 
     def observe(self, seen: Observation) -> bool:
         """Take note of a change. Called from the watcher's thread.
 
         :param seen: the change
-        :returns: False to be called again after the next read
+        :returns: False to be called again after the next read, as if this call
+            had not been
         :raises UNREACHABLE: if the master does not answer; called again later
         """
         raise NotImplementedError
@@ -71,25 +80,59 @@ class ParameterWatcher:
 
     def __init__(self, server: ParameterServer) -> None:
         self.server = server
+        self._lock = threading.Lock()
+        #: Those whose notifications are kept, and of them those who are told. Both
+        #: lists are replaced and never changed, since other threads walk through them.
+        self._subscribed: List[Watch] = []
         self._watches: List[Watch] = []
-        self._seen: Dict[Watch, Any] = {}
-        self._pushes: Deque[Tuple[str, Any]] = deque(maxlen=_MAX_PUSHES)
         self._bell = threading.Event()
         self._closed = False
         self._master_pid: Optional[int] = None
-        self._forgotten = False
+        self._restarted = False
+        #: Those who have not been told yet that the master was restarted.
+        self._lost: Set[Watch] = set()
         self._reachable = True
-        rospy_internals.on_parameter_push(self._on_push)
+        if not rospy_internals.on_parameter_push(self._on_push):
+            rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         rospy.on_shutdown(self.close)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
+
+    def subscribe(self, watch: Watch) -> None:
+        """Keep the notifications of a key until :meth:`add`.
+
+        A change from now on is not missed, also if the value is replaced
+        before it is read.
+
+        :param watch: who will follow the key
+        :raises UNREACHABLE: if the master does not answer
+        """
+        with self._lock:
+            if watch not in self._subscribed:
+                self._subscribed = self._subscribed + [watch]
+        self.server.subscribe([watch.key])
 
     def add(self, watch: Watch) -> None:
         """Follow a key from now on; the first observation comes at once.
 
-        :param watch: who follows it; its key must be subscribed already
+        :param watch: who follows it
+        :raises UNREACHABLE: if the master does not answer
         """
-        self._watches = self._watches + [watch]
+        if watch not in self._subscribed:
+            self.subscribe(watch)
+        with self._lock:
+            self._watches = self._watches + [watch]
         self.ring()
+
+    def remove(self, watch: Watch) -> None:
+        """Follow a key no longer.
+
+        :param watch: who followed it
+        """
+        with self._lock:
+            self._watches = [other for other in self._watches if other is not watch]
+            self._subscribed = [other for other in self._subscribed if other is not watch]
+        if all(other.key != watch.key for other in self._subscribed):
+            self._unsubscribe([watch.key])
 
     def ring(self) -> None:
         """Read soon, without waiting for a notification."""
@@ -102,19 +145,23 @@ class ParameterWatcher:
         other node may have got meanwhile.
         """
         self._closed = True
+        self._unsubscribe([watch.key for watch in self._subscribed])
+
+    def _unsubscribe(self, keys: List[str]) -> None:
         try:
-            self.server.unsubscribe([watch.key for watch in self._watches])
+            self.server.unsubscribe(keys)
         except UNREACHABLE:
             pass  # a master that is gone has no subscriptions either
 
     def _on_push(self, key: str, value: Any) -> bool:
         """Note a notification; tell whether the key is one of ours."""
         key = key.rstrip("/")
-        ours = any((key + "/").startswith(watch.key + "/") for watch in self._watches)
-        if ours:
-            self._pushes.append((key, MISSING if value == {} else value))
-            self._bell.set()
-        return ours
+        followers = [watch for watch in self._subscribed if (key + "/").startswith(watch.key + "/")]
+        for watch in followers:
+            watch.pushes.append((key, MISSING if value == {} else value))
+        if followers:
+            self.ring()
+        return bool(followers)
 
     def _run(self) -> None:
         while not self._closed:
@@ -126,6 +173,9 @@ class ParameterWatcher:
                 self._look()
             except UNREACHABLE as error:
                 self._note_reachable(False, error)
+            except Exception:  # a defect of one watch must not end this thread for all
+                defect = traceback.format_exc()
+                rospy.logerr_throttle(_LOG_PERIOD_S, "following parameters failed:\n%s" % defect)
             else:
                 self._note_reachable(True)
 
@@ -140,55 +190,67 @@ class ParameterWatcher:
     def _look(self) -> None:
         """Read once; where something changed, wait until it rests and pass it on."""
         read_at, reading = self._read()
-        if not self._pushes and not self._forgotten and self._unchanged(reading):
+        if not self._restarted and self._unchanged(reading):
             return
         limit = read_at + SETTLE_LIMIT_S
         while True:
             time.sleep(SETTLE_S)
             before = reading
             read_at, reading = self._read()
-            if _same(reading.values, before.values) or read_at > limit:
+            if is_same(reading.values, before.values) or read_at > limit:
                 break
-        if self._forgotten:
+        if self._restarted and not self._closed:
             rospy.logwarn("the master was restarted: registering again, settings in force are kept")
             rospy_internals.register_again()
-            self.server.subscribe(watch.key for watch in self._watches)
+            self.server.subscribe(watch.key for watch in self._subscribed)
+            self._lost = set(self._subscribed)
+            self._restarted = False
         self._pass_on(reading, read_at)
-        self._forgotten = False
 
     def _read(self) -> Tuple[float, Reading]:
         read_at = time.monotonic()
         reading = self.server.read([watch.key for watch in self._watches])
         if not reading.knows_node or self._master_pid not in (None, reading.master_pid):
-            # Stays set until everything is written, also if that fails half way.
-            self._forgotten = True
+            self._restarted = True
         self._master_pid = reading.master_pid
         return read_at, reading
 
-    def _unchanged(self, reading: Reading) -> bool:
-        return all(
-            watch in self._seen and _same(self._seen[watch], reading.values[watch.key])
-            for watch in self._watches
-            if watch.key in reading.values
+    def _is_news(self, watch: Watch, reading: Reading) -> bool:
+        return (
+            bool(watch.pushes)
+            or watch in self._lost
+            or not is_same(watch.known, reading.values[watch.key])
         )
 
+    def _unchanged(self, reading: Reading) -> bool:
+        # One that was added since the read has its turn with the next one.
+        watches = [watch for watch in self._watches if watch.key in reading.values]
+        return not any(self._is_news(watch, reading) for watch in watches)
+
     def _pass_on(self, reading: Reading, read_at: float) -> None:
-        pushes = [self._pushes.popleft() for _ in range(len(self._pushes))]
+        unreachable: Optional[Exception] = None
         for watch in self._watches:
-            if watch.key not in reading.values:
-                continue  # added since the read; its turn comes with the next one
-            value = reading.values[watch.key]
-            pushed = [push for push in pushes if (push[0] + "/").startswith(watch.key + "/")]
-            changed = watch not in self._seen or not _same(self._seen[watch], value)
-            if changed or pushed or self._forgotten:
-                self._seen.pop(watch, None)
-                if watch.observe(Observation(value, pushed, self._forgotten, read_at)):
-                    self._seen[watch] = value
+            if watch.key in reading.values and self._is_news(watch, reading):
+                try:
+                    self._tell(watch, reading.values[watch.key], read_at)
+                except UNREACHABLE as error:
+                    unreachable = error
+        if unreachable is not None:
+            raise unreachable
 
-
-def _same(one: Any, other: Any) -> bool:
-    """Compare raw values, with NaN equal to itself."""
-    return bool(one == other) or repr(one) == repr(other)
+    def _tell(self, watch: Watch, value: Any, read_at: float) -> None:
+        pushed = list(watch.pushes)
+        watch.known = value
+        done = False
+        try:
+            done = watch.observe(Observation(value, pushed, watch in self._lost, read_at))
+        finally:
+            if not done:
+                watch.known = _UNKNOWN
+        if done:
+            self._lost.discard(watch)
+            for _ in pushed:
+                watch.pushes.popleft()
 
 
 _watcher: Optional[ParameterWatcher] = None

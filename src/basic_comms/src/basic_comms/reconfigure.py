@@ -85,7 +85,7 @@ class ReconfigureInterface:
         except ParameterError as error:
             rospy.logwarn("%s", error)
         except UNREACHABLE as error:
-            rospy.logwarn("the master does not answer (%s): the change is written later", error)
+            rospy.logwarn("the master does not answer (%s): nothing is changed", error)
         return _config(_offered(self._parameters.values))
 
 

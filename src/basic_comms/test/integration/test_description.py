@@ -15,7 +15,7 @@ from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
-from basic_comms.nodes.process import ProcessParameters
+from basic_comms.process_parameters import ProcessParameters
 from basic_comms.signal_parameters import SignalParameters
 
 

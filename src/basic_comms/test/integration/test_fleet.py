@@ -13,7 +13,7 @@ from std_msgs.msg import Float32
 from std_srvs.srv import SetBool, Trigger
 
 from basic_comms.msg import signal_msg
-from basic_comms.nodes.process import ProcessParameters
+from basic_comms.process_parameters import ProcessParameters
 from basic_comms.signal_parameters import SignalParameters
 
 

@@ -1,6 +1,5 @@
 """The process node: scales, shifts and offsets the signal."""
 
-import math
 import threading
 from typing import Optional
 
@@ -12,41 +11,12 @@ from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
 from basic_comms.node_main import run
 from basic_comms.node_scope import NodeScope
-from basic_comms.parameters import BoolParameter, FloatParameter, ParameterSet
+from basic_comms.process_parameters import ProcessParameters
 from basic_comms.publishing import Publisher
 from basic_comms.scheduling import get_scheduler
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
-
-
-class ProcessParameters(ParameterSet):
-    """Private parameters of the process node."""
-
-    amplitude_scale = FloatParameter(
-        0.5, minimum=-1e6, maximum=1e6, help="gain of the signal around the input offset"
-    )
-    phase_shift = FloatParameter(
-        math.pi / 2.0,
-        minimum=-1e3,
-        maximum=1e3,
-        unit="rad",
-        help="lead of the output over the input",
-    )
-    offset = FloatParameter(0.0, minimum=-1e9, maximum=1e9, help="added to the output")
-    keep_positive = BoolParameter(
-        True, help="lift the output by as much as its negative peak lies below zero"
-    )
-    input_offset = FloatParameter(
-        0.0, minimum=-1e9, maximum=1e9, help="mean of the input, taken off first"
-    )
-    rate = FloatParameter(
-        0.0,
-        minimum=0.0,
-        maximum=10000.0,
-        unit="Hz",
-        help="publish the latest output at this rate; 0 answers each sample at once",
-    )
 
 
 class Process:
@@ -59,7 +29,7 @@ class Process:
         - ``proc_signal`` (std_msgs/Float32); nothing before the first sample
 
     :ROS Parameters:
-        - those of :class:`ProcessParameters`, private and live
+        - those of :class:`.ProcessParameters`, private and live
 
     :param scope: where the names above are; those of the process's own node by default
     """

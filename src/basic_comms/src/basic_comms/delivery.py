@@ -88,7 +88,7 @@ class Link:
     def flush(self) -> bool:
         """Send what is held back, as far as the socket takes it at once.
 
-        :returns: whether nothing is held back any more
+        :returns: whether there is nothing left to do, also because the receiver has gone
         """
         try:
             if self._rest is not None:
@@ -108,7 +108,6 @@ class Link:
         except BlockingIOError:
             return False
         except OSError:
-            self._rest = self._newest = None
             self.drop()
         if self.stalled:
             self.stalled = False

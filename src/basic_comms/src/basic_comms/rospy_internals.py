@@ -188,8 +188,6 @@ class OutgoingTopic:
         :returns: a link for each subscriber
         """
         with self._lock:
-            if self._implementation.closed:
-                return []
             self._update_links()
             return list(self._links.values())
 

@@ -80,6 +80,21 @@ def register_again() -> None:
             listeners.notify_added(name, type_or_uri, kind)
 
 
+# --- Shutdown --------------------------------------------------------------------------------
+
+
+def mend_shutdown() -> None:
+    """Let nodes of rospy 1.15.9 end without an error on Debian 11.
+
+    They call a method of threads that Python 3.9 no longer has.
+    """
+    if "isAlive" in rospy.core.signal_shutdown.__code__.co_names:
+        setattr(threading.Thread, "isAlive", threading.Thread.is_alive)
+
+
+mend_shutdown()
+
+
 # --- Publishers ------------------------------------------------------------------------------
 # One implementation object serves all publishers of a topic in a process. Its method `publish`
 # is replaced, so that what rospy sends there by itself (the last message to a late joiner of a

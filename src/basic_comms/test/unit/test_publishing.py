@@ -76,6 +76,14 @@ def test_this_rospy_is_known(mismatch):
     assert mismatch() == ""
 
 
+def test_old_rospy_can_shut_down_on_new_python(monkeypatch):
+    ended = threading.Thread()
+    monkeypatch.setattr(rospy.core, "signal_shutdown", lambda reason: ended.isAlive())
+    monkeypatch.setattr(threading.Thread, "isAlive", None, raising=False)
+    rospy_internals.mend_shutdown()
+    assert rospy.core.signal_shutdown("test") is False
+
+
 @pytest.mark.parametrize("part", ["_PUBLISHER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(mismatch, monkeypatch, part):
     monkeypatch.setattr(rospy_internals, part, "close something_else")

@@ -19,13 +19,13 @@ from basic_comms.phase_intervals import TURN, Interval, intersect, nearest_first
 _ROUNDING = 2.0**-24
 # Rounding of time_x and of frequency * time_x in double precision at both ends of a step, relative.
 _TIME_ROUNDING = 2.0**-51
-# Keeps intervals wider than the rounding errors of double precision.
-_LEAST_TOLERANCE = 2e-9
 # What two samples D rad apart promise of the quadrature: _PAIR_ERROR / |sin D| of the amplitude.
 _PAIR_ERROR = 1.9e-7
-# Below this half width (rad) the sine is as good as its tangent, so an interval is cut along that.
+# Below this half width (rad) an interval is cut along the tangent of the sine, which then leaves
+# the sine by less than the least tolerance.
 _NARROW = 1e-4
-# A step whose advance is less certain than this (rad) says nothing about the next phase.
+_LEAST_TOLERANCE = 0.5 * _NARROW**2
+# A step whose advance is less certain than this (rad) says nothing of the next phase.
 _LOST = 1.0
 # A phase that samples contradict is still tried on later ones up to this half width (rad).
 _FORGET = 1e-3
@@ -104,16 +104,14 @@ class PhaseTracker:
         if half < _NARROW:
             cosine = math.cos(phase)
             error = value - math.sin(phase)
-            # The tangent leaves the sine by no more than half^2 / 2.
-            reach = tolerance + 0.5 * half * half
             spread = half * abs(cosine)
-            if abs(error) + spread <= reach:
+            if abs(error) + spread <= tolerance:
                 self._phase = phase
                 self._half = half
                 return amplitude * cosine
-            if abs(error) <= reach + spread:
+            if abs(error) <= tolerance + spread:
                 middle = error / cosine
-                reach /= abs(cosine)
+                reach = tolerance / abs(cosine)
                 low = max(-half, middle - reach)
                 high = min(half, middle + reach)
                 self._phase = phase = phase + 0.5 * (low + high)
@@ -135,16 +133,15 @@ class PhaseTracker:
         advance: float,
     ) -> float:
         """Settle on a phase while more than one narrow interval is open; return its cosine."""
-        measured = nearest_first(phases_of_sine(value, tolerance), phase)
-        left = nearest_first(intersect(predicted, measured), phase)
+        measured = phases_of_sine(value, tolerance)
+        left = nearest_first(intersect(predicted, measured) if predicted else measured, phase)
         self._half = math.inf
-        if left or not predicted:
-            self._open = left or measured
+        if left:
+            self._open = left
             self._contradicted = 0.0
-            if self._open:
-                phase, half = self._open[0]
-                if len(self._open) == 1 and half < _NARROW:
-                    self._half = half
+            phase, half = left[0]
+            if len(left) == 1 and half < _NARROW:
+                self._half = half
         else:
             # An outlier, a jump or no such sine: try the old course and a fresh start side by side.
             self._open = [course for course in predicted[:1] if course[1] < _FORGET] + measured
@@ -154,7 +151,7 @@ class PhaseTracker:
                 phase += _PULL * min(abs(advance), 1.0) * error * math.cos(phase)
         self._phase = phase
         cosine = math.cos(phase)
-        if len(left) > 1:
+        if predicted and len(left) > 1:
             # Follow the prediction only as far as the promise holds whichever interval is true.
             ends = [math.cos(centre + side * half) for centre, half in left for side in (-1, 1)]
             promise = _PAIR_ERROR / max(abs(math.sin(advance)), 1e-9)

@@ -1,0 +1,40 @@
+#!/usr/bin/env python3
+"""What the documentation tells its readers to type does what it says."""
+
+import signal
+import unittest
+from pathlib import Path
+from typing import Callable
+
+import rostest
+from helpers.console import steps_of
+from helpers.tutorial import WORKSPACE, Reader
+
+PAGES = [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
+
+
+class Tutorials(unittest.TestCase):
+    """One more test for each page with something to type is added below."""
+
+    def test_every_tutorial_has_something_to_type(self) -> None:
+        tutorials = [page for page in PAGES if page.parent.name == "tutorials"]
+        silent = [page.stem for page in tutorials if not steps_of(page.read_text())]
+        self.assertEqual(silent, ["index"])
+
+
+def _follows(page: Path) -> Callable[[unittest.TestCase], None]:
+    def test(self: unittest.TestCase) -> None:
+        with Reader() as reader:
+            reader.follow(page.read_text())
+
+    return test
+
+
+for _page in PAGES:
+    if steps_of(_page.read_text()):
+        setattr(Tutorials, "test_" + _page.stem, _follows(_page))
+
+if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    rostest.rosrun("basic_comms", "tutorials", Tutorials)

@@ -1,18 +1,15 @@
 """Every launch file loads under its documented arguments; nothing is started here."""
 
 import os
-import shlex
 import subprocess
-from typing import Any, Dict, List, Set, Tuple
+from typing import Any, Dict, List, Set
 from xml.dom import minidom
 
 import pytest
-import rospkg
+from launch_loading import LAUNCH, listed_arguments, load
 from roslaunch import RLException
 from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
 
-LAUNCH = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch")
 GROUPS = ["/Group1/talker", "/Group1/listener", "/Group2/talker", "/Group2/listener"]
 
 #: What may be typed after ``roslaunch basic_comms``, and the nodes that come up.
@@ -37,18 +34,19 @@ COMMANDS: Dict[str, List[str]] = {
     "cw1.launch ns:=/robot/arm": ["/robot/arm/signal_generator", "/robot/arm/process"],
     "cw1.launch __ns:=lab": ["/lab/signal_generator", "/lab/process"],
     "cw1.launch __ns:=lab ns:=robot": ["/lab/robot/signal_generator", "/lab/robot/process"],
+    "fleet.launch": ["/fleet"],
+    "fleet.launch count:=32 prefix:=Robot": ["/fleet"],
+    "groups.launch count:=0": [],
+    "groups.launch prefix:=Robot": [
+        "/Robot1/signal_generator",
+        "/Robot1/process",
+        "/Robot2/signal_generator",
+        "/Robot2/process",
+    ],
     "talker_listener.launch": ["/talker", "/listener"],
     "talker_listener.launch topic_name:=gossip rate:=1": ["/talker", "/listener"],
     "talker_listener.launch prefix:=lab": ["/lab/talker", "/lab/listener"],
     "talker_listener.launch __ns:=a prefix:=b": ["/a/b/talker", "/a/b/listener"],
-    "fleet.launch count:=1000 prefix:=Robot": ["/fleet"],
-    "groups.launch": [
-        "/Group1/signal_generator",
-        "/Group1/process",
-        "/Group2/signal_generator",
-        "/Group2/process",
-    ],
-    "groups.launch count:=1 prefix:=Robot": ["/Robot1/signal_generator", "/Robot1/process"],
     "features/arg.launch text:=hello rate:=1": ["/arg_talker"],
     "features/delayed_start.launch": ["/listener", "/talker"],
     "features/delayed_start.launch delay:=0.5": ["/listener", "/talker"],
@@ -90,25 +88,6 @@ def files(*endings: str) -> List[str]:
     )
 
 
-def load(command: str, *more: str) -> ROSLaunchConfig:
-    """Return what roslaunch would start for a command such as ``cw1.launch ns:=robot``."""
-    name, *arguments = shlex.split(command)
-    config = ROSLaunchConfig()
-    loader = XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=arguments + list(more), verbose=False)
-    config.assign_machines()
-    return config
-
-
-def listed_arguments(name: str) -> Dict[str, Tuple[str, str]]:
-    """Return doc and default of each argument that ``roslaunch --ros-args`` lists."""
-    loader = XmlLoader(resolve_anon=False, args_only=True)
-    loader.load(os.path.join(LAUNCH, name), ROSLaunchConfig(), argv=[], verbose=False)
-    listed: Dict[str, Tuple[str, str]] = loader.root_context.resolve_dict.get("arg_doc", {})
-    return listed
-
-
 def node_names(config: ROSLaunchConfig) -> List[str]:
     """Return the global names of all nodes, those made up by $(anon) cut short."""
     names = (node.namespace + node.name for node in config.nodes)
@@ -116,6 +95,7 @@ def node_names(config: ROSLaunchConfig) -> List[str]:
 
 
 def required_arguments(command: str) -> List[str]:
+    """Return what must be typed after a file's name for it to load at all."""
     return ["text:=x"] if command.startswith("features/arg") else []
 
 

@@ -1,0 +1,38 @@
+"""Read launch files as roslaunch does, without starting anything."""
+
+import os
+import shlex
+from typing import Dict, Tuple
+
+import rospkg
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+#: The folder of the launch files.
+LAUNCH = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch")
+
+
+def load(command: str, *more: str) -> ROSLaunchConfig:
+    """Return what roslaunch would start.
+
+    :param command: file and arguments, as in ``cw1.launch ns:=robot``
+    :param more: further arguments, not split at blanks
+    """
+    name, *arguments = shlex.split(command)
+    config = ROSLaunchConfig()
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    loader.load(os.path.join(LAUNCH, name), config, argv=arguments + list(more), verbose=False)
+    config.assign_machines()
+    return config
+
+
+def listed_arguments(name: str) -> Dict[str, Tuple[str, str]]:
+    """Return doc and default of each argument that ``roslaunch --ros-args`` lists.
+
+    :param name: file, relative to the folder of the launch files
+    """
+    loader = XmlLoader(resolve_anon=False, args_only=True)
+    loader.load(os.path.join(LAUNCH, name), ROSLaunchConfig(), argv=[], verbose=False)
+    listed: Dict[str, Tuple[str, str]] = loader.root_context.resolve_dict.get("arg_doc", {})
+    return listed

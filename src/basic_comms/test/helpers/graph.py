@@ -1,6 +1,7 @@
 """An observer of the ROS graph for tests: it asks the master and needs no node of its own."""
 
 import os
+import time
 from typing import Any, Dict, Iterable, List, Set, Tuple
 from xmlrpc.client import ServerProxy
 
@@ -9,6 +10,9 @@ import rosgraph
 from helpers.waiting import wait_until
 
 Registrations = List[Tuple[str, List[str]]]
+
+#: Registrations that have not changed for so long are taken to be complete, s.
+SETTLED = 0.25
 
 
 class Graph:
@@ -105,6 +109,22 @@ class Graph:
             lambda: self.nodes() == expected and self.initialised() == expected,
             lambda: "nodes are %s, not %s" % (sorted(self.nodes()), sorted(expected)),
         )
+
+    def wait_until_settled(self) -> None:
+        """Wait until no registration has been added or removed for a moment.
+
+        A signal that interrupts a registration hangs a rospy node: the handler waits for the lock
+        that the interrupted call holds. So let nodes come to rest before they are told to end.
+        """
+        last = [(time.monotonic(), self._master.getSystemState())]
+
+        def settled() -> bool:
+            state = self._master.getSystemState()
+            if state != last[-1][1]:
+                last.append((time.monotonic(), state))
+            return time.monotonic() - last[-1][0] > SETTLED
+
+        wait_until(settled, lambda: "the registrations keep changing")
 
     def wait_for_publishers(self, topic: str, *names: str) -> None:
         """Wait until exactly these nodes publish a topic."""

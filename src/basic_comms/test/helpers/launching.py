@@ -71,6 +71,7 @@ def launched(path: str, *arguments: str) -> Iterator[Launched]:
     try:
         yield Launched(parent, graph)
     finally:
+        graph.wait_until_settled()
         parent.shutdown()
         wait_until(lambda: not graph.nodes(), lambda: "still there: %s" % sorted(graph.nodes()))
         for name in graph.parameters() - parameters:

@@ -27,9 +27,11 @@ def main() -> None:
     threads = [threading.Thread(target=publish_on, args=(publisher, stop)) for _ in range(2)]
     for thread in threads:
         thread.start()
-    rospy.spin()
-    survivors = [thread for thread in threads if thread.is_alive()]
-    stop.set()
+    try:
+        rospy.spin()
+        survivors = [thread for thread in threads if thread.is_alive()]
+    finally:
+        stop.set()
     for thread in threads:
         thread.join()
     print("survived" if survivors == threads else "died", flush=True)

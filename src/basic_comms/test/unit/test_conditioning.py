@@ -119,7 +119,7 @@ def test_keep_positive_lifts_by_the_amplitude_of_the_sample_itself():
 def test_input_offset_centres_the_signal_before_all_else():
     conditioner = Conditioner()
     source = Source(mean=4.0)
-    centred = Settings(input_offset=4.0)
+    centred = Settings(phase_shift=0.7, input_offset=4.0)
     conditioner.process(*source.sample(), centred)
     for _ in range(30):
         result = conditioner.process(*source.sample(), centred)

@@ -8,6 +8,7 @@ import warnings
 
 import pytest
 import rospy
+import rospy.exceptions
 import rospy.topics
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
@@ -75,6 +76,14 @@ def test_this_rospy_is_known(mismatch):
     assert mismatch() == ""
 
 
+def test_old_rospy_can_shut_down_on_new_python(monkeypatch):
+    ended = threading.Thread()
+    monkeypatch.setattr(rospy.core, "signal_shutdown", lambda reason: ended.isAlive())
+    monkeypatch.setattr(threading.Thread, "isAlive", None, raising=False)
+    rospy_internals.mend_shutdown()
+    assert rospy.core.signal_shutdown("test") is False
+
+
 @pytest.mark.parametrize("part", ["_PUBLISHER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(mismatch, monkeypatch, part):
     monkeypatch.setattr(rospy_internals, part, "close something_else")
@@ -127,6 +136,19 @@ def test_messages_are_counted_where_rosnode_and_diagnostics_look(publish_on, con
     assert [connection[1:] for connection in connections] == [(size, 3, True)] * 2
 
 
+def test_small_messages_are_not_held_back(publish_on):
+    publisher = publish_on(Publisher, String)
+    with socket.create_server(("localhost", 0)) as server:
+        with socket.create_connection(server.getsockname()) as ours, server.accept()[0] as theirs:
+            transport = TCPROSTransport(TCPROSPub(TOPIC, String), TOPIC)
+            transport.set_socket(ours, "/subscriber")
+            publisher.impl.add_connection(transport)
+            publisher.publish(String("news"))
+            assert receive(theirs).data == "news"
+            assert ours.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+            transport.close()
+
+
 def test_header_gets_its_sequence_number(publish_on, connect):
     publisher = publish_on(Publisher, Log)
     subscriber = connect(publisher)
@@ -166,19 +188,33 @@ def test_two_publishers_of_one_topic_share_its_connections(publish_on, connect):
     queued = connect(plain, "/queued")
     publishers = [publish_on(Publisher, String) for _ in range(2)]
     direct = connect(publishers[0], "/direct")
-    assert isinstance(plain.impl.connections[0], QueuedConnection)
+    kinds = [type(connection) for connection in plain.impl.connections]
+    assert kinds == [QueuedConnection, TCPROSTransport]
     words = [str(number) for number in range(6)]
     for word, publisher in zip(words, 3 * publishers):
         publisher.publish(String(word))
     plain.impl.publish(String("plain"))
     for subscriber in (queued, direct):
         assert [receive(subscriber).data for _ in range(7)] == words + ["plain"]
+    assert publishers[0].statistics() == publishers[1].statistics()
+
+
+def test_queued_subscriber_that_has_gone_is_forgotten_too(publish_on, connect, monkeypatch):
+    def fail(connection, data):
+        raise rospy.exceptions.TransportTerminated("gone")
+
+    connect(publish_on(rospy.Publisher, String, queue_size=10))
+    publisher = publish_on(Publisher, String)
+    monkeypatch.setattr(QueuedConnection, "write_data", fail)
+    publisher.publish(String("news"))
+    assert publisher.statistics() == []
+    assert publisher.get_num_connections() == 0
 
 
 def test_subscriber_that_has_gone_is_forgotten(publish_on, connect):
     publisher = publish_on(Publisher, String)
-    connect(publisher, "/gone").close()
-    rest = connect(publisher, "/rest")
+    gone, rest = (connect(publisher, name) for name in ("/gone", "/rest"))
+    gone.close()
     publisher.publish(String("news"))
     assert [subscriber.node for subscriber in publisher.statistics()] == ["/rest"]
     assert publisher.get_num_connections() == 1

@@ -71,24 +71,38 @@ class Link:
         """
         return int(self._socket.fileno())
 
-    def offer(self, data: bytes) -> bool:
-        """Send one more message, as far as the socket takes it at once.
+    def send(self, data: bytes) -> bool:
+        """Send a message, as far as the socket takes it at once, when nothing is held back.
 
         :param data: the message
-        :returns: whether there is nothing to wait for, be it that all went out or that the
-            receiver is stalled
+        :returns: whether nothing of it is held back now, also because the receiver has gone
         """
-        if self.stalled:
-            self.lost += self._newest is not None
+        try:
+            size = self._socket.send(data, socket.MSG_DONTWAIT)
+        except BlockingIOError:
             self._newest = data
+            return False
+        except OSError:
+            self.drop()
             return True
+        if size != len(data):
+            self._rest = memoryview(data)[size:]
+            return False
+        self.count(size)
+        return True
+
+    def hold(self, data: bytes) -> None:
+        """Hold a message back for a stalled receiver, in place of an earlier one.
+
+        :param data: the message
+        """
+        self.lost += self._newest is not None
         self._newest = data
-        return self.flush()
 
     def flush(self) -> bool:
         """Send what is held back, as far as the socket takes it at once.
 
-        :returns: whether there is nothing left to do, also because the receiver has gone
+        :returns: whether nothing is held back any more; a stalled receiver is back then
         """
         try:
             if self._rest is not None:
@@ -98,17 +112,13 @@ class Link:
                     return False
                 self.count(memoryview(self._rest.obj).nbytes)
                 self._rest = None
-            if self._newest is not None:
-                size = self._socket.send(self._newest, socket.MSG_DONTWAIT)
-                data, self._newest = self._newest, None
-                if size != len(data):
-                    self._rest = memoryview(data)[size:]
-                    return False
-                self.count(size)
         except BlockingIOError:
             return False
         except OSError:
             self.drop()
+        data, self._newest = self._newest, None
+        if data is not None and not self.send(data):
+            return False
         if self.stalled:
             self.stalled = False
             self._patient_from = time.monotonic() + PROBATION
@@ -154,7 +164,12 @@ def deliver(data: bytes, links: Iterable[Link]) -> None:
     :param data: the message as it goes on the wire
     :param links: where to; the caller holds their lock
     """
-    full = [link for link in links if not link.offer(data)]
+    full = []
+    for link in links:
+        if link.stalled:
+            link.hold(data)
+        elif not link.send(data):
+            full.append(link)
     if full:
         _wait(full)
 

@@ -265,8 +265,7 @@ class _QueuedLink(delivery.Link):
     def __init__(self, connection: Any, lock: ContextManager[Any]) -> None:
         super().__init__(connection.endpoint_id, connection, lock)
 
-    def flush(self) -> bool:
-        data, self._newest = self._newest, None
+    def send(self, data: bytes) -> bool:
         try:
             self._socket.write_data(data)
             self.sent += 1

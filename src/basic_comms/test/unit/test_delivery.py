@@ -19,11 +19,16 @@ BIG = b"b" * 1_000_000  # more than a pair's buffers take
 
 
 class RecordingLink(delivery.Link):
-    """A link that keeps its reports."""
+    """A link that keeps its reports and adds up what it has sent."""
 
     def __init__(self, sock, lock=None):
         super().__init__("receiver", sock, lock or threading.RLock())
         self.reports = []
+        self.bytes = 0
+
+    def count(self, size):
+        super().count(size)
+        self.bytes += size
 
     def report(self, stalled, lost):
         self.reports.append((stalled, lost))
@@ -135,11 +140,14 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
     with ours, theirs:
         ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
         theirs.setblocking(False)
-        link = delivery.Link("receiver", ours, threading.RLock())
+        link = RecordingLink(ours)
         received, offered = b"", 0
         for step, size in steps:
             if step == "offer":
-                link.stalled = not link.offer(packet(offered, size)) or link.stalled
+                if link.stalled:
+                    link.hold(packet(offered, size))
+                else:
+                    link.stalled = not link.send(packet(offered, size))
                 offered += 1
             elif step == "flush":
                 link.flush()
@@ -148,7 +156,9 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
                     received += theirs.recv(size)
         while not link.flush():
             received += read_all(theirs)
-        numbers = unpack(received + read_all(theirs))
+        received += read_all(theirs)
+    assert link.bytes == len(received)
+    numbers = unpack(received)
     assert numbers == sorted(set(numbers))
     assert numbers[-1:] == list(range(offered))[-1:], "the last message always arrives"
     assert len(numbers) == link.sent == offered - link.lost

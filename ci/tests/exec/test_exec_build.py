@@ -6,12 +6,14 @@ import signal
 import subprocess
 import time
 
+import pytest
 from conftest import Workspace
 
 
 def test_first_run_builds_and_keeps_the_streams_apart(workspace: Workspace) -> None:
-    result = workspace.run("sh", "-c", "cat; python3 -c 'import tiny.msg'; exit 7", stdin="in\n")
-    assert (result.stdout, result.returncode) == ("in\n", 7)
+    script = "cat; python3 -c 'import tiny.msg'; ls -l /proc/self/fd | grep -c lock; exit 7"
+    result = workspace.run("sh", "-c", script, stdin="in\n")
+    assert (result.stdout, result.returncode) == ("in\n0\n", 7)
     assert result.stderr == "ci/exec: building with catkin_make\n"
 
 
@@ -39,8 +41,11 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
     assert workspace.shows("tiny.Bar")
 
 
-def test_moved_workspace_is_built_anew(workspace: Workspace) -> None:
+@pytest.mark.parametrize("built_by_hand", [False, True])
+def test_moved_workspace_is_built_anew(workspace: Workspace, built_by_hand: bool) -> None:
     assert workspace.shows("tiny.Beat")
+    if built_by_hand:
+        shutil.rmtree(str(workspace.root / "build" / "ci-exec"))
     moved = workspace.root.with_name("elsewhere")
     workspace.root.rename(moved)
     workspace.root = moved

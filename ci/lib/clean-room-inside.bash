@@ -55,7 +55,7 @@ bootstrap() { # SUITE ROOT
         ln -sf pts/ptmx "$2/dev/ptmx" &&
         mount -t tmpfs -o mode=1777 shm "$2/dev/shm" &&
         git clone --quiet --no-hardlinks "$workspace" "$2$clone" &&
-        git -C "$2$clone" checkout --quiet --detach "$(git -C "$workspace" rev-parse HEAD)"
+        git -C "$2$clone" checkout --quiet --detach "$commit"
 }
 
 # Run in the clean system, with nothing of this machine's environment but a proxy.
@@ -111,8 +111,9 @@ check() { # SUITE
 }
 
 main() { # SUITE…
-    local suite verdict word status=0
+    local suite verdict word commit status=0
     local -a summary
+    commit=$(git -C "$workspace" rev-parse HEAD)
     find_mirror
     for suite; do
         verdict="no system to test on"

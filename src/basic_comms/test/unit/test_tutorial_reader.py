@@ -2,6 +2,7 @@
 
 import re
 import signal
+from pathlib import Path
 from typing import Iterator
 
 import pytest
@@ -29,6 +30,12 @@ def test_the_right_page_is_followed_to_its_end() -> None:
     page = TERMINAL % waits + CONSOLE % "$ ls ~/x\n.../x" + TERMINAL % "^C\nbye"
     with Reader() as reader:
         assert reader.follow(page) == 3
+
+
+def test_the_home_directory_of_whoever_runs_the_tests_is_left_alone() -> None:
+    with Reader() as reader:
+        reader.follow(CONSOLE % "$ touch ~/of_the_reader")
+    assert not (Path.home() / "of_the_reader").exists()
 
 
 def test_a_terminal_is_watched_from_where_it_was_last_looked_at() -> None:

@@ -160,8 +160,9 @@ class LiveParameters(Watch, Generic[Snapshot]):
         for key, value in pushed:
             if key != self.key:
                 parts.append((key[len(self.key) + 1 :], value))
-            elif isinstance(value, dict):
-                parts += value.items()
+            elif isinstance(value, dict) or value is MISSING:
+                tree = value if value is not MISSING else {}
+                parts += [(name, tree.get(name, MISSING)) for name in self.values.declared]
         return parts
 
     def _bring_into_force(self, new: Snapshot) -> None:

@@ -145,10 +145,11 @@ class ParameterServer:
         :param timeout: longest wait for an answer, s
         :raises UNREACHABLE: if the master does not answer
         """
-        calls = xmlrpc.client.MultiCall(self._connect(timeout))
-        for key in keys:
-            calls.unsubscribeParam(self._node_name, self._node_uri, key)
-        calls()
+        with self._connect(timeout) as master:
+            calls = xmlrpc.client.MultiCall(master)
+            for key in keys:
+                calls.unsubscribeParam(self._node_name, self._node_uri, key)
+            calls()
 
     def _request(self, calls: Sequence[Tuple[Any, ...]]) -> List[Any]:
         if not calls:

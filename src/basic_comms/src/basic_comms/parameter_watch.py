@@ -173,9 +173,6 @@ class ParameterWatcher:
                 self._look()
             except UNREACHABLE as error:
                 self._note_reachable(False, error)
-            except Exception:  # a defect of one watch must not end this thread for all
-                defect = traceback.format_exc()
-                rospy.logerr_throttle(_LOG_PERIOD_S, "following parameters failed:\n%s" % defect)
             else:
                 self._note_reachable(True)
 
@@ -235,6 +232,9 @@ class ParameterWatcher:
                     self._tell(watch, reading.values[watch.key], read_at)
                 except UNREACHABLE as error:
                     unreachable = error
+                except Exception:  # a defect of one watch must not end this thread for all
+                    text = "%s is not followed:\n%s" % (watch.key, traceback.format_exc())
+                    rospy.logerr_throttle(_LOG_PERIOD_S, text)
         if unreachable is not None:
             raise unreachable
 

@@ -22,6 +22,8 @@ PROBATION = 10.0
 REPORT_PERIOD = 10.0
 #: longest time until the background thread takes notice of a newly stalled receiver, s
 DRAIN_PERIOD = 0.1
+#: pause of the background thread, as a socket short of memory is "writable" but takes nothing, s
+DRAIN_PAUSE = 0.001
 
 
 class Link:
@@ -219,6 +221,7 @@ class _Drain:
                     return
                 links = list(self._links)
             self._flush(links)
+            time.sleep(DRAIN_PAUSE)
             now = time.monotonic()
             for link in links:
                 if link.settle(now):

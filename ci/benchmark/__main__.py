@@ -1,0 +1,117 @@
+"""Measure the workspace's nodes and their peers in turn. Called by ci/bench."""
+
+import argparse
+import gc
+import pathlib
+import signal
+import sys
+import tempfile
+import time
+from typing import List
+
+import machine
+import peers
+import report
+from context import Bench
+from measurements import MEASUREMENTS, Measurement
+from processes import Session
+from results import Results
+
+
+def main() -> int:
+    """Measure and report.
+
+    :returns: exit status: 0 if everything could be measured, whatever it came to
+    """
+    options = arguments()
+    chosen = [one for one in MEASUREMENTS if not options.only or one.name in options.only]
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    began = time.monotonic()
+    facts = machine.describe()
+    if machine.is_busy():
+        say("this machine is not idle (load %s): the figures will scatter" % facts["load before"])
+    say("building the peers")
+    built = peers.prepare(fetch=not options.quick)
+    results = Results()
+    with tempfile.TemporaryDirectory(prefix="bench-") as directory:
+        with Session(pathlib.Path(directory)) as session:
+            gc.disable()  # it would hold up the observer
+            measure(chosen, Bench(session, built, options.quick), options.repeats, results)
+    names = [one.name for one in chosen]
+    facts["duration"] = "%.0f s" % (time.monotonic() - began)
+    print(report.tables(results, names, facts, built.left_out))
+    if options.json:
+        report.write_json(options.json, results, facts, built.left_out)
+    if options.plot:
+        import plot  # matplotlib takes half a second and tens of megabytes
+
+        plot.draw(options.plot, results)
+    return 1 if results.failures else 0
+
+
+def arguments() -> argparse.Namespace:
+    """Read the command line."""
+    names = [one.name for one in MEASUREMENTS]
+    listed = "\n".join("  %-14s %s" % (one.name, one.help) for one in MEASUREMENTS)
+    parser = argparse.ArgumentParser(
+        prog="ci/bench",
+        description="Measure the workspace's nodes and their peers in turn.",
+        epilog="measurements:\n" + listed,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="a look in a minute")
+    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
+    parser.add_argument("--repeats", type=int, metavar="N", help="5 unless given")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
+    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE", help="draw, .svg or .png")
+    options = parser.parse_args()
+    if options.repeats is None:
+        options.repeats = 1 if options.quick else 5
+    if options.repeats < 1:
+        parser.error("--repeats: at least 1")
+    return options
+
+
+def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
+    """Run all measurements, every repeat taking each subject in turn."""
+    for repeat in range(repeats):
+        for measurement in chosen:
+            if repeat >= measurement.repeats:
+                continue
+            for subject in rotated(measurement.subjects, repeat):
+                if subject in bench.peers.left_out:
+                    continue
+                if subject in measurement.slow and (bench.quick or repeat > 0):
+                    continue
+                if repeat == 0 and measurement.warm_up:
+                    run(measurement, bench._replace(quick=True), subject, -1, Results())
+                run(measurement, bench, subject, repeat, results)
+
+
+def run(
+    measurement: Measurement, bench: Bench, subject: str, repeat: int, results: Results
+) -> None:
+    """Run one measurement of one subject; a failure is reported and ends nothing else."""
+    what = "%s, %s" % (measurement.name, subject)
+    say("%s, repeat %d" % (what, repeat + 1) if repeat >= 0 else "%s, warm-up" % what)
+    try:
+        results.add(measurement.name, subject, repeat, measurement.measure(bench, subject))
+    except (LookupError, OSError, RuntimeError, ValueError) as error:
+        results.failures.append("%s: %r" % (what, error))
+        say(results.failures[-1])
+    gc.collect()
+
+
+def rotated(subjects: List[str], repeat: int) -> List[str]:
+    """Return the subjects, another one first in each repeat."""
+    first = repeat % len(subjects)
+    return subjects[first:] + subjects[:first]
+
+
+def say(text: str) -> None:
+    """Tell what is going on."""
+    print("ci/bench: " + text, file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

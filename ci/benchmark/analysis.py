@@ -1,0 +1,145 @@
+"""Figures from recorded moments: latencies, periods, drift, medians over repeats."""
+
+import bisect
+import math
+import statistics
+from typing import Callable, List, NamedTuple, Optional, Sequence
+
+
+class Sample(NamedTuple):
+    """A value and when it was sent or received."""
+
+    #: on the machine's monotonic clock, s
+    moment: float
+    value: float
+
+
+class Matched(NamedTuple):
+    """What became of the samples that were sent."""
+
+    #: moments of sending of the samples that arrived, s
+    sent: List[float]
+    #: how long each of them took, s
+    latencies: List[float]
+    #: how many of those after the first one to arrive did not
+    lost: int
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """Return the smallest value that a share of all values does not exceed (nearest rank).
+
+    :param values: at least one
+    :param share: between 0 and 1
+    """
+    if not values:
+        raise ValueError("no values")
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+def match_in_order(
+    sent: Sequence[float], received: Sequence[float], until: float = math.inf
+) -> Matched:
+    """Match each sample sent with its answer, where each one is answered once and in order.
+
+    The first answers may be missing, as a receiver joins late. How many is told by the moments:
+    an answer comes after its sample, and at least one comes within a period. Where an answer
+    is lost later, all the following latencies come out too long by a period, never too short.
+
+    :param sent: when the samples were sent, s, rising
+    :param received: when the answers were received, s, rising
+    :param until: when the nodes were asked to end, s; what is sent later may be lost
+    """
+    due = bisect.bisect_right(sent, until)
+    if not received:
+        return Matched([], [], due)
+    first = bisect.bisect_right(sent, received[0]) - 1
+    while first >= 0 and any(answer <= sample for sample, answer in zip(sent[first:], received)):
+        first -= 1
+    if first < 0:
+        raise ValueError("more answers than samples")
+    pairs = list(zip(sent[first:], received))
+    return Matched(
+        [sample for sample, _ in pairs],
+        [answer - sample for sample, answer in pairs],
+        max(0, due - first - len(pairs)),
+    )
+
+
+def match_first_shown(sent: Sequence[Sample], received: Sequence[Sample]) -> Matched:
+    """Match each sample with the first answer that shows it or a later one.
+
+    For a receiver that answers at moments of its own with what it has got last. The values must
+    rise from sample to sample, and an answer must show the value of its sample.
+
+    :param sent: the samples
+    :param received: the answers; they may lag behind float32's rounding
+    """
+    gaps = [later.value - sample.value for sample, later in zip(sent, sent[1:])]
+    if any(gap <= 0.0 for gap in gaps):
+        raise ValueError("the values do not rise")
+    tolerance = 0.25 * min(gaps, default=0.0)
+    moments: List[float] = []
+    latencies: List[float] = []
+    answers = iter(received)
+    answer: Optional[Sample] = next(answers, None)
+    for sample in sent:
+        while answer is not None and (
+            answer.moment < sample.moment or answer.value < sample.value - tolerance
+        ):
+            answer = next(answers, None)
+        if answer is None:
+            break
+        moments.append(sample.moment)
+        latencies.append(answer.moment - sample.moment)
+    return Matched(moments, latencies, len(sent) - len(moments))
+
+
+def after_warm_up(matched: Matched, seconds: float) -> List[float]:
+    """Return the latencies of the samples sent later than this after the first one, s."""
+    return [
+        latency
+        for moment, latency in zip(matched.sent, matched.latencies)
+        if moment >= matched.sent[0] + seconds
+    ]
+
+
+def periods(moments: Sequence[float]) -> List[float]:
+    """Return the times from each moment to the next one, s."""
+    return [later - moment for moment, later in zip(moments, moments[1:])]
+
+
+def drift(calls: Sequence[Sample]) -> float:
+    """Return how far a periodic task has moved against the clock, s; late is positive.
+
+    How late each call comes scatters; so medians over the first and the last tenth are compared.
+
+    :param calls: when the task was called, and as value the time that had passed by its own
+        count, s; at least ten
+    """
+    if len(calls) < 10:
+        raise ValueError("too few calls")
+    tenth = len(calls) // 10
+    late = [call.moment - call.value for call in calls]
+    return statistics.median(late[-tenth:]) - statistics.median(late[:tenth])
+
+
+def median_ratio(ours: Sequence[float], theirs: Sequence[float]) -> float:
+    """Return the median over the repeats of ours / theirs, each pair being of one repeat."""
+    return statistics.median(a / b if b else math.inf for a, b in zip(ours, theirs))
+
+
+def highest_passing(steps: Sequence[float], passes: Callable[[float], bool]) -> Optional[float]:
+    """Find the highest step that passes, by bisection.
+
+    :param steps: rising; where one passes, the lower ones are taken to pass as well
+    :param passes: tries one
+    :returns: None where none passes
+    """
+    low, high = 0, len(steps)
+    while low < high:
+        middle = (low + high) // 2
+        if passes(steps[middle]):
+            low = middle + 1
+        else:
+            high = middle
+    return steps[low - 1] if low else None

@@ -1,0 +1,153 @@
+"""The goals, and whether the results reach them."""
+
+from typing import Callable, List, NamedTuple, Optional, Tuple
+
+import startup
+import timing
+from results import Results
+from stacks import COURSE, OURS, RCLPY, RELAY, ROSCPP
+
+
+class Verdict(NamedTuple):
+    """What came of a goal."""
+
+    #: what was measured, in words
+    figure: str
+    #: the value that the goal is about: a ratio to a peer, or the figure itself
+    value: float
+    is_ratio: bool
+    passed: bool
+
+
+class Goal(NamedTuple):
+    """A limit for a value."""
+
+    measurement: str
+    what: str
+    limit: float
+    #: whether the value is to be the limit or less; or else the limit or more
+    at_most: bool
+    unit: str
+    #: returns the figure in words and the value; raises LookupError where not measured
+    look: Callable[[Results], Tuple[str, float]]
+
+    @property
+    def text(self) -> str:
+        """The goal in words."""
+        return "%s %s%s" % ("<=" if self.at_most else ">=", number(self.limit), self.unit)
+
+    def judge(self, results: Results) -> Optional[Verdict]:
+        """Compare the results with the goal.
+
+        :returns: None where something was not measured
+        """
+        try:
+            figure, value = self.look(results)
+        except LookupError:
+            return None
+        passed = value <= self.limit if self.at_most else value >= self.limit
+        return Verdict(figure, value, self.unit == " x", passed)
+
+
+def number(value: float) -> str:
+    """Write a number with the digits that say something."""
+    return "%.0f" % value if abs(value) >= 1000 else "%.3g" % value
+
+
+def _against(
+    measurement: str,
+    what: str,
+    limit: float,
+    figure: str,
+    unit: str,
+    subject: str,
+    peer: str,
+) -> Goal:
+    def look(results: Results) -> Tuple[str, float]:
+        ours = results.median(measurement, subject, figure)
+        theirs = results.median(measurement, peer, figure)
+        return (
+            "%s against %s%s" % (number(ours), number(theirs), unit),
+            results.ratio(measurement, subject, peer, figure),
+        )
+
+    return Goal(measurement, "%s, against %s" % (what, peer), limit, True, " x", look)
+
+
+def _times_better(
+    measurement: str, what: str, limit: float, figure: str, unit: str, better: str, worse: str
+) -> Goal:
+    """Of a figure of which ``better`` has many times as much as ``worse``."""
+
+    def look(results: Results) -> Tuple[str, float]:
+        more = results.median(measurement, better, figure)
+        less = results.median(measurement, worse, figure)
+        ours, theirs = (more, less) if better == OURS else (less, more)
+        return (
+            "%s against %s%s" % (number(ours), number(theirs), unit),
+            results.ratio(measurement, better, worse, figure),
+        )
+
+    peer = worse if better == OURS else better
+    return Goal(measurement, "%s, against %s" % (what, peer), limit, False, " x", look)
+
+
+def _itself(
+    measurement: str,
+    what: str,
+    limit: float,
+    figure: str,
+    unit: str,
+    subject: str = OURS,
+    at_most: bool = True,
+) -> Goal:
+    def look(results: Results) -> Tuple[str, float]:
+        value = results.median(measurement, subject, figure)
+        return number(value) + unit, value
+
+    return Goal(measurement, what, limit, at_most, unit, look)
+
+
+def _worst_memory(results: Results) -> Tuple[str, float]:
+    nodes = [startup.GENERATOR, startup.PROCESS]
+    ours = max(results.median("memory", node, "resident_mb") for node in nodes)
+    bare = results.median("memory", startup.BARE, "resident_mb")
+    return "%.1f against %.1f MB" % (ours, bare), ours / bare
+
+
+def _drift(results: Results) -> Tuple[str, float]:
+    drifts = results.values("timing", OURS, "drift_ms")
+    if not drifts:
+        raise LookupError("timing was not measured")
+    worst = max(abs(drift) for drift in drifts)
+    return "%.3f ms at worst" % worst, worst
+
+
+GOALS: List[Goal] = [
+    _against("latency-1khz", "p50 at 1 kHz", 0.75, "p50_us", " us", OURS, ROSCPP),
+    _against("latency-1khz", "p50 at 1 kHz", 0.85, "p50_us", " us", OURS, RELAY),
+    _against("latency-100hz", "p50 at 100 Hz", 1.0, "p50_us", " us", OURS, ROSCPP),
+    _against("latency-100hz", "p50 at 100 Hz", 1.0, "p50_us", " us", OURS, RELAY),
+    _against("latency-1khz", "p99 at 1 kHz", 1.0, "p99_us", " us", OURS, ROSCPP),
+    _against("latency-1khz", "p50 at 1 kHz", 0.25, "p50_us", " us", OURS, RCLPY),
+    _times_better("latency-10hz", "faster at 10 Hz", 150.0, "p50_us", " us", COURSE, OURS),
+    _itself("throughput", "rate without loss", 50000.0, "rate", " msg/s", at_most=False),
+    _times_better("throughput", "rate without loss", 3.0, "rate", " msg/s", OURS, ROSCPP),
+    Goal("timing", "drift in 20 s at 1 kHz", 0.1, True, " ms", _drift),
+    _against("timing", "period p99 at 1 kHz", 1.0, "period_p99_us", " us", OURS, timing.LOOP),
+    _against("latency-10hz", "CPU at 10 Hz", 0.1, "cpu_percent", " %", OURS, COURSE),
+    _against("latency-1khz", "CPU at 1 kHz", 0.65, "cpu_percent", " %", OURS, ROSCPP),
+    _against("launch", "roslaunch to answer", 0.8, "first_answer_s", " s", OURS, COURSE),
+    Goal("memory", "memory, against a bare node", 1.02, True, " x", _worst_memory),
+    _itself("groups", "32 groups: all up", 3.0, "up_s", " s"),
+    _itself("groups", "32 groups: CPU", 5.0, "cpu_percent", " %"),
+    _itself("groups", "32 groups: memory", 200.0, "resident_mb", " MB"),
+    _itself("thousand", "1000 groups: at 10 Hz", 1000.0, "holding", " groups", at_most=False),
+    _itself("thousand", "1000 groups: CPU", 60.0, "cpu_percent", " %"),
+    _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
+    _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
+    _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),
+    _itself("rest", "CPU of an idle process node", 0.2, "cpu_percent", " %", subject="process"),
+    _itself("exit", "exit, signal_generator", 2.0, "exit_s", " s", subject="signal_generator"),
+    _itself("exit", "exit, process", 2.0, "exit_s", " s", subject="process"),
+]

@@ -1,0 +1,92 @@
+"""All measurements: what is measured, of whom, how often."""
+
+from typing import Callable, List, NamedTuple
+
+import groups
+import latency
+import live
+import startup
+import stacks
+import throughput
+import timing
+from context import Bench, Figures
+
+
+class Measurement(NamedTuple):
+    """One kind of run."""
+
+    name: str
+    help: str
+    #: of whom, in the order of the first repeat
+    subjects: List[str]
+    measure: Callable[[Bench, str], Figures]
+    #: how often at most; what scatters little or takes long is measured less often
+    repeats: int = 1000
+    #: subjects that are left out of --quick, and measured once otherwise
+    slow: List[str] = []
+    #: whether to run it once for nothing, so that files and caches are warm
+    warm_up: bool = False
+
+
+MEASUREMENTS = [
+    Measurement(
+        "latency-1khz",
+        "generator -> process -> observer at 1 kHz",
+        [stacks.OURS, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
+        latency.at_1_khz,
+    ),
+    Measurement(
+        "latency-100hz",
+        "the same at 100 Hz",
+        [stacks.OURS, stacks.ROSCPP, stacks.RELAY],
+        latency.at_100_hz,
+    ),
+    Measurement(
+        "latency-10hz",
+        "the same at 10 Hz, against the course's nodes",
+        [stacks.OURS, stacks.COURSE],
+        latency.at_10_hz,
+    ),
+    Measurement(
+        "timing",
+        "drift and period of the generator at 1 kHz",
+        [stacks.OURS, timing.LOOP],
+        timing.at_1_khz,
+    ),
+    Measurement(
+        "launch",
+        "roslaunch to the first answer",
+        [stacks.OURS, stacks.COURSE],
+        startup.launch,
+    ),
+    Measurement(
+        "throughput",
+        "the highest rate without loss",
+        [stacks.OURS, stacks.ROSCPP],
+        throughput.zero_loss_rate,
+    ),
+    Measurement(
+        "groups",
+        "32 groups of generator and process",
+        [stacks.OURS, stacks.COURSE],
+        groups.thirty_two,
+        slow=[stacks.COURSE],
+    ),
+    Measurement(
+        "thousand",
+        "1000 groups of generator and process",
+        [stacks.OURS],
+        groups.thousand,
+        slow=[stacks.OURS],
+    ),
+    Measurement(
+        "memory",
+        "resident memory of a node",
+        [startup.GENERATOR, startup.PROCESS, startup.BARE],
+        startup.memory,
+        repeats=1,
+    ),
+    Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
+    Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),
+    Measurement("exit", "time to end", ["signal_generator", "process"], live.leave, repeats=1),
+]

@@ -1,0 +1,40 @@
+"""The signal generator as one would write it with rclpy. Usage: ... RECORD RATE
+
+The wheels hold std_msgs only, so the sample is a Float32: less to send than signal_msg.
+"""
+
+import math
+import sys
+import time
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from std_msgs.msg import Float32
+
+from record import Record
+
+
+def main() -> None:
+    """Publish until interrupted."""
+    rclpy.init()
+    node = rclpy.create_node("signal_generator")
+    publisher = node.create_publisher(Float32, "signal", 10)
+    record = Record()
+    start = time.monotonic()
+
+    def publish() -> None:
+        message = Float32()
+        message.data = 2.0 * math.sin(2.0 * math.pi * (time.monotonic() - start))
+        record.add(message.data)
+        publisher.publish(message)
+
+    node.create_timer(1.0 / float(sys.argv[2]), publish)
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    record.write(sys.argv[1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""The results for people, and for programs."""
+
+import json
+import pathlib
+from typing import Dict, List
+
+from goals import GOALS, Goal, number
+from results import Results
+
+
+def table(rows: List[List[str]]) -> str:
+    """Return rows as a table whose first row is the head, in Markdown."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    lines = [
+        "| %s |" % " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) for row in rows
+    ]
+    lines.insert(1, "|%s|" % "|".join("-" * (width + 2) for width in widths))
+    return "\n".join(lines)
+
+
+def tables(
+    results: Results, wanted: List[str], machine: Dict[str, str], left_out: Dict[str, str]
+) -> str:
+    """Return all there is to read, in Markdown.
+
+    :param wanted: the measurements whose goals are shown
+    :param machine: what is known about it
+    :param left_out: why a peer was left out, by its name
+    """
+    goals = [["what", "goal", "figure", "ratio", ""]]
+    goals += [_row(goal, results) for goal in GOALS if goal.measurement in wanted]
+    notes = ["%s is left out: %s." % reason for reason in left_out.items()]
+    notes += ["FAILED: " + failure for failure in results.failures]
+    facts = [["machine", ""]]
+    facts += [[name, value] for name, value in machine.items()]
+    return "\n\n".join([table(goals), *notes, figures_table(results), table(facts)])
+
+
+def _row(goal: Goal, results: Results) -> List[str]:
+    verdict = goal.judge(results)
+    if verdict is None:
+        return [goal.what, goal.text, "not measured", "", ""]
+    ratio = number(verdict.value) if verdict.is_ratio else ""
+    return [goal.what, goal.text, verdict.figure, ratio, "pass" if verdict.passed else "SHORT"]
+
+
+def figures_table(results: Results) -> str:
+    """Return the medians of everything that was measured."""
+    rows = [["measurement", "of", "medians"]]
+    for measurement, subject in results.subjects():
+        medians = results.medians(measurement, subject)
+        figures = ", ".join("%s %s" % (name, number(value)) for name, value in medians.items())
+        rows.append([measurement, subject, figures])
+    return table(rows)
+
+
+def write_json(
+    file: pathlib.Path, results: Results, machine: Dict[str, str], left_out: Dict[str, str]
+) -> None:
+    """Write everything that is known."""
+    goals = []
+    for goal in GOALS:
+        verdict = goal.judge(results)
+        goals.append(
+            {
+                "what": goal.what,
+                "goal": goal.text,
+                "limit": goal.limit,
+                **({} if verdict is None else verdict._asdict()),
+            }
+        )
+    content = {
+        "machine": machine,
+        "left_out": left_out,
+        "failures": results.failures,
+        "goals": goals,
+        "runs": results.as_json(),
+    }
+    file.write_text(json.dumps(content, indent=1) + "\n")

@@ -1,0 +1,73 @@
+"""What the measurements came to, repeat by repeat."""
+
+import statistics
+from typing import Any, Dict, List, Tuple
+
+from analysis import median_ratio
+from context import Figures
+
+
+class Results:
+    """Figures by measurement, subject and repeat."""
+
+    def __init__(self) -> None:
+        self._runs: Dict[Tuple[str, str], Dict[int, Figures]] = {}
+        #: "measurement, subject: reason" of what went wrong
+        self.failures: List[str] = []
+
+    def add(self, measurement: str, subject: str, repeat: int, figures: Figures) -> None:
+        """Keep the figures of one run."""
+        self._runs.setdefault((measurement, subject), {})[repeat] = figures
+
+    def subjects(self) -> List[Tuple[str, str]]:
+        """Return (measurement, subject) of all that was measured."""
+        return list(self._runs)
+
+    def values(self, measurement: str, subject: str, figure: str) -> List[float]:
+        """Return a figure of each repeat; none where it was not measured."""
+        runs = self._runs.get((measurement, subject), {})
+        return [figures[figure] for figures in runs.values()]
+
+    def median(self, measurement: str, subject: str, figure: str) -> float:
+        """Return the median of a figure over the repeats.
+
+        :raises LookupError: if it was not measured
+        """
+        values = self.values(measurement, subject, figure)
+        if not values:
+            raise LookupError("%s of %s was not measured" % (measurement, subject))
+        return statistics.median(values)
+
+    def ratio(self, measurement: str, subject: str, peer: str, figure: str) -> float:
+        """Return the median over the repeats of the ratio of a figure to that of a peer.
+
+        Where the peer was measured in other repeats, the ratio of the medians.
+
+        :raises LookupError: if either was not measured
+        """
+        ours = self._runs.get((measurement, subject), {})
+        theirs = self._runs.get((measurement, peer), {})
+        common = sorted(set(ours) & set(theirs))
+        if not common:
+            return median_ratio(
+                [self.median(measurement, subject, figure)],
+                [self.median(measurement, peer, figure)],
+            )
+        return median_ratio(
+            [ours[repeat][figure] for repeat in common],
+            [theirs[repeat][figure] for repeat in common],
+        )
+
+    def medians(self, measurement: str, subject: str) -> Figures:
+        """Return the median of each figure."""
+        runs = self._runs[measurement, subject]
+        names = next(iter(runs.values()))
+        return {name: self.median(measurement, subject, name) for name in names}
+
+    def as_json(self) -> List[Dict[str, Any]]:
+        """Return every figure of every repeat."""
+        return [
+            {"measurement": measurement, "subject": subject, "repeat": repeat, "figures": figures}
+            for (measurement, subject), runs in self._runs.items()
+            for repeat, figures in runs.items()
+        ]

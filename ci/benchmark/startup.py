@@ -1,0 +1,37 @@
+"""How soon the first answer is there after roslaunch, and how much memory a node takes."""
+
+import time
+
+import stacks
+from context import Bench, Figures
+from observers import Recorder
+from peers import SCRIPTS
+from processes import resident_memory
+
+LAUNCH = {
+    stacks.OURS: ["basic_comms", "cw1.launch"],
+    stacks.COURSE: [str(SCRIPTS / "course" / "course.launch")],
+}
+
+GENERATOR, PROCESS, BARE = "signal_generator", "process", "bare node"
+#: after so long a node's memory has settled, s
+SETTLED = 2.0
+
+
+def launch(bench: Bench, stack: str) -> Figures:
+    """Launch two nodes; the master and an observer are there already."""
+    session = bench.session
+    with session.node() as node:
+        recorder = Recorder(node, "/proc_signal", "std_msgs/Float32")
+        began = time.monotonic()
+        with session.running(["roslaunch", *LAUNCH[stack]]):
+            first = recorder.wait()
+    return {"first_answer_s": first - began}
+
+
+def memory(bench: Bench, node: str) -> Figures:
+    """Measure a node that runs by itself, as started by default."""
+    command = stacks.peer("bare_node.py") if node == BARE else stacks.ours(node + ".py")
+    with bench.session.running(command) as pids:
+        time.sleep(SETTLED)
+        return {"resident_mb": resident_memory(pids)}

@@ -1,0 +1,106 @@
+"""The highest rate at which a process node answers every message for ten seconds."""
+
+import itertools
+import subprocess
+import time
+from typing import Dict, List, Optional
+
+import stacks
+from analysis import highest_passing
+from context import Bench, Figures
+from observers import Counter, wait_until
+
+#: rates to try, messages per second: each a quarter above the one before
+RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(24)]
+#: A source that falls behind by more is being held up by the process, s.
+LATEST = 0.1
+#: how long answers may still come after the last message, s
+GRACE = 0.5
+PROBE_S = 1.0
+
+_numbers = itertools.count(1)
+#: index of the rate that a stack held in the repeat before
+_held: Dict[str, int] = {}
+
+
+def zero_loss_rate(bench: Bench, stack: str) -> Figures:
+    """Find the highest rate by short probes, then have it held for ten seconds.
+
+    Later repeats start from the rate that was held before.
+    """
+    with _Source(bench, stack) as source:
+        if stack not in _held:
+            found = highest_passing(RATES, lambda rate: source.passes(rate, PROBE_S))
+            _held[stack] = RATES.index(found) if found is not None else -1
+        while _held[stack] >= 0:
+            if source.passes(RATES[_held[stack]], bench.seconds(10.0, 3.0)):
+                return {"rate": RATES[_held[stack]]}
+            _held[stack] -= 1
+    return {"rate": 0.0}
+
+
+class _Source:
+    """A source, a process and a counter behind it."""
+
+    def __init__(self, bench: Bench, stack: str) -> None:
+        self._bench = bench
+        self._stack = stack
+        self._group = "/rate%d" % next(_numbers)
+        self._topic = self._group + "/proc_signal"
+
+    def __enter__(self) -> "_Source":
+        session = self._bench.session
+        self._node_context = session.node()
+        self._counter = Counter(self._node_context.__enter__())
+        self._counter.watch(self._topic, stacks.output_type(self._stack))
+        with session.in_group(self._group):
+            self._process = session.start(stacks.process_command(self._bench.peers, self._stack))
+        self._source = session.start(
+            stacks.peer(
+                "burst_source.py", session.master_uri, self._group + "/signal", signal_msg_md5sum()
+            ),
+            talk=True,
+        )
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        session = self._bench.session
+        session.stop(self._source)
+        session.stop(self._process)
+        self._node_context.__exit__(None, None, None)
+
+    def passes(self, rate: float, seconds: float) -> bool:
+        """Tell whether every message is answered, and in time."""
+        before = self._count()
+        assert self._source.stdin is not None and self._source.stdout is not None
+        self._source.stdin.write(b"%g %g\n" % (rate, seconds))
+        self._source.stdin.flush()
+        answer = self._source.stdout.readline().split()
+        expected = before + int(answer[0])
+        give_up = time.monotonic() + GRACE
+        while self._count() < expected and time.monotonic() < give_up:
+            time.sleep(Counter.PERIOD)
+        good = self._count() == expected and float(answer[1]) <= LATEST
+        if not good:
+            self._settle()
+        return good
+
+    def _count(self) -> int:
+        return self._counter.counts()[self._topic]
+
+    def _settle(self) -> None:
+        """Wait until what is still queued has gone through."""
+        last: Optional[int] = None
+
+        def still() -> bool:
+            nonlocal last
+            before, last = last, self._count()
+            time.sleep(0.1)
+            return before == last
+
+        wait_until(still, 60.0, "end of the queue")
+
+
+def signal_msg_md5sum() -> str:
+    """Return the checksum of basic_comms/signal_msg."""
+    return subprocess.check_output(["rosmsg", "md5", "basic_comms/signal_msg"]).decode().strip()

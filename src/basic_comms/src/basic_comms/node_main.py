@@ -1,15 +1,20 @@
 """The life of a node's process, the same for every node: start, spin, exit status."""
 
 import sys
-from typing import Callable
+import threading
+from typing import Callable, List
 
 import rospy
 
+from basic_comms import rospy_internals
 from basic_comms.parameter_server import UNREACHABLE
 from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import ParameterError
 
 EXIT_OK, EXIT_REFUSED = 0, 1
+
+#: Longest wait for a start that is under way when the node is told to end, s.
+_PATIENCE_S = 1.0
 
 
 def run(name: str, start: Callable[[], object]) -> None:
@@ -23,21 +28,48 @@ def run(name: str, start: Callable[[], object]) -> None:
         kept alive until the end
     """
     try:
-        rospy.init_node(name)
-        get_watcher()  # also registers the node again, should the master be restarted
-        node = start()
-        rospy.spin()
+        rospy_internals.register_signals()
+        node = _start_beside(name, start)
+        if not rospy.is_shutdown():
+            rospy.spin()
         del node
     except ParameterError as error:
         rospy.logfatal("%s", error)
         sys.exit(EXIT_REFUSED)
     except UNREACHABLE as error:
-        if not rospy.is_shutdown():
-            rospy.logfatal("the master stopped answering during the start: %s", error)
-            sys.exit(EXIT_REFUSED)
-    except (rospy.ROSInitException, rospy.ROSInterruptException):
-        if not rospy.is_shutdown():
-            raise
+        rospy.logfatal("the master stopped answering during the start: %s", error)
+        sys.exit(EXIT_REFUSED)
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
     sys.exit(EXIT_OK)
+
+
+def _start_beside(name: str, start: Callable[[], object]) -> List[object]:
+    """Start a node in a thread of its own, while this one stays free for signals.
+
+    rospy answers a signal by talking to the master, over a connection with a
+    lock. In the very thread that was registering a topic over it, it would wait
+    for itself for ever.
+
+    :returns: the node, in a list that is empty where a signal came first
+    :raises Exception: what the start raised, unless the node is shutting down
+    """
+    node: List[object] = []
+    errors: List[BaseException] = []
+
+    def work() -> None:
+        try:
+            rospy.init_node(name, disable_signals=True)
+            get_watcher()  # also registers the node again, should the master be restarted
+            node.append(start())
+        except BaseException as error:
+            errors.append(error)
+
+    worker = threading.Thread(target=work, name="start", daemon=True)
+    worker.start()
+    while worker.is_alive() and not rospy.is_shutdown():
+        worker.join(0.1)
+    worker.join(_PATIENCE_S)
+    if errors and not rospy.is_shutdown():
+        raise errors[0]
+    return node

@@ -23,7 +23,7 @@ from rospy.impl.registration import (
     get_service_manager,
     get_topic_manager,
 )
-from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_base import TCPROSTransport, TCPServer
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from basic_comms import delivery
@@ -60,6 +60,17 @@ def on_parameter_push(handle: Callable[[str, Any], bool]) -> bool:
     return True
 
 
+# --- Signals ---------------------------------------------------------------------------------
+
+
+def register_signals() -> None:
+    """Have rospy shut the node down on SIGINT and SIGTERM.
+
+    ``rospy.init_node`` does the same where it is called by the main thread.
+    """
+    rospy.core.register_signals()
+
+
 # --- Registration ----------------------------------------------------------------------------
 
 
@@ -84,12 +95,24 @@ def register_again() -> None:
 
 
 def mend_shutdown() -> None:
-    """Let nodes of rospy 1.15.9 end without an error on Debian 11.
+    """Let nodes end without a traceback.
 
-    They call a method of threads that Python 3.9 no longer has.
+    rospy 1.15.9 calls a method of threads that Python 3.9 no longer has. And a
+    server whose first client comes while the node ends listens on a socket that
+    is closed already.
     """
     if "isAlive" in rospy.core.signal_shutdown.__code__.co_names:
         setattr(threading.Thread, "isAlive", threading.Thread.is_alive)
+    serve = TCPServer.run
+
+    def serve_until_shutdown(server: TCPServer) -> None:
+        try:
+            serve(server)
+        except OSError:
+            if not rospy.core.is_shutdown_requested():
+                raise
+
+    TCPServer.run = serve_until_shutdown
 
 
 mend_shutdown()

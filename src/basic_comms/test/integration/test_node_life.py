@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""How nodes end: their exit status, their last words, and what they leave with the master."""
+
+import signal
+import subprocess
+import unittest
+from contextlib import contextmanager
+from typing import Iterator
+
+import rospy
+import rostest
+from helpers.graph import Graph
+from helpers.waiting import TIMEOUT, wait_until
+
+NODES = ("talker", "listener", "signal_generator", "process", "fleet")
+
+
+class NodeLife(unittest.TestCase):
+    """Each test starts nodes of its own, as rosrun does."""
+
+    graph: Graph
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_node_life")
+        cls.graph = Graph()
+
+    @contextmanager
+    def started(self, node: str, *arguments: str) -> "Iterator[subprocess.Popen[str]]":
+        """Start a node; kill it where it is still there at the end."""
+        program = node if node == "fleet" else node + ".py"
+        process = subprocess.Popen(
+            ["rosrun", "basic_comms", program, *arguments],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+
+    def wait_until_up(self, node: str) -> None:
+        """Wait until a node is known to the master."""
+        name = "/" + node
+        wait_until(lambda: name in self.graph.nodes(), lambda: name + " did not come up")
+
+    def assert_ends_cleanly(self, node: str, process: "subprocess.Popen[str]") -> None:
+        """Check the exit status, that there is no traceback, and that the master forgot the node."""
+        _, errors = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 0, errors)
+        self.assertNotIn("Traceback", errors)
+        wait_until(
+            lambda: "/" + node not in self.graph.nodes(), lambda: node + " is still registered"
+        )
+
+    def test_signals_end_every_node_with_status_0(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            for node in NODES:
+                with self.subTest(node=node, signal=number), self.started(node) as process:
+                    self.wait_until_up(node)
+                    process.send_signal(number)
+                    self.assert_ends_cleanly(node, process)
+
+    def test_rosnode_kill_ends_every_node_with_status_0(self) -> None:
+        for node in NODES:
+            with self.subTest(node=node), self.started(node) as process:
+                self.wait_until_up(node)
+                self.graph.kill("/" + node)
+                self.assert_ends_cleanly(node, process)
+
+    def test_a_refused_start_ends_with_status_1_and_a_sentence(self) -> None:
+        cases = {
+            (
+                "talker",
+                "_rate:=0",
+            ): "parameter /talker/rate: 0 is refused, allowed is a number in (0",
+            ("process", "_keep_positive:=5"): "parameter /process/keep_positive: 5 is refused",
+            (
+                "signal_generator",
+                "_waveform:=cosine",
+            ): "'cosine' is refused, allowed is one of sine",
+            ("fleet", "_count:=-1"): "parameter /fleet/count: -1 is refused",
+        }
+        for (node, argument), sentence in cases.items():
+            with self.subTest(node=node), self.started(node, argument) as process:
+                _, errors = process.communicate(timeout=TIMEOUT)
+                self.assertEqual(process.returncode, 1, errors)
+                self.assertIn(sentence, errors)
+                self.assertNotIn("Traceback", errors)
+            for name in self.graph.parameters():
+                if name.startswith("/%s/" % node):
+                    self.graph.delete_parameter(name)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "node_life", NodeLife)

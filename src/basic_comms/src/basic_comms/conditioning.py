@@ -6,12 +6,18 @@ For samples of A sin(theta) the result is
 
 where sin(theta + shift) = sin(theta) cos(shift) + cos(theta) sin(shift). The first sine is the
 sample itself: without a phase shift any signal passes unchanged but for scale, offset and lift.
+That is the method ``sine``. The method ``delay`` takes any periodic shape f in place of A sin: it
+looks f(theta + shift) up in the latest period, and does without the shift until there is one.
 """
 
 import math
 from typing import Optional, Protocol
 
+from basic_comms.delay_line import PhaseDelayLine
 from basic_comms.phase_tracking import PhaseTracker
+
+#: The ways to shift the phase.
+METHODS = ("sine", "delay")
 
 _FLOAT32_MAX = (2.0 - 2.0**-23) * 2.0**127
 
@@ -39,22 +45,28 @@ class Settings(Protocol):
     def input_offset(self) -> float:
         """Taken off the input first, in its unit."""
 
+    @property
+    def method(self) -> str:
+        """How the phase is shifted, one of METHODS."""
+
 
 class Conditioner:
     """Turn samples of a signal into samples of the conditioned signal.
 
-    Settings act on the output alone, so a change of them takes effect at the next sample and
-    leaves no trace behind.
+    Settings act on the output alone, and both methods follow every sample: a change of settings
+    takes effect at the next sample and leaves no trace behind.
     """
 
     def __init__(self) -> None:
         #: How many samples gave no output, see :meth:`process`.
         self.rejected = 0
         self._tracker = PhaseTracker()
+        self._line = PhaseDelayLine()
         self._settings: Optional[Settings] = None
         self._scale = self._cosine = 1.0
         self._sine = self._offset = self._input_offset = 0.0
-        self._keep_positive = False
+        self._phase_shift = 0.0
+        self._keep_positive = self._delays = False
 
     @property
     def restarts(self) -> int:
@@ -87,7 +99,12 @@ class Conditioner:
         quadrature = self._tracker.update(
             amplitude, frequency, time_x, signal_y, self._input_offset
         )
-        shifted = (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
+        self._line.push(frequency, time_x, signal_y)
+        if self._delays:
+            earlier = self._line.value(self._phase_shift)
+            shifted = (signal_y if earlier is None else earlier) - self._input_offset
+        else:
+            shifted = (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
         result = self._scale * shifted + self._offset
         if self._keep_positive:
             result += max(0.0, abs(self._scale * amplitude) - self._offset)
@@ -99,6 +116,8 @@ class Conditioner:
     def _adopt(self, settings: Settings) -> None:
         self._settings = settings
         self._scale = settings.amplitude_scale
+        self._delays = settings.method == "delay"
+        self._phase_shift = settings.phase_shift
         self._cosine = math.cos(settings.phase_shift)
         self._sine = math.sin(settings.phase_shift)
         self._offset = settings.offset

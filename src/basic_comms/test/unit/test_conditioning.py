@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.conditioning import Conditioner
+from basic_comms.conditioning import METHODS, Conditioner
+
+TURN = 2.0 * math.pi
 
 
 class Settings(NamedTuple):
@@ -19,6 +21,7 @@ class Settings(NamedTuple):
     offset: float = 0.0
     keep_positive: bool = True
     input_offset: float = 0.0
+    method: str = "sine"
 
 
 def float32(value):
@@ -64,6 +67,7 @@ settings = st.builds(
     offset=st.floats(-10.0, 10.0),
     keep_positive=st.booleans(),
     input_offset=st.just(0.0),
+    method=st.just("sine"),
 )
 sources = st.builds(
     Source,
@@ -86,10 +90,11 @@ def test_result_is_the_exact_formula_through_any_change_of_settings(source, chan
 wire = st.floats(-(2.0**100), 2.0**100, width=32)
 
 
-@given(st.lists(st.tuples(wire, wire, st.floats(0, 1e9), wire), max_size=8), scales)
-def test_without_phase_shift_any_signal_passes_unchanged(samples, scale):
+@pytest.mark.parametrize("method", METHODS)
+@given(samples=st.lists(st.tuples(wire, wire, st.floats(0, 1e9), wire), max_size=8), scale=scales)
+def test_without_phase_shift_any_signal_passes_unchanged(samples, scale, method):
     conditioner = Conditioner()
-    plain = Settings(amplitude_scale=scale, phase_shift=0.0, keep_positive=False)
+    plain = Settings(scale, 0.0, keep_positive=False, method=method)
     for sample in samples:
         assert conditioner.process(*sample, plain) == scale * sample[3]
 
@@ -173,7 +178,9 @@ def test_a_sample_that_is_not_finite_is_as_good_as_lost(field, value):
 
 any_wire = st.floats(width=32)
 numbers = st.floats(allow_nan=False, allow_infinity=False)
-extreme = st.builds(Settings, numbers, numbers, numbers, st.booleans(), numbers)
+extreme = st.builds(
+    Settings, numbers, numbers, numbers, st.booleans(), numbers, st.sampled_from(METHODS)
+)
 
 
 @given(st.lists(st.tuples(any_wire, any_wire, st.floats(), any_wire), max_size=6), extreme)
@@ -213,3 +220,42 @@ def test_a_quadrature_by_square_root_fails_where_this_one_does_not():
         if index > 1:
             assert result == pytest.approx(source.expected(Settings()), abs=1e-6)
     assert failures > 0
+
+
+def square(amplitude, count, index):
+    """The fields of a square's sample, of count samples a period."""
+    level = 1.0 if index % count < count // 2 else -1.0
+    return (amplitude, float32(TURN), index / count, 3.0 + level * amplitude)
+
+
+@given(st.integers(-30, 30), scales, st.booleans())
+def test_a_delayed_square_is_the_square_shifted(lead, scale, keep_positive):
+    count = 20
+    settings = Settings(scale, TURN * lead / count, 1.0, keep_positive, 3.0, "delay")
+    conditioner = Conditioner()
+    for index in range(3 * count):
+        result = conditioner.process(*square(2.0, count, index), settings)
+        level = square(2.0, count, index + lead if index > count else index)[3] - 3.0
+        lift = max(0.0, abs(2.0 * scale) - 1.0) if keep_positive else 0.0
+        if index > count or index < (-lead) % count:
+            assert result == pytest.approx(scale * level + 1.0 + lift, abs=1e-5 * abs(scale))
+
+
+def test_methods_agree_on_a_sine_and_may_be_switched_at_any_sample():
+    conditioner = Conditioner()
+    source = Source(frequency=6.0)
+    for index in range(1200):
+        sine = Settings(phase_shift=1.0)
+        chosen = sine._replace(method=METHODS[index // 7 % 2])
+        result = conditioner.process(*source.sample(0.005), chosen)
+        if index > 210:
+            assert result == pytest.approx(source.expected(sine), abs=1e-5)
+
+
+def test_a_delayed_signal_is_centred_by_the_input_offset_in_force():
+    conditioner = Conditioner()
+    for index in range(40):
+        result = conditioner.process(
+            *square(2.0, 20, index), Settings(1.0, 0.15 * TURN, 0.0, False, float(index), "delay")
+        )
+        assert abs(result + index - 3.0) == pytest.approx(2.0, abs=1e-5)

@@ -11,47 +11,22 @@ looks f(theta + shift) up in the latest period, and does without the shift until
 """
 
 import math
-from typing import Optional, Protocol
+from typing import TYPE_CHECKING, Optional
 
 from basic_comms.delay_line import PhaseDelayLine
 from basic_comms.phase_tracking import PhaseTracker
 
-#: The ways to shift the phase.
-METHODS = ("sine", "delay")
+if TYPE_CHECKING:
+    from basic_comms.process_parameters import ProcessParameters
 
 _FLOAT32_MAX = (2.0 - 2.0**-23) * 2.0**127
 
 
-class Settings(Protocol):
-    """What a :class:`Conditioner` reads; an object must not change once it was passed in."""
-
-    @property
-    def amplitude_scale(self) -> float:
-        """Gain of the signal around input_offset."""
-
-    @property
-    def phase_shift(self) -> float:
-        """Lead of the output over the input, rad."""
-
-    @property
-    def offset(self) -> float:
-        """Added to the output, in its unit."""
-
-    @property
-    def keep_positive(self) -> bool:
-        """Lift the output by as much as its negative peak lies below zero."""
-
-    @property
-    def input_offset(self) -> float:
-        """Taken off the input first, in its unit."""
-
-    @property
-    def method(self) -> str:
-        """How the phase is shifted, one of METHODS."""
-
-
 class Conditioner:
     """Turn samples of a signal into samples of the conditioned signal.
+
+    A sample with neither amplitude nor frequency is none of a signal: a generator that is stopped
+    sends it. Such a value passes without a shift, and the phase is kept until the signal goes on.
 
     Settings act on the output alone, and both methods follow every sample: a change of settings
     takes effect at the next sample and leaves no trace behind.
@@ -62,7 +37,7 @@ class Conditioner:
         self.rejected = 0
         self._tracker = PhaseTracker()
         self._line = PhaseDelayLine()
-        self._settings: Optional[Settings] = None
+        self._settings: Optional[ProcessParameters] = None
         self._scale = self._cosine = 1.0
         self._sine = self._offset = self._input_offset = 0.0
         self._phase_shift = 0.0
@@ -79,7 +54,7 @@ class Conditioner:
         frequency: float,
         time_x: float,
         signal_y: float,
-        settings: Settings,
+        settings: "ProcessParameters",
     ) -> Optional[float]:
         """Take in one sample and give the conditioned one.
 
@@ -87,7 +62,7 @@ class Conditioner:
         :param frequency: angular frequency since the previous sample, rad/s
         :param time_x: time of the sample, s
         :param signal_y: value of the signal
-        :param settings: what to do; read only when it is another object than last time
+        :param settings: what to do, a snapshot; read only when it is another one than last time
         :returns: conditioned value; None if a field is not finite (then the sample is as good as
             lost) or the value does not fit into a float32
         """
@@ -96,15 +71,10 @@ class Conditioner:
             return None
         if settings is not self._settings:
             self._adopt(settings)
-        quadrature = self._tracker.update(
-            amplitude, frequency, time_x, signal_y, self._input_offset
-        )
-        self._line.push(frequency, time_x, signal_y)
-        if self._delays:
-            earlier = self._line.value(self._phase_shift)
-            shifted = (signal_y if earlier is None else earlier) - self._input_offset
+        if amplitude or frequency:
+            shifted = self._shift(amplitude, frequency, time_x, signal_y)
         else:
-            shifted = (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
+            shifted = signal_y - self._input_offset
         result = self._scale * shifted + self._offset
         if self._keep_positive:
             result += max(0.0, abs(self._scale * amplitude) - self._offset)
@@ -113,7 +83,17 @@ class Conditioner:
             return None
         return result
 
-    def _adopt(self, settings: Settings) -> None:
+    def _shift(self, amplitude: float, frequency: float, time_x: float, signal_y: float) -> float:
+        quadrature = self._tracker.update(
+            amplitude, frequency, time_x, signal_y, self._input_offset
+        )
+        self._line.push(frequency, time_x, signal_y)
+        if self._delays:
+            earlier = self._line.value(self._phase_shift)
+            return (signal_y if earlier is None else earlier) - self._input_offset
+        return (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
+
+    def _adopt(self, settings: "ProcessParameters") -> None:
         self._settings = settings
         self._scale = settings.amplitude_scale
         self._delays = settings.method == "delay"

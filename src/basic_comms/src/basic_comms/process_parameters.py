@@ -2,7 +2,7 @@
 
 import math
 
-from basic_comms.parameters import BoolParameter, FloatParameter, ParameterSet
+from basic_comms.parameters import BoolParameter, EnumParameter, FloatParameter, ParameterSet
 
 
 class ProcessParameters(ParameterSet):
@@ -21,6 +21,11 @@ class ProcessParameters(ParameterSet):
     offset = FloatParameter(0.0, minimum=-1e9, maximum=1e9, help="added to the output")
     keep_positive = BoolParameter(
         True, help="lift the output by as much as its negative peak lies below zero"
+    )
+    method = EnumParameter(
+        "sine",
+        choices=("sine", "delay"),
+        help="how the phase is shifted: by the phase of a sine, or any shape by its last period",
     )
     input_offset = FloatParameter(
         0.0, minimum=-1e9, maximum=1e9, help="mean of the input, taken off first"

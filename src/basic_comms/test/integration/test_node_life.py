@@ -48,7 +48,7 @@ class NodeLife(unittest.TestCase):
         wait_until(lambda: name in self.graph.nodes(), lambda: name + " did not come up")
 
     def assert_ends_cleanly(self, node: str, process: "subprocess.Popen[str]") -> None:
-        """Check the exit status, that there is no traceback, and that the master forgot the node."""
+        """Check the exit status, the last words and what the master still knows."""
         _, errors = process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 0, errors)
         self.assertNotIn("Traceback", errors)

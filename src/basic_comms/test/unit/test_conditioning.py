@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.conditioning import METHODS, Conditioner
+from basic_comms.conditioning import Conditioner
+from basic_comms.process_parameters import ProcessParameters
 
 TURN = 2.0 * math.pi
+METHODS = ProcessParameters.method.choices
 
 
 class Settings(NamedTuple):
@@ -259,3 +261,18 @@ def test_a_delayed_signal_is_centred_by_the_input_offset_in_force():
             *square(2.0, 20, index), Settings(1.0, 0.15 * TURN, 0.0, False, float(index), "delay")
         )
         assert abs(result + index - 3.0) == pytest.approx(2.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_stopped_generator_keeps_the_phase_for_when_it_goes_on(method):
+    settings = Settings(keep_positive=False, method=method)
+    conditioner, undisturbed, source = Conditioner(), Conditioner(), Source()
+    for number in range(60):
+        sample = source.sample(0.05)
+        if number in (40, 41):
+            for _ in range(3):
+                stopped = conditioner.process(0.0, 0.0, sample[2], 0.25, settings)
+                assert stopped == 0.5 * 0.25
+        result = conditioner.process(*sample, settings)
+        assert result == undisturbed.process(*sample, settings)
+    assert conditioner.restarts == 0

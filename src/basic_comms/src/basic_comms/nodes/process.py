@@ -70,8 +70,8 @@ class Process:
     def _warn_of_restart(self, time_x: float) -> None:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
-            "signal: time_x went back or repeated itself (now %g s): the phase starts anew"
-            % time_x,
+            "%s: time_x went back or repeated itself (now %g s): the phase starts anew"
+            % (self._subscriber.resolved_name, time_x),
         )
 
     def _warn_of_rejection(self) -> None:

@@ -94,8 +94,20 @@ class ParameterWatcher:
         self._reachable = True
         if not rospy_internals.on_parameter_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
+        self._take_over_logging()
         rospy.on_shutdown(self.close)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
+
+    def _take_over_logging(self) -> None:
+        """Spare the master a question for each line of the log, and rospy a subscription.
+
+        A subscription that is left behind is no trifle: should the node be
+        started anew, the master would shut down whoever has its old port by then.
+        """
+        key = rospy_internals.ROSOUT_PARAMETER
+        self.server.subscribe([key])
+        value = self.server.read([key]).values[key]
+        rospy_internals.cache_parameter(key, value if value is not MISSING else False)
 
     def subscribe(self, watch: Watch) -> None:
         """Keep the notifications of a key until :meth:`add`.
@@ -139,13 +151,12 @@ class ParameterWatcher:
         self._bell.set()
 
     def close(self) -> None:
-        """End the thread and take the subscriptions back.
-
-        rospy leaves them with the master, which then calls a port that some
-        other node may have got meanwhile.
-        """
+        """End the thread and take the subscriptions back, which rospy itself does not."""
         self._closed = True
-        self._unsubscribe([watch.key for watch in self._subscribed])
+        self._unsubscribe(self._keys())
+
+    def _keys(self) -> List[str]:
+        return [rospy_internals.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
 
     def _unsubscribe(self, keys: List[str]) -> None:
         try:
@@ -199,7 +210,7 @@ class ParameterWatcher:
         if self._restarted and not self._closed:
             rospy.logwarn("the master was restarted: registering again, settings in force are kept")
             rospy_internals.register_again()
-            self.server.subscribe(watch.key for watch in self._subscribed)
+            self.server.subscribe(self._keys())
             self._lost = set(self._subscribed)
             self._restarted = False
         self._pass_on(reading, read_at)

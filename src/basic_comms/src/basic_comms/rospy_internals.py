@@ -60,6 +60,22 @@ def on_parameter_push(handle: Callable[[str, Any], bool]) -> bool:
     return True
 
 
+#: What rospy asks the master for with each line of the log that goes to /rosout,
+#: until it has an answer that is set, and stays subscribed to after its end.
+ROSOUT_PARAMETER = "/rosout_disable_topics_generation"
+
+
+def cache_parameter(key: str, value: Any) -> None:
+    """Answer a parameter's cached reads from now on, until the master sends another value.
+
+    :param key: global name of the parameter, which somebody has to subscribe
+    :param value: its value, or the default where it is not set
+    """
+    cache = rospy.impl.paramserver.get_param_server_cache()
+    if callable(getattr(cache, "set", None)):
+        cache.set(key, value)
+
+
 # --- Signals ---------------------------------------------------------------------------------
 
 

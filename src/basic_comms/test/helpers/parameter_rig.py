@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -143,6 +144,38 @@ class Spy(Process):
         return [json.loads(line) for line in self.lines[1:]]
 
 
+class Master:
+    """A master that can be killed and started again; its parameters go with it."""
+
+    def __init__(self) -> None:
+        with socket.socket() as chooser:
+            chooser.bind(("localhost", 0))
+            self._port = chooser.getsockname()[1]
+        self.uri = "http://localhost:%d/" % self._port
+        self.start()
+
+    def start(self) -> None:
+        """Start it and wait until it answers."""
+        self._popen = subprocess.Popen(
+            ["rosmaster", "--core", "-p", str(self._port)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        wait_until(self._answers, lambda: "no answer of the master")
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._popen.kill()
+        self._popen.wait(TIMEOUT)
+
+    def _answers(self) -> bool:
+        try:
+            with ServerProxy(self.uri) as proxy:
+                return bool(proxy.getPid("/test")[0] == 1)
+        except OSError:
+            return False
+
+
 class Server:
     """The parameter server as some other node sees it.
 
@@ -177,6 +210,10 @@ class Server:
         """Tell whether anything is registered under the name of a node, parameters included."""
         return bool(self.master.lookupNode("/test", node)[0] == 1)
 
+    def services(self) -> List[str]:
+        """Return the names of all services."""
+        return [name for name, _ in self.master.getSystemState("/test")[2][2]]
+
     def wait_for(self, key: str, value: Any) -> None:
         """Wait until the server holds a value."""
         wait_until(
@@ -193,10 +230,15 @@ def same(one: Any, other: Any) -> bool:
 class ParameterCase(unittest.TestCase):
     """A test that starts processes and knows what must always hold of a node."""
 
-    def start_node(self, name: str, **environment: str) -> ParameterNode:
-        """Start a node that is killed at the end of the test, and wait for its first values."""
+    def launch_node(self, name: str, **environment: str) -> ParameterNode:
+        """Start a node that is killed at the end of the test."""
         node = ParameterNode(name, environment)
         self.addCleanup(node.end)
+        return node
+
+    def start_node(self, name: str, **environment: str) -> ParameterNode:
+        """Start a node as above and wait for its first values."""
+        node = self.launch_node(name, **environment)
         wait_until(lambda: node.reports, lambda: "start of %s: %s" % (name, node.logged()))
         return node
 

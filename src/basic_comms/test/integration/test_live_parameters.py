@@ -5,6 +5,8 @@ import contextlib
 import io
 import tempfile
 import time
+import urllib.request
+import xmlrpc.client
 from typing import Any, List
 
 import rosparam
@@ -144,6 +146,18 @@ class LiveParameters(ParameterCase):
             self.server.set(GAUGE + "/level", value)
             self.server.wait_for(GAUGE + "/level", on_server)
             self.node.wait_for(level=float(on_server))
+
+    def test_integer_of_64_bits_is_refused_though_it_hides_all_the_rest(self) -> None:
+        # Clients in other languages can set what the master cannot send.
+        request = xmlrpc.client.dumps(("/test", GAUGE + "/level", 0), "setParam")
+        request = request.replace("<int>0</int>", "<i8>2147483648</i8>")
+        with urllib.request.urlopen(self.server.uri, request.encode()):
+            pass
+        self.server.set(GAUGE + "/count", 5)
+        self.node.wait_for(count=5)
+        self.node.wait_for_log("WARN", GAUGE + "/level: a value that the master cannot send is")
+        self.assert_truth(self.node, self.server)
+        self.assertEqual(self.node.values, {**DEFAULTS, "count": 5})
 
     def test_file_is_loaded_as_one_change(self) -> None:
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:

@@ -320,6 +320,29 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=5.0, count=5)
         self.assertEqual([(values.level, values.count) for values in told[1:3]], [(5, 3), (5, 5)])
 
+    def test_key_that_was_never_cached_is_notified_of(self) -> None:
+        class Quiet(Watch):
+            pushed: List[Any] = []
+
+            def observe(self, seen: Observation) -> bool:
+                self.pushed += seen.pushed
+                return True
+
+        quiet = Quiet(self.key)
+        self.watcher.add(quiet)
+        self.addCleanup(self.watcher.remove, quiet)
+        self.user.set(self.key + "/new/leaf", 5)
+        wait_until(lambda: quiet.pushed, lambda: "rospy keeps the notification for itself")
+        self.assertEqual(quiet.pushed, [(self.key + "/new/leaf", 5)])
+
+    def test_cached_reads_by_others_in_the_process_harm_nobody(self) -> None:
+        live = self.start(level=2.0)
+        self.assertEqual(rospy.get_param_cached(self.level), 2.0)
+        self.user.set(self.level, 5.0)
+        self.user.set(self.key + "/title", "new")
+        self.assert_ends_with(live, level=5.0, title="new")
+        self.assertEqual(rospy.get_param_cached(self.level), 5.0)
+
     def test_defect_of_one_watch_harms_no_other(self) -> None:
         class Broken(Watch):
             def observe(self, seen: Observation) -> bool:

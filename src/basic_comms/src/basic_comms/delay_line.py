@@ -86,22 +86,21 @@ class PhaseDelayLine:
         """Return the value at a phase between the samples at after - 1 and after."""
         phases = self._phases
         values = self._values
-        start = phases[after - 1]
-        end = phases[after]
-        width = end - start
-        slope = (values[after] - values[after - 1]) / width
-        value = values[after - 1] + slope * (target - start)
+        width = phases[after] - phases[after - 1]
+        rise = values[after] - values[after - 1]
+        fraction = (target - phases[after - 1]) / width
+        value = values[after - 1] + fraction * rise
         if after < 2 or after + 1 == len(phases):
             return value
-        before = start - phases[after - 2]
-        beyond = phases[after + 1] - end
-        if width > _UNEVEN * min(before, beyond):
+        before = (phases[after - 1] - phases[after - 2]) / width
+        beyond = (phases[after + 1] - phases[after]) / width
+        if _UNEVEN * min(before, beyond) < 1.0:
             return value
-        bend = (slope - (values[after - 1] - values[after - 2]) / before) / (before + width)
-        other = ((values[after + 1] - values[after]) / beyond - slope) / (width + beyond)
+        bend = (rise - (values[after - 1] - values[after - 2]) / before) / (1.0 + before)
+        other = ((values[after + 1] - values[after]) / beyond - rise) / (1.0 + beyond)
         if abs(other) < abs(bend):
             bend = other
-        return value + bend * (target - start) * (target - end)
+        return value - bend * fraction * (1.0 - fraction)
 
     def _drop(self, oldest: float) -> None:
         """Forget what lies before a phase, but for two samples that interpolation needs."""

@@ -32,6 +32,8 @@ _FORGET = 1e-3
 # Pull towards an input that is no exact sine, per rad of advance: a phase-locked loop that settles
 # within a few periods.
 _PULL = 0.2
+# How far a sweep may be from linear between two samples, relative to what it adds to the advance.
+_SWEEP_ROUGHNESS = 1e-3
 # A smaller amplitude comes near float32's subnormal numbers, which have no relative precision.
 _LEAST_AMPLITUDE = 1e-36
 
@@ -42,14 +44,26 @@ class PhaseTracker:
     All arguments must be finite. With zero amplitude or frequency the phase keeps its course. An
     input that is no sine of the stated amplitude and frequency leaves the phase on its course for
     one period and pulls it gently from then on. A sine that jumps is found from two new samples.
+    If the advance by the latest frequency is contradicted, the mean frequency of the latest two
+    samples is tried, which is that of a sweep.
     """
 
-    __slots__ = ("restarts", "_time", "_phase", "_half", "_open", "_contradicted")
+    __slots__ = (
+        "restarts",
+        "_time",
+        "_frequency",
+        "_phase",
+        "_half",
+        "_open",
+        "_contradicted",
+        "_sweeps",
+    )
 
     def __init__(self) -> None:
         #: How often time_x repeated itself or ran backwards, which starts the tracking anew.
         self.restarts = 0
         self._time = -math.inf
+        self._frequency = 0.0
         self._phase = 0.0
         # Half width of the interval around _phase when one narrow interval is left, else infinite;
         # then _open holds the intervals left open, the one most likely first.
@@ -57,6 +71,8 @@ class PhaseTracker:
         self._open: List[Interval] = []
         # Phase passed since samples began to contradict each other, rad.
         self._contradicted = 0.0
+        # Whether frequency changes gradually from sample to sample, not at once with a sample.
+        self._sweeps = False
 
     def update(
         self,
@@ -78,9 +94,20 @@ class PhaseTracker:
         if time_x <= self._time:
             self.restarts += 1
             self._time = -math.inf
-        advance = frequency * (time_x - self._time)
+        step = time_x - self._time
+        advance = frequency * step
         slack = _ROUNDING * abs(advance) + _TIME_ROUNDING * abs(frequency * time_x)
+        sweep = 0.0
+        if frequency != self._frequency:
+            sweep = 0.5 * (self._frequency - frequency) * step
+            if self._sweeps:
+                advance += sweep
+                slack += _SWEEP_ROUGHNESS * abs(sweep)
+                sweep = -sweep
+        else:
+            self._sweeps = False
         self._time = time_x
+        self._frequency = frequency
         if slack < _LOST:
             phase = math.remainder(self._phase + advance, TURN)
             half = self._half + slack
@@ -88,7 +115,7 @@ class PhaseTracker:
             # Nothing known from earlier samples. A generator left alone obeys phase = w t.
             phase = frequency * time_x
             phase = math.remainder(phase, TURN) if abs(phase) < 1e15 else 0.0
-            advance = 0.0
+            advance = sweep = 0.0
             half = math.inf
             self._open = []
 
@@ -122,7 +149,7 @@ class PhaseTracker:
             predicted = [(phase, half)]
         else:
             predicted = [(centre + advance, width + slack) for centre, width in self._open]
-        return amplitude * self._search(phase, predicted, value, tolerance, advance)
+        return amplitude * self._search(phase, predicted, value, tolerance, advance, sweep)
 
     def _search(
         self,
@@ -131,10 +158,16 @@ class PhaseTracker:
         value: float,
         tolerance: float,
         advance: float,
+        sweep: float,
     ) -> float:
         """Settle on a phase while more than one narrow interval is open; return its cosine."""
         measured = phases_of_sine(value, tolerance)
         left = nearest_first(intersect(predicted, measured) if predicted else measured, phase)
+        if sweep and not left:
+            doubt = _SWEEP_ROUGHNESS * abs(sweep)
+            swept = [(centre + sweep, half + doubt) for centre, half in predicted]
+            left = nearest_first(intersect(swept, measured), phase + sweep)
+            self._sweeps ^= bool(left)
         self._half = math.inf
         if left:
             self._open = left

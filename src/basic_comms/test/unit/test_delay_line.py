@@ -53,7 +53,9 @@ leads = st.floats(-10.0, 10.0)
 signs = st.sampled_from([1.0, -1.0])
 
 
-@given(st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=12), st.integers(-20, 20), signs)
+@given(
+    st.lists(st.floats(-1e6, 1e6, width=32), min_size=3, max_size=12), st.integers(-20, 20), signs
+)
 def test_a_lead_by_whole_samples_gives_the_sample_itself(period, lead, sign):
     count = len(period)
     feed = Feed(lambda phase: period[round(phase / TURN * count) % count], sign)
@@ -207,6 +209,14 @@ def test_a_gap_beside_an_edge_is_not_overshot():
         line.push(1.0, phase, value)
     for lag in (1.5, 2.0, 3.0, 3.9):
         assert line.value(-lag) == pytest.approx(1.0)
+
+
+def test_samples_hardly_apart_do_not_overflow():
+    line = PhaseDelayLine()
+    for time, frequency, value in [(1.0, 1.0, 0.0), (1.5, 1e-301, 1.0), (2.0, 1e-320, -1e38)]:
+        line.push(frequency, time, value)
+    for lead in (-5e-324, -1e-310, -4e-302, -3e-301):
+        assert math.isfinite(line.value(lead) or 0.0)
 
 
 numbers = st.floats(-1e9, 1e9)

@@ -120,6 +120,52 @@ def test_error_stays_within_the_promise_through_live_changes(drawn, data):
             assert line.deliver() <= allowed
 
 
+def sweep(line, slope, count, step=0.01):
+    """Raise the frequency gradually; return the errors on the way."""
+    errors = []
+    for _ in range(count):
+        # The phase advances with the mean frequency, the sample tells the one at its end.
+        line.frequency += 0.5 * slope * step
+        line.advance(step)
+        line.frequency += 0.5 * slope * step
+        errors.append(line.deliver())
+    return errors
+
+
+@given(st.floats(-10.0, 10.0), st.floats(1.0, 100.0), st.floats(-math.pi, math.pi), signs)
+def test_a_sweep_is_followed_exactly(slope, frequency, phase, sign):
+    line = Line(frequency=sign * frequency, phase=phase)
+    line.deliver()
+    # It may take a swing until a gradual change is told from a sudden one.
+    assert max(sweep(line, slope, 700)[600:]) <= 1e-5
+
+
+def test_a_logarithmic_sweep_is_followed_exactly():
+    line = Line(frequency=1.0)
+    line.deliver()
+    for _ in range(1000):
+        growth = math.exp(0.005)
+        mean = line.frequency * (growth - 1.0) / 0.005
+        line.phase += mean * 0.01
+        line.time += 0.01
+        line.frequency *= growth
+        assert line.deliver() <= 1e-5
+
+
+@given(near_crest, st.floats(10.0, 60.0))
+def test_a_sudden_change_after_a_sweep_is_sudden_again(phase, frequency):
+    line = Line(frequency=5.0)
+    line.deliver()
+    sweep(line, 10.0, 200)
+    line.advance(0.01)
+    line.deliver()
+    line.advance((phase - line.phase) % TURN / line.frequency)
+    line.deliver()
+    for line.frequency in (frequency, 7.0):
+        line.advance(0.001)
+        assert line.deliver() <= 1e-5
+
+
 @given(lines(), st.lists(st.integers(1, 40), min_size=15, max_size=15))
 def test_lost_samples_cost_no_more_than_the_rounding_of_frequency(drawn, gaps):
     line, step = drawn

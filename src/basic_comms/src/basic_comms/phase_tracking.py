@@ -163,8 +163,8 @@ class PhaseTracker:
         """Settle on a phase while more than one narrow interval is open; return its cosine."""
         measured = phases_of_sine(value, tolerance)
         left = nearest_first(intersect(predicted, measured) if predicted else measured, phase)
-        if sweep and not left:
-            doubt = _SWEEP_ROUGHNESS * abs(sweep)
+        doubt = _SWEEP_ROUGHNESS * abs(sweep)
+        if not left and 0.0 < doubt < _LOST:
             swept = [(centre + sweep, half + doubt) for centre, half in predicted]
             left = nearest_first(intersect(swept, measured), phase + sweep)
             self._sweeps ^= bool(left)

@@ -63,7 +63,9 @@ update_lists() {
 
 # For people to copy.
 apt_line() { # PACKAGE…
-    echo "$([ "$EUID" = 0 ] || echo 'sudo ')apt-get install --no-install-recommends $*"
+    local sudo=''
+    [ "$EUID" = 0 ] || ! command -v sudo >/dev/null || sudo='sudo '
+    echo "${sudo}apt-get install --no-install-recommends $*"
 }
 
 install_packages() { # SECTION…

@@ -9,6 +9,8 @@ from steps import Step
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = WORKSPACE / "src"
 CI = WORKSPACE / "ci"
+# Directories of ci/tests that are not part of the unit tier.
+TIERS_OF_THEIR_OWN = ("spaces",)
 ROOT = len(WORKSPACE.parts)
 
 
@@ -48,7 +50,8 @@ def lint() -> List[Step]:
         "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES)],
         "flake8": ["flake8", "--config", str(WORKSPACE / ".flake8")] + files,
         "black": ["black", "--check", "--diff", "--quiet"] + files,
-        "mypy": ["mypy", str(CI / "lib")] + libraries,
+        "mypy": ["mypy", "--exclude", "/peers/", str(CI / "lib"), str(CI / "benchmark")]
+        + libraries,
         "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
     }
     for package in packages():
@@ -68,8 +71,11 @@ def docs() -> List[Step]:
 
 def unit() -> List[Step]:
     places = {package.name: package / "test" / "unit" for package in packages()}
-    places["ci/exec"] = CI / "tests" / "exec"
-    places["ci/test"] = CI / "tests" / "runner"
+    places.update(
+        ("ci/" + place.name, place)
+        for place in sorted((CI / "tests").iterdir())
+        if place.name not in TIERS_OF_THEIR_OWN
+    )
     return [pytest_step("unit", name, place) for name, place in places.items() if place.is_dir()]
 
 

@@ -6,7 +6,7 @@ in an endless quick loop.
 """
 
 from collections import defaultdict
-from typing import Any, DefaultDict, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, DefaultDict, Dict, Iterable, List, Mapping, Sequence, Tuple
 
 from basic_comms.parameter_kinds import is_same
 from basic_comms.parameter_server import MISSING
@@ -49,6 +49,14 @@ class Contention:
         :param now: the time, s
         """
         self._written[name] = (value, now)
+
+    def forget(self, names: Iterable[str]) -> None:
+        """Forget writes: what stands there now is newer than any notification.
+
+        :param names: names of the parameters
+        """
+        for name in names:
+            self._written.pop(name, None)
 
     def overwritten(
         self,

@@ -123,6 +123,8 @@ class LiveParameters(Watch, Generic[Snapshot]):
                 raise self._named(error) from None
             changed = {k: to_wire(v) for k, v in new.as_dict().items() if getattr(old, k) != v}
             self._send(changed)
+            # Newer than what is on its way: no notification may take it back.
+            self._contention.forget(changed)
             if isinstance(self.known, dict):
                 self.known = {**self.known, **changed}
             self._bring_into_force(new)
@@ -190,6 +192,8 @@ class LiveParameters(Watch, Generic[Snapshot]):
         """Make the server tell the truth, or later what would be written too often."""
         now = time.monotonic()
         allowed = {k: v for k, v in writes.items() if at_once or self._contention.allow(k, now)}
+        for name, value in allowed.items():
+            self._contention.note(name, value, now)
         self._send(allowed)
         self.known = self._last_raw = {**raw, **writes}
         if len(allowed) == len(writes):
@@ -198,8 +202,6 @@ class LiveParameters(Watch, Generic[Snapshot]):
     def _send(self, values: Mapping[str, Any]) -> None:
         if not values:
             return
-        for name, value in values.items():
-            self._contention.note(name, value, time.monotonic())
         self._server.write({"%s/%s" % (self.key, name): value for name, value in values.items()})
         self._written_at = time.monotonic()
 

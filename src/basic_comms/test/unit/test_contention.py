@@ -109,3 +109,9 @@ def test_the_burst_is_back_after_a_rest(rest):
     for _ in range(2 * BURST):
         contention.allow("level", 0.0)
     assert [contention.allow("level", rest) for _ in range(BURST + 1)].count(True) == BURST
+
+
+def test_what_is_written_on_purpose_is_newer_than_any_notification():
+    contention = after_writing(2.0)
+    contention.forget(["level", "title"])
+    assert overwritten(contention, 2.0, 5.0) == {}

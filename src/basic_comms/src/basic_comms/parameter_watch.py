@@ -21,6 +21,10 @@ from basic_comms.parameter_server import MISSING, UNREACHABLE, NoValue, Paramete
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
+#: Most keys that are read each second without a notification. Where there are
+#: more, as in a fleet of hundreds of groups, they take turns: reading them all
+#: would cost more than all else that the fleet does.
+RECONCILE_KEYS = 200
 #: A change counts as complete once two reads this far apart agree, s: "rosparam
 #: load" writes leaf by leaf, in far less than that from one leaf to the next.
 SETTLE_S = 0.02
@@ -85,6 +89,7 @@ class ParameterWatcher:
         #: lists are replaced and never changed, since other threads walk through them.
         self._subscribed: List[Watch] = []
         self._watches: List[Watch] = []
+        self._turn_from = 0
         self._bell = threading.Event()
         self._closed = False
         self._master_pid: Optional[int] = None
@@ -175,17 +180,30 @@ class ParameterWatcher:
         return bool(followers)
 
     def _run(self) -> None:
+        next_turn = time.monotonic() + RECONCILE_S
         while not self._closed:
-            self._bell.wait(RECONCILE_S)
+            self._bell.wait(max(0.0, next_turn - time.monotonic()))
             self._bell.clear()
             if self._closed:
                 continue
+            turn: List[Watch] = []
+            if time.monotonic() >= next_turn:
+                next_turn = time.monotonic() + RECONCILE_S
+                turn = self._next_turn()
             try:
-                self._look()
+                self._look(turn)
             except UNREACHABLE as error:
                 self._note_reachable(False, error)
             else:
                 self._note_reachable(True)
+
+    def _next_turn(self) -> List[Watch]:
+        """Return whose keys are read this second, whatever the master notifies."""
+        watches = self._watches[self._turn_from :][:RECONCILE_KEYS]
+        self._turn_from += RECONCILE_KEYS
+        if self._turn_from >= len(self._watches):
+            self._turn_from = 0
+        return watches
 
     def _note_reachable(self, reachable: bool, error: Optional[Exception] = None) -> None:
         if reachable != self._reachable and not self._closed:
@@ -195,16 +213,22 @@ class ParameterWatcher:
             else:
                 rospy.logwarn("the master does not answer (%s): settings stay as they are", error)
 
-    def _look(self) -> None:
-        """Read once; where something changed, wait until it rests and pass it on."""
-        read_at, reading = self._read()
-        if not self._restarted and self._unchanged(reading):
+    def _look(self, turn: List[Watch]) -> None:
+        """Read what may have changed; where something has, wait until it rests.
+
+        :param turn: whose keys are read in any case
+        """
+        watches = turn + [watch for watch in self._watches if self._is_due(watch)]
+        read_at, reading = self._read(watches)
+        if self._restarted:
+            watches = self._watches
+        elif self._unchanged(reading):
             return
         limit = read_at + SETTLE_LIMIT_S
         while True:
             time.sleep(SETTLE_S)
             before = reading
-            read_at, reading = self._read()
+            read_at, reading = self._read(watches)
             if is_same(reading.values, before.values) or read_at > limit:
                 break
         if self._restarted and not self._closed:
@@ -215,23 +239,23 @@ class ParameterWatcher:
             self._restarted = False
         self._pass_on(reading, read_at)
 
-    def _read(self) -> Tuple[float, Reading]:
+    def _read(self, watches: List[Watch]) -> Tuple[float, Reading]:
         read_at = time.monotonic()
-        reading = self.server.read([watch.key for watch in self._watches])
+        reading = self.server.read([watch.key for watch in watches])
         if not reading.knows_node or self._master_pid not in (None, reading.master_pid):
             self._restarted = True
         self._master_pid = reading.master_pid
         return read_at, reading
 
+    def _is_due(self, watch: Watch) -> bool:
+        """Tell whether there is a reason to read a key."""
+        return bool(watch.pushes) or watch.known is _UNKNOWN or watch in self._lost
+
     def _is_news(self, watch: Watch, reading: Reading) -> bool:
-        return (
-            bool(watch.pushes)
-            or watch in self._lost
-            or not is_same(watch.known, reading.values[watch.key])
-        )
+        return self._is_due(watch) or not is_same(watch.known, reading.values[watch.key])
 
     def _unchanged(self, reading: Reading) -> bool:
-        # One that was added since the read has its turn with the next one.
+        # One whose key was not read has its turn with the next read.
         watches = [watch for watch in self._watches if watch.key in reading.values]
         return not any(self._is_news(watch, reading) for watch in watches)
 

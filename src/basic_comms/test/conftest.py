@@ -1,7 +1,1 @@
-"""Settings of the unit tests."""
-
-from hypothesis import settings
-
-# The same examples in every run, and no deadline: a busy machine is no failure.
-settings.register_profile("deterministic", derandomize=True, deadline=None)
-settings.load_profile("deterministic")
+"""Stands here to make pytest look for modules in this folder: the tests import helpers from it."""

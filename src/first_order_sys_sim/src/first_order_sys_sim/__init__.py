@@ -1,0 +1,1 @@
+"""A first-order system as a plant simulator on a ROS graph."""

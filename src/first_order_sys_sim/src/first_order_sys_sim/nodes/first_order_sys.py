@@ -1,0 +1,89 @@
+"""The first-order system: a plant to control and to identify."""
+
+import math
+import threading
+
+import rospy
+from basic_comms.live_parameters import LiveParameters
+from basic_comms.node_main import run
+from basic_comms.node_scope import NodeScope
+from basic_comms.publishing import Publisher
+from basic_comms.scheduling import get_scheduler
+from std_msgs.msg import Float32
+
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from first_order_sys_sim.system_parameters import SystemParameters
+
+#: A machine that is busy for up to this long makes outputs late, but loses none, s.
+_CATCH_UP_S = 0.5
+#: Least time between two warnings about inputs that are not finite, s.
+_WARN_EVERY_S = 10.0
+
+
+class FirstOrderSystem:
+    """Publishes the output y of a first-order plant, tau dy/dt + y = K u.
+
+    The input u is sampled every sample time and held; it is 0 before the first message. Each output
+    is that of the moment it was due, n / node rate after the first one.
+
+    :ROS Subscribers:
+        - ``input`` (std_msgs/Float32); what is not finite is left out, with a warning
+
+    :ROS Publishers:
+        - ``output`` (std_msgs/Float32)
+
+    :ROS Parameters:
+        - those of :class:`.SystemParameters`, private and live
+
+    :param scope: where the names above are; those of the process's own node by default
+    """
+
+    def __init__(self, scope: NodeScope = NodeScope()) -> None:
+        self._parameters = LiveParameters(SystemParameters, scope.parameters)
+        values = self._parameters.values
+        self._plant = FirstOrderPlant(values.plant, values.system_initial_conditions)
+        self._one_at_a_time = threading.Lock()
+        # In the plant's time, when the last output was due and the next one is; by the clock, when
+        # the last one went out.
+        self._due = self._next_due = 0.0
+        self._published_at = 0.0
+        self._publisher = Publisher(scope.topic("output"), Float32)
+        self._task = get_scheduler().every(
+            values.system_node_rate, self._publish, catch_up=_CATCH_UP_S
+        )
+        self._parameters.start(on_change=self._on_change)
+        rospy.Subscriber(scope.topic("input"), Float32, self._on_input, tcp_nodelay=True)
+
+    def _publish(self, elapsed: float) -> None:
+        with self._one_at_a_time:
+            self._due = elapsed
+            self._next_due = elapsed + 1.0 / self._parameters.values.system_node_rate
+            self._published_at = rospy.get_time()
+            output = self._plant.output(elapsed)
+        self._publisher.publish(Float32(output))
+
+    def _on_input(self, message: Float32) -> None:
+        if not math.isfinite(message.data):
+            rospy.logwarn_throttle(
+                _WARN_EVERY_S, "input: %s is not finite and is left out" % message.data
+            )
+            return
+        with self._one_at_a_time:
+            self._plant.set_input(self._now(), message.data)
+
+    def _on_change(self, new: SystemParameters, old: SystemParameters) -> None:
+        with self._one_at_a_time:
+            self._plant.change(self._now(), new.plant)
+            if new.system_initial_conditions != old.system_initial_conditions:
+                self._plant.set_output(self._now(), new.system_initial_conditions)
+        self._task.set_rate(new.system_node_rate)
+
+    def _now(self) -> float:
+        """Return the plant's time, s: from the last output on, until the next one is due."""
+        since = rospy.get_time() - self._published_at  # below 0 where the clock was set back
+        return min(self._due + max(since, 0.0), self._next_due)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("first_order_sys", FirstOrderSystem)

@@ -1,0 +1,50 @@
+"""The parameters of the first-order system, under the names that the course gave them."""
+
+from basic_comms.parameters import EnumParameter, FloatParameter, ParameterSet
+
+from first_order_sys_sim.first_order_plant import EXACT, METHODS, PlantSettings
+from first_order_sys_sim.float32 import to_float32
+
+
+class SystemParameters(ParameterSet):
+    """What the system is like and how often it tells its output; all of it may change live."""
+
+    system_node_rate = FloatParameter(
+        150.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
+    )
+    system_sample_time = FloatParameter(
+        0.02, minimum=1e-4, maximum=1e3, unit="s", help="how often the input is sampled, to be held"
+    )
+    system_param_K = FloatParameter(
+        13.2, minimum=-1e6, maximum=1e6, help="gain: steady output for each unit of input"
+    )
+    system_param_T = FloatParameter(
+        0.05, above=0.0, maximum=1e6, unit="s", help="time constant: 63 % of a step pass in it"
+    )
+    system_initial_conditions = FloatParameter(
+        0.0, minimum=-1e9, maximum=1e9, help="output at the start; a change puts the output there"
+    )
+    system_max_output = FloatParameter(
+        13.0, above=0.0, maximum=1e9, help="largest magnitude of the output"
+    )
+    system_min_input = FloatParameter(
+        0.2, minimum=0.0, maximum=1e9, help="dead zone: an input up to this magnitude acts as 0"
+    )
+    method = EnumParameter(
+        EXACT,
+        choices=METHODS,
+        help="how the state is computed; euler as on the slides, for comparison",
+    )
+
+    @property
+    def plant(self) -> PlantSettings:
+        """What the plant is like."""
+        return PlantSettings(
+            gain=self.system_param_K,
+            time_constant=self.system_param_T,
+            sample_time=self.system_sample_time,
+            max_output=self.system_max_output,
+            # Inputs are float32, and the one next to 0.2 is greater than 0.2.
+            min_input=to_float32(self.system_min_input),
+            method=self.method,
+        )

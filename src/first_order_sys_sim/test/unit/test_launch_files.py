@@ -1,0 +1,105 @@
+"""What the launch files hand to the node; nothing is started here."""
+
+import os
+from typing import Any, Dict, List, Tuple
+from xml.dom import minidom
+
+import pytest
+import rospkg
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+from first_order_sys_sim.system_parameters import SystemParameters
+
+LAUNCH = os.path.join(rospkg.RosPack().get_path("first_order_sys_sim"), "launch")
+NODE = "/first_order_sys"
+
+#: For each argument of system.launch its parameter, and a value other than the default.
+ARGUMENTS: Dict[str, Tuple[str, Any]] = {
+    "system_gain": ("system_param_K", 2.5),
+    "system_tau": ("system_param_T", 0.3),
+    "sample_time": ("system_sample_time", 0.1),
+    "node_rate": ("system_node_rate", 50.0),
+    "initial_conditions": ("system_initial_conditions", 1.0),
+    "max_output": ("system_max_output", 5.0),
+    "min_input": ("system_min_input", 0.5),
+    "method": ("method", "euler"),
+}
+
+
+def load(name: str, *arguments: str) -> ROSLaunchConfig:
+    """Load a launch file as roslaunch does with these arguments."""
+    config = ROSLaunchConfig()
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
+    assert config.config_errors == []
+    return config
+
+
+def settings(config: ROSLaunchConfig, node: str = NODE) -> Dict[str, Any]:
+    """Return the private parameters of a node by name."""
+    prefix = node + "/"
+    return {
+        key[len(prefix) :]: parameter.value
+        for key, parameter in config.params.items()
+        if key.startswith(prefix)
+    }
+
+
+def children(root: minidom.Element, name: str) -> List[minidom.Element]:
+    """Return the tags of a kind right below a launch file's own tag."""
+    return [tag for tag in root.childNodes if tag.nodeName == name]
+
+
+def nodes(config: ROSLaunchConfig) -> List[str]:
+    return sorted(node.namespace + node.name for node in config.nodes)
+
+
+def test_system_has_the_declared_defaults() -> None:
+    assert settings(load("system.launch")) == SystemParameters().as_dict()
+
+
+def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
+    root = minidom.parse(os.path.join(LAUNCH, "system.launch")).documentElement
+    docs = {tag.getAttribute("name"): tag.getAttribute("doc") for tag in children(root, "arg")}
+    assert set(docs) == {*ARGUMENTS, "terminals"}
+    for argument, (name, value) in ARGUMENTS.items():
+        expected = SystemParameters(**{name: value}).as_dict()
+        assert settings(load("system.launch", "%s:=%s" % (argument, value))) == expected
+        declared = SystemParameters.declared[name]
+        unit = " [%s]" % declared.unit if declared.unit else ""
+        choices = " %s" % declared.range if declared.type_name == "enum" else ""
+        assert docs[argument] == declared.help + unit + choices
+
+
+def test_tuned_overrides_three_arguments_and_keeps_the_rest() -> None:
+    expected = SystemParameters(
+        system_param_K=10.0, system_param_T=0.1, system_min_input=0.05
+    ).as_dict()
+    assert settings(load("system_tuned.launch")) == expected
+
+
+def test_tuned_hands_its_own_arguments_on() -> None:
+    arguments = ["system_gain:=7", "system_tau:=0.7", "min_input:=0.01"]
+    got = settings(load("system_tuned.launch", *arguments))
+    assert (got["system_param_K"], got["system_param_T"], got["system_min_input"]) == (7, 0.7, 0.01)
+
+
+def test_chain_remaps_the_input_of_the_system_only() -> None:
+    config = load("cw1_system.launch", "system_gain:=2", "system_tau:=0.5")
+    assert nodes(config) == ["/first_order_sys", "/process", "/signal_generator"]
+    remaps = {node.name: node.remap_args for node in config.nodes}
+    assert remaps["first_order_sys"] == [["input", "proc_signal"]]
+    assert remaps["process"] == remaps["signal_generator"] == []
+    got = settings(config)
+    assert (got["system_param_K"], got["system_param_T"]) == (2.0, 0.5)
+
+
+@pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))
+def test_terminals_are_for_every_node_and_only_when_asked_for(name: str) -> None:
+    for node in load(name).nodes:
+        assert "xterm" not in (node.launch_prefix or "")
+        assert node.output == "screen"
+    for node in load(name, "terminals:=true").nodes:
+        assert node.launch_prefix.startswith("xterm -e")

@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.graphviz",
     "parameter_tables",
     "launch_tables",
+    "plant_plots",
     "waveform_plots",
 ]
 exclude_patterns = ["_build", "_generated"]

@@ -119,6 +119,7 @@ def test_truth_value_in_place_of_an_equal_number_is_refused_and_put_back():
     settled = settle_all(Gauge(high=1.0, count=1), high=True, count=True)
     assert settled.values == Gauge(count=1)
     assert settled.writes == {"high": 1.0, "count": 1}
+    assert [error.value for error in settled.refusals] == [True, True]
     assert [type(value) for value in settled.writes.values()] == [float, int]
     assert settle_all(Gauge(on=True), on=1).writes == {"on": True}
 
@@ -185,6 +186,27 @@ def test_newer_value_that_was_overwritten_is_subject_to_the_rules():
     assert settled.values == DEFAULTS
     assert settled.writes == {"low": 0.0}
     assert [error.name for error in settled.refusals] == ["low", "low, high"]
+
+
+def test_value_in_force_is_not_judged_again():
+    class Once(StringParameter):
+        """Text that is allowed when it is new, such as the name of a file that is read then."""
+
+        allowed = "anything new"
+
+        def coerce(self, raw):
+            if raw == "stale":
+                raise self.refuse(raw)
+            return super().coerce(raw)
+
+    class Reader(ParameterSet):
+        """A set with such a parameter."""
+
+        file = Once("", help="file")
+
+    in_force = Reader.unjudged({"file": "stale"})
+    assert settle(in_force, {"file": "stale"}) == (in_force, [], {})
+    assert len(settle(Reader(), {"file": "stale"}).refusals) == 1
 
 
 def test_values_that_nobody_declared_are_left_alone():

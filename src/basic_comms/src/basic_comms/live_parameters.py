@@ -20,11 +20,15 @@ from basic_comms.contention import Contention
 from basic_comms.description import offer_description
 from basic_comms.parameter_server import MISSING, UNREADABLE
 from basic_comms.parameter_watch import Observation, ParameterWatcher, Watch, get_watcher
-from basic_comms.parameters import ParameterError, ParameterSet, shown, to_wire
+from basic_comms.parameters import ParameterError, ParameterSet, RuleError, shown, to_wire
 from basic_comms.settling import Settled, settle, unknown_names
 
 Snapshot = TypeVar("Snapshot", bound=ParameterSet)
 Listener = Callable[[Snapshot, Snapshot], None]
+
+#: How long values that do not go together may stand before they are refused, s:
+#: on a busy machine "rosparam load" may pause between one leaf and the next.
+PATIENCE_S = 0.2
 
 
 class LiveParameters(Watch, Generic[Snapshot]):
@@ -64,6 +68,7 @@ class LiveParameters(Watch, Generic[Snapshot]):
         self._contention = Contention()
         self._last_raw: Dict[str, Any] = {}
         self._written_at = 0.0
+        self._broken_since: Optional[float] = None
         self._telling = False
         # Subscribed before it is read: a change in between is not missed.
         self._watcher.subscribe(self)
@@ -147,6 +152,9 @@ class LiveParameters(Watch, Generic[Snapshot]):
                     self.values, raw, self._by_name(seen.pushed), time.monotonic()
                 ),
             )
+            if self._may_be_half_done(settled):
+                self._watcher.ring()
+                return False
             self._warn_of_refused(settled)
             self._warn_of_unknown(self.values.declared, raw)
             try:
@@ -154,7 +162,17 @@ class LiveParameters(Watch, Generic[Snapshot]):
                 self._write(raw, settled.writes, at_once=seen.forgotten)
             finally:
                 self._bring_into_force(settled.values)  # type: ignore[arg-type]
+            self._broken_since = None
             return True
+
+    def _may_be_half_done(self, settled: Settled) -> bool:
+        """Tell whether values that do not go together may yet be followed by others that do."""
+        now = time.monotonic()
+        if not any(isinstance(error, RuleError) for error in settled.refusals):
+            self._broken_since = None
+        elif self._broken_since is None:
+            self._broken_since = now
+        return self._broken_since is not None and now - self._broken_since < PATIENCE_S
 
     def _by_name(self, pushed: Sequence[Tuple[str, Any]]) -> List[Tuple[str, Any]]:
         """Take notifications of the namespace apart into those of its parameters."""

@@ -111,12 +111,16 @@ class LiveParameters(ParameterCase):
         """Return the lines of a level that were logged in this test."""
         return self.node.logged(level)[self.logged_before[level] :]
 
-    def assert_one_change(self, **values: Any) -> None:
-        """Wait for the values; they must have come with one call of the callback."""
+    def assert_taken(self, **values: Any) -> None:
+        """Wait for the values; nothing must have been refused."""
         self.node.wait_for(**values)
         self.assert_truth(self.node, self.server)
-        self.assertEqual(self.node.changes, self.changes_before + 1)
         self.assertEqual(self.new_log("WARN"), [])
+
+    def assert_one_change(self, **values: Any) -> None:
+        """Wait for the values; they must have come with one call of the callback."""
+        self.assert_taken(**values)
+        self.assertEqual(self.node.changes, self.changes_before + 1)
 
     def test_values_that_are_taken(self) -> None:
         for name, typed, value, on_server in TAKEN:
@@ -159,21 +163,20 @@ class LiveParameters(ParameterCase):
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 5})
 
-    def test_file_is_loaded_as_one_change(self) -> None:
+    def test_file_is_loaded_and_judged_as_a_whole(self) -> None:
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             file.write("{low: 20, high: 30, level: 1e1, marks: [7], title: loaded}")
             file.flush()
             run_rosparam("load", file.name, GAUGE)
         # Key by key, low would be above high.
-        self.assert_one_change(low=20.0, high=30.0, level=10.0, marks=[7.0], title="loaded")
+        self.assert_taken(low=20.0, high=30.0, level=10.0, marks=[7.0], title="loaded")
         self.assertEqual(len(self.new_log("INFO")), 5)
 
-    def test_namespace_is_set_as_one_change_and_keeps_the_rest(self) -> None:
+    def test_namespace_is_set_and_keeps_the_rest(self) -> None:
         self.server.set(GAUGE + "/title", "kept")
         self.node.wait_for(title="kept")
-        self.changes_before += 1
-        run_rosparam("set", GAUGE, "{count: 5, shape: flat}")
-        self.assert_one_change(count=5, shape="flat", title="kept")
+        run_rosparam("set", GAUGE, "{low: 20, high: 30, shape: flat}")
+        self.assert_taken(low=20.0, high=30.0, shape="flat", title="kept")
 
     def test_replaced_namespace_takes_the_rest_back_to_defaults(self) -> None:
         self.server.set(GAUGE + "/title", "gone")
@@ -214,9 +217,11 @@ class LiveParameters(ParameterCase):
         self.assertEqual(self.node.changes, self.changes_before + 1)
 
     def test_scalar_over_the_group_leaves_the_node_and_the_server_in_step(self) -> None:
-        self.server.set("/lab", "a note")
-        wait_until(lambda: isinstance(self.server.get("/lab"), dict), lambda: "nothing is written")
-        self.assert_truth(self.node, self.server)
+        # Twice, since the first may be noticed because of an earlier notification.
+        for note in (1, 2):
+            self.server.set("/lab", note)
+            wait_until(lambda: self.server.get("/lab") != note, lambda: "nothing is written")
+            self.assert_truth(self.node, self.server)
 
     def test_trailing_slashes_are_no_obstacle(self) -> None:
         self.server.set(GAUGE + "/level/", 5)

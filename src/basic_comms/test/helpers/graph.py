@@ -1,8 +1,7 @@
 """An observer of the ROS graph for tests: it asks the master and needs no node of its own."""
 
 import os
-import time
-from typing import Any, Dict, Iterable, List, Set, Tuple
+from typing import Any, Dict, List, Set, Tuple
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -10,9 +9,6 @@ import rosgraph
 from helpers.waiting import wait_until
 
 Registrations = List[Tuple[str, List[str]]]
-
-#: Registrations that have not changed for so long are taken to be complete, s.
-SETTLED = 0.25
 
 
 class Graph:
@@ -29,22 +25,14 @@ class Graph:
         self._earlier: Set[str] = set()
         self._earlier = self.nodes()
 
-    def nodes(self) -> Set[str]:
-        """Return the names of all nodes that publish, subscribe or serve."""
-        topics_and_services: Iterable[Registrations] = self._master.getSystemState()
-        registered = {node for part in topics_and_services for _, nodes in part for node in nodes}
-        return registered - self._earlier
+    def nodes(self, under: str = "/") -> Set[str]:
+        """Return the names of all nodes that publish, subscribe or serve.
 
-    def initialised(self) -> Set[str]:
-        """Return the names of the nodes that have come to the end of init_node.
-
-        A node is in :meth:`nodes` earlier than that. The last thing it does there is to offer the
-        service that sets its log level.
+        :param under: start of the names, for one part of the graph
         """
-        last = "/set_logger_level"
-        services: Registrations = self._master.getSystemState()[2]
-        names = {name[: -len(last)] for name, _ in services if name.endswith(last)}
-        return names - self._earlier
+        state: List[Registrations] = self._master.getSystemState()
+        registered = {node for part in state for _, nodes in part for node in nodes}
+        return {node for node in registered - self._earlier if node.startswith(under)}
 
     def publishers(self, topic: str) -> Set[str]:
         """Return the names of the nodes that publish a topic."""
@@ -102,29 +90,45 @@ class Graph:
         except ConnectionError:
             pass  # it was gone before it had answered
 
-    def wait_for_nodes(self, *names: str) -> None:
-        """Wait until exactly these nodes are there, and initialised."""
-        expected = set(names)
+    def wait_for_nodes(self, *names: str, under: str = "/") -> None:
+        """Wait until exactly these nodes are there, and have come to the end of init_node.
+
+        :param names: names of the nodes
+        :param under: look only at nodes whose names start so
+        """
         wait_until(
-            lambda: self.nodes() == expected and self.initialised() == expected,
-            lambda: "nodes are %s, not %s" % (sorted(self.nodes()), sorted(expected)),
+            lambda: self.nodes(under) == set(names) and self.initialised(*names),
+            lambda: "nodes are %s, not %s" % (sorted(self.nodes(under)), sorted(names)),
         )
 
-    def wait_until_settled(self) -> None:
-        """Wait until no registration has been added or removed for a moment.
+    def initialised(self, *names: str) -> bool:
+        """Return whether all these nodes have come to the end of init_node.
 
-        A signal that interrupts a registration hangs a rospy node: the handler waits for the lock
-        that the interrupted call holds. So let nodes come to rest before they are told to end.
+        The last thing that a node does there is to offer the service that sets its log level.
         """
-        last = [(time.monotonic(), self._master.getSystemState())]
+        services = {service for service, _ in self._master.getSystemState()[2]}
+        return all(name + "/set_logger_level" in services for name in names)
 
-        def settled() -> bool:
-            state = self._master.getSystemState()
-            if state != last[-1][1]:
-                last.append((time.monotonic(), state))
-            return time.monotonic() - last[-1][0] > SETTLED
+    def wait_for_parameters(self, namespace: str, expected: Dict[str, Any]) -> None:
+        """Wait until some parameters have these values.
 
-        wait_until(settled, lambda: "the registrations keep changing")
+        :param namespace: namespace of the parameters, or the node whose private ones they are
+        :param expected: values by name
+        """
+
+        def found() -> Dict[str, Any]:
+            paths = {name: "%s/%s" % (namespace, name) for name in expected}
+            present = self.parameters()
+            return {
+                name: self.parameter(path)
+                for name, path in paths.items()
+                if any((other + "/").startswith(path + "/") for other in present)
+            }
+
+        wait_until(
+            lambda: found() == expected,
+            lambda: "in %s there is %s, not %s" % (namespace, found(), expected),
+        )
 
     def wait_for_publishers(self, topic: str, *names: str) -> None:
         """Wait until exactly these nodes publish a topic."""

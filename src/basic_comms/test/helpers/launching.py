@@ -1,8 +1,9 @@
 """Start launch files from within a test, on the test's own master."""
 
 import os
+import shlex
 from contextlib import contextmanager
-from typing import Dict, Iterator
+from typing import Dict, Iterator, NamedTuple, Set
 
 import rosgraph
 import rospkg
@@ -17,23 +18,50 @@ def launch_file(name: str) -> str:
     return os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", name)
 
 
+class Process(NamedTuple):
+    """A process at one moment.
+
+    :param program: what it runs, e.g. talker.py; of a launch-prefix, the prefix itself until it
+        has become the node (exec)
+    :param pid: process id
+    """
+
+    program: str
+    pid: int
+
+
 class Launched:
-    """A launch file that is running, and the part of the graph that came with it."""
+    """Launch files that are running, and the part of the graph that came with them."""
 
     def __init__(self, parent: ROSLaunchParent, graph: Graph) -> None:
         self._parent = parent
         self.graph = graph
 
+    def nodes(self) -> Set[str]:
+        """Return the names of the nodes that the files start."""
+        config = self._parent.config  # None until the files have been read
+        return {node.namespace + node.name for node in config.nodes} if config else set()
+
+    def owns_parameter(self, name: str) -> bool:
+        """Return whether the files set a parameter, or it is private to one of their nodes."""
+        config = self._parent.config
+        private = any(name.startswith(node + "/") for node in self.nodes())
+        return private or (config is not None and name in config.params)
+
+    def wait_until_up(self) -> None:
+        """Wait until all nodes have come to the end of init_node."""
+        wait_until(
+            lambda: self.graph.initialised(*self.nodes()),
+            lambda: "missing: %s" % sorted(self.nodes() - self.graph.nodes()),
+        )
+
     def ended(self) -> bool:
         """Return whether roslaunch has ended the launch by itself."""
         return bool(self._parent.pm.is_shutdown)
 
-    def processes(self) -> Dict[str, int]:
-        """Return the process ids by the program that each process runs at this moment.
-
-        A launch-prefix is the program until it has become the node (exec).
-        """
-        programs = {}
+    def processes(self) -> Dict[str, Process]:
+        """Return the processes that run now by the names of their nodes."""
+        processes = {}
         for process in list(self._parent.pm.procs):
             try:
                 with open("/proc/%d/cmdline" % process.pid) as line:
@@ -41,13 +69,14 @@ class Launched:
             except OSError:
                 continue  # it has just ended
             script = words[0].startswith("python") and len(words) > 1
-            programs[words[1] if script else words[0]] = process.pid
-        return programs
+            node = "/" + process.name.rpartition("-")[0]
+            processes[node] = Process(words[1] if script else words[0], process.pid)
+        return processes
 
-    def wait_for_new_process(self, program: str, pid: int) -> None:
-        """Wait until a program runs with another process id than this one."""
+    def wait_for_new_process(self, node: str, old: Process) -> None:
+        """Wait until a node has a process with another id."""
         wait_until(
-            lambda: self.processes().get(program, pid) != pid,
+            lambda: self.processes().get(node, old).pid != old.pid,
             lambda: "the processes are %s" % self.processes(),
         )
 
@@ -57,22 +86,29 @@ class Launched:
 
 
 @contextmanager
-def launched(path: str, *arguments: str) -> Iterator[Launched]:
-    """Start a launch file as roslaunch does; on exit, end its nodes and delete its parameters.
+def launched(*commands: str) -> Iterator[Launched]:
+    """Start launch files as roslaunch does; on exit, end their nodes and delete their parameters.
 
-    :param path: path of the file
-    :param arguments: as on the command line, e.g. ``"rate:=5"``
+    Several at once take little longer than one; ``__ns:=`` keeps them apart.
+
+    :param commands: as they are typed after ``roslaunch basic_comms``, e.g. ``cw1.launch ns:=a``;
+        a path is fine too
     """
     graph = Graph()
     parameters = graph.parameters()
     run_id = rosgraph.Master("/launched").getParam("/run_id")
-    parent = ROSLaunchParent(run_id, [(path, list(arguments))], show_summary=False)
-    parent.start(auto_terminate=False)
+    files = [(launch_file(name), arguments) for name, *arguments in map(shlex.split, commands)]
+    parent = ROSLaunchParent(run_id, files, show_summary=False)
+    launch = Launched(parent, graph)
     try:
-        yield Launched(parent, graph)
+        parent.start(auto_terminate=False)
+        yield launch
     finally:
-        graph.wait_until_settled()
         parent.shutdown()
-        wait_until(lambda: not graph.nodes(), lambda: "still there: %s" % sorted(graph.nodes()))
+        wait_until(
+            lambda: not launch.nodes() & graph.nodes(),
+            lambda: "still there: %s" % sorted(launch.nodes() & graph.nodes()),
+        )
         for name in graph.parameters() - parameters:
-            graph.delete_parameter(name)
+            if launch.owns_parameter(name):
+                graph.delete_parameter(name)

@@ -29,4 +29,4 @@ def wait_until(
             return answer
         if time.monotonic() > deadline:
             raise AssertionError("after %g s: %s" % (timeout, what()))
-        time.sleep(0.02)
+        time.sleep(0.05)

@@ -5,199 +5,208 @@ import os
 import subprocess
 import tempfile
 import unittest
+from contextlib import ExitStack
 from math import pi
-from typing import Any, ContextManager
+from typing import Dict
 
 import rosgraph
 import rospkg
 import rostest
-from helpers.launching import Launched, launch_file, launched
+from helpers.launching import Launched, Process, launch_file, launched
 from helpers.waiting import wait_until
 
-
-def feature(name: str, *arguments: str) -> ContextManager[Launched]:
-    """Start one file of launch/features."""
-    return launched(launch_file("features/%s.launch" % name), *arguments)
+#: What is started once for all tests, each in the namespace that comes first.
+TOGETHER = {
+    "group_ns": "group_ns.launch",
+    "remap": "remap.launch",
+    "env": "env.launch",
+    "substitution": "substitution.launch rate:=3.0",
+    "if_unless": "if_unless.launch",
+    "otherwise": "if_unless.launch listen:=false mood:=bad",
+    "quiet": "if_unless.launch quiet:=true",
+    "arg": "arg.launch text:=hello",
+    "include": "include.launch rate:=3.0",
+    "rosparam": "rosparam.launch rate:=5.0",
+    "last_setting_wins": "last_setting_wins.launch",
+    "node_args": "node_args.launch",
+    "respawn": "respawn.launch delay:=0.2",
+    "launch_prefix": "launch_prefix.launch",
+    "machine": "machine.launch",
+    "self_test": "self_test.launch",
+    "param_types": "param_types.launch",
+    "with_bytes": "param_types.launch bytes:=true",
+    "delayed_start": "delayed_start.launch delay:=2",
+}
 
 
 class LaunchFeatures(unittest.TestCase):
     """One test per file, more where a file can go two ways."""
 
-    def assert_parameters(self, launch: Launched, **expected: Any) -> None:
-        """Compare parameters; in their names here, __ stands for a slash."""
-        for name, value in expected.items():
-            path = "/" + name.replace("__", "/")
-            self.assertEqual(launch.graph.parameter(path), value, path)
+    launch: Launched
+    at_once: Dict[str, Process]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rosgraph.Master("/test").setParam("/rosparam/rosparam_demo/stale", 1)
+        commands = ["features/%s __ns:=%s" % (TOGETHER[ns], ns) for ns in TOGETHER]
+        with ExitStack() as stack:
+            cls.launch = stack.enter_context(launched(*commands))
+            cls.at_once = cls.launch.processes()
+            cls.launch.wait_until_up()
+            cls.addClassCleanup(stack.pop_all().close)
+
+    def assert_nodes(self, namespace: str, *names: str) -> None:
+        """Wait until exactly these nodes are in a namespace."""
+        under = namespace + "/"
+        self.launch.graph.wait_for_nodes(*(under + name for name in names), under=under)
 
     def test_group_ns(self) -> None:
-        with feature("group_ns") as launch:
-            launch.graph.wait_for_nodes(
-                "/left/talker", "/left/inner/talker", "/far/talker", "/right/listener"
-            )
-            launch.graph.wait_for_publishers("/left/chatter", "/left/talker")
-            launch.graph.wait_for_publishers("/left/inner/chatter", "/left/inner/talker")
-            launch.graph.wait_for_publishers("/far/chatter", "/far/talker")
-            launch.graph.wait_for_subscribers("/right/chatter", "/right/listener")
+        self.assert_nodes(
+            "/group_ns", "left/talker", "left/inner/talker", "far/talker", "right/listener"
+        )
+        graph = self.launch.graph
+        for place in ("/group_ns/left", "/group_ns/left/inner", "/group_ns/far"):
+            graph.wait_for_publishers(place + "/chatter", place + "/talker")
+        graph.wait_for_subscribers("/group_ns/right/chatter", "/group_ns/right/listener")
 
     def test_remap_reaches_as_far_as_its_group(self) -> None:
-        with feature("remap") as launch:
-            launch.graph.wait_for_nodes("/before", "/inside", "/own", "/after")
-            launch.graph.wait_for_publishers("/chatter", "/before", "/after")
-            launch.graph.wait_for_publishers("/gossip", "/inside")
-            launch.graph.wait_for_publishers("/secret", "/own")
+        self.assert_nodes("/remap", "before", "inside", "own", "after")
+        graph = self.launch.graph
+        graph.wait_for_publishers("/remap/chatter", "/remap/before", "/remap/after")
+        graph.wait_for_publishers("/remap/gossip", "/remap/inside")
+        graph.wait_for_publishers("/remap/secret", "/remap/own")
 
     def test_env_reaches_the_nodes_after_it_or_its_own(self) -> None:
-        with feature("env") as launch:
-            launch.graph.wait_for_nodes("/usual", "/short", "/own")
-            layouts = {
-                node: launch.graph.environment(node).get("ROSCONSOLE_FORMAT")
-                for node in ("/usual", "/short", "/own")
-            }
-        self.assertEqual(layouts["/usual"], os.environ.get("ROSCONSOLE_FORMAT"))
-        self.assertEqual(layouts["/short"], "${node} says: ${message}")
-        self.assertEqual(layouts["/own"], "${message}")
+        self.assert_nodes("/env", "usual", "short", "own")
+        layouts = {
+            node: self.launch.graph.environment("/env/" + node).get("ROSCONSOLE_FORMAT")
+            for node in ("usual", "short", "own")
+        }
+        self.assertEqual(layouts["usual"], os.environ.get("ROSCONSOLE_FORMAT"))
+        self.assertEqual(layouts["short"], "${node} says: ${message}")
+        self.assertEqual(layouts["own"], "${message}")
 
     def test_substitution(self) -> None:
-        with feature("substitution", "rate:=3.0") as launch:
-            wait_until(launch.graph.nodes, lambda: "there is no node at all")
-            (node,) = launch.graph.nodes()
-            self.assertRegex(node, "^/talker_.*[0-9]$")
-            self.assert_parameters(
-                launch,
-                substitution__env=os.environ["ROS_MASTER_URI"],
-                substitution__optenv=os.environ.get("ROBOT_NAME", "no name"),
-                substitution__find=rospkg.RosPack().get_path("basic_comms"),
-                substitution__dirname=os.path.dirname(launch_file("features/any")),
-                substitution__arg="at 3.0 Hz",
-                substitution__eval=1.5,
-                substitution__anon=node[1:],
-            )
+        (node,) = self.launch.graph.nodes(under="/substitution/")
+        name = node[len("/substitution/") :]
+        self.assertRegex(name, "^talker_.*[0-9]$")
+        self.launch.graph.wait_for_parameters(
+            "/substitution/substitution",
+            {
+                "env": os.environ["ROS_MASTER_URI"],
+                "optenv": os.environ.get("ROBOT_NAME", "no name"),
+                "find": rospkg.RosPack().get_path("basic_comms"),
+                "dirname": os.path.dirname(launch_file("features/any")),
+                "arg": "at 3.0 Hz",
+                "eval": 1.5,
+                "anon": name,
+            },
+        )
 
     def test_if_and_unless_by_default(self) -> None:
-        with feature("if_unless") as launch:
-            launch.graph.wait_for_nodes("/talker", "/listener")
-            self.assert_parameters(launch, talker__Message="what a day")
+        self.assert_nodes("/if_unless", "talker", "listener")
+        self.launch.graph.wait_for_parameters("/if_unless", {"talker/Message": "what a day"})
 
     def test_if_and_unless_the_other_way(self) -> None:
-        with feature("if_unless", "listen:=false", "mood:=bad") as launch:
-            launch.graph.wait_for_nodes("/talker")
-            self.assert_parameters(launch, talker__Message="go away")
-        with feature("if_unless", "quiet:=true") as launch:
-            launch.graph.wait_for_nodes("/listener")
-            self.assertNotIn("/talker/Message", launch.graph.parameters())
+        self.assert_nodes("/otherwise", "talker")
+        self.launch.graph.wait_for_parameters("/otherwise", {"talker/Message": "go away"})
+        self.assert_nodes("/quiet", "listener")
+        self.assertNotIn("/quiet/talker/Message", self.launch.graph.parameters())
 
     def test_arg(self) -> None:
-        with feature("arg", "text:=hello") as launch:
-            launch.graph.wait_for_nodes("/arg_talker")
-            self.assert_parameters(launch, arg_talker__Message="hello", arg_talker__rate=2.0)
+        self.assert_nodes("/arg", "arg_talker")
+        self.launch.graph.wait_for_parameters("/arg/arg_talker", {"Message": "hello", "rate": 2.0})
 
     def test_include_hands_on_what_it_is_told_to(self) -> None:
-        with feature("include", "rate:=3.0") as launch:
-            launch.graph.wait_for_nodes("/defaults/talker", "/one_by_one/talker", "/all/talker")
-            self.assert_parameters(
-                launch,
-                defaults__talker__rate=10.0,
-                one_by_one__talker__rate=6.0,
-                all__talker__rate=3.0,
-            )
+        self.assert_nodes("/include", "defaults/talker", "one_by_one/talker", "all/talker")
+        self.launch.graph.wait_for_parameters(
+            "/include",
+            {"defaults/talker/rate": 10.0, "one_by_one/talker/rate": 6.0, "all/talker/rate": 3.0},
+        )
 
     def test_rosparam_loads_and_deletes(self) -> None:
-        rosgraph.Master("/test").setParam("/rosparam_demo/stale", 1)
-        with feature("rosparam", "rate:=5.0") as launch:
-            launch.graph.wait_for_nodes("/talker")
-            self.assertNotIn("/rosparam_demo/stale", launch.graph.parameters())
-            self.assert_parameters(
-                launch,
-                rosparam_demo__robot={"name": "puma", "joints": 6},
-                rosparam_demo__limits=[-1.5, 1.5],
-                rosparam_demo__single=3,
-                rosparam_demo__from_file__amplitude_scale=0.25,
-                rosparam_demo__from_file__keep_positive=False,
-                talker__rate=5.0,
-                talker__Message="I speak at 5.0 Hz",
-            )
-            tilt = launch.graph.parameter("/rosparam_demo/tilt")
-            self.assertAlmostEqual(tilt, pi / 6)
+        self.assert_nodes("/rosparam", "talker")
+        self.assertNotIn("/rosparam/rosparam_demo/stale", self.launch.graph.parameters())
+        self.launch.graph.wait_for_parameters(
+            "/rosparam/talker", {"rate": 5.0, "Message": "I speak at 5.0 Hz"}
+        )
+        self.launch.graph.wait_for_parameters(
+            "/rosparam/rosparam_demo",
+            {
+                "robot": {"name": "puma", "joints": 6},
+                "limits": [-1.5, 1.5],
+                "single": 3,
+                "from_file/amplitude_scale": 0.25,
+                "from_file/keep_positive": False,
+            },
+        )
+        tilt = self.launch.graph.parameter("/rosparam/rosparam_demo/tilt")
+        self.assertAlmostEqual(tilt, pi / 6)
 
     def test_last_setting_wins(self) -> None:
-        with feature("last_setting_wins") as launch:
-            launch.graph.wait_for_nodes("/signal_generator")
-            self.assert_parameters(
-                launch,
-                signal_generator__amplitude=5.0,
-                signal_generator__rate=20.0,
-                signal_generator__offset=0.0,
-            )
+        self.assert_nodes("/last_setting_wins", "signal_generator")
+        self.launch.graph.wait_for_parameters(
+            "/last_setting_wins/signal_generator", {"amplitude": 5.0, "rate": 20.0, "offset": 0.0}
+        )
 
     def test_node_args(self) -> None:
-        with feature("node_args") as launch:
-            launch.graph.wait_for_publishers("/gossip", "/talker")
-            self.assertEqual(launch.graph.publishers("/chatter"), set())
-            self.assert_parameters(launch, talker__rate=5.0, talker__Message="said with args")
+        self.assert_nodes("/node_args", "talker")
+        self.launch.graph.wait_for_publishers("/node_args/gossip", "/node_args/talker")
+        self.assertEqual(self.launch.graph.publishers("/node_args/chatter"), set())
+        self.launch.graph.wait_for_parameters(
+            "/node_args/talker", {"rate": 5.0, "Message": "said with args"}
+        )
 
     def test_respawn_starts_the_node_again(self) -> None:
-        with feature("respawn", "delay:=0.2") as launch:
-            launch.graph.wait_for_nodes("/talker")
-            first = launch.processes()["talker.py"]
-            launch.graph.kill("/talker")
-            launch.wait_for_new_process("talker.py", first)
-            launch.graph.wait_for_nodes("/talker")
-
-    def test_the_end_of_a_required_node_ends_the_launch(self) -> None:
-        with feature("required") as launch:
-            launch.graph.wait_for_nodes("/talker", "/listener")
-            launch.graph.kill("/listener")
-            launch.graph.wait_for_nodes("/talker")
-            self.assertFalse(launch.ended())
-        with feature("required") as launch:
-            launch.graph.wait_for_nodes("/talker", "/listener")
-            launch.graph.kill("/talker")
-            wait_until(launch.ended, lambda: "the launch goes on")
-            launch.graph.wait_for_nodes()
+        self.assert_nodes("/respawn", "talker")
+        first = self.launch.processes()["/respawn/talker"]
+        self.launch.graph.kill("/respawn/talker")
+        self.launch.wait_for_new_process("/respawn/talker", first)
+        self.assert_nodes("/respawn", "talker")
 
     def test_launch_prefix_lowers_the_priority(self) -> None:
-        with feature("launch_prefix") as launch:
-            launch.graph.wait_for_nodes("/talker")
-            own = os.getpriority(os.PRIO_PROCESS, 0)
-            self.assertEqual(launch.graph.niceness("/talker"), min(own + 5, 19))
+        self.assert_nodes("/launch_prefix", "talker")
+        own = os.getpriority(os.PRIO_PROCESS, 0)
+        self.assertEqual(self.launch.graph.niceness("/launch_prefix/talker"), min(own + 5, 19))
 
     def test_delayed_start_waits_and_becomes_the_node(self) -> None:
-        with feature("delayed_start", "delay:=1") as launch:
-            waiting = launch.processes()["sh"]
-            launch.graph.wait_for_nodes("/listener", "/talker")
-            self.assertEqual(launch.processes()["talker.py"], waiting)
-            self.assertNotIn("sh", launch.processes())
+        waiting = self.at_once["/delayed_start/talker"]
+        self.assertEqual(waiting.program, "sh")
+        self.assert_nodes("/delayed_start", "listener", "talker")
+        now = self.launch.processes()["/delayed_start/talker"]
+        self.assertEqual(now, Process("talker.py", waiting.pid))
 
     def test_machine(self) -> None:
-        with feature("machine") as launch:
-            launch.graph.wait_for_nodes("/talker", "/listener")
-            self.assertEqual(launch.machines(), {"/talker": "there", "/listener": ""})
+        self.assert_nodes("/machine", "talker", "listener")
+        machines = self.launch.machines()
+        self.assertEqual(machines["/machine/talker"], "there")
+        self.assertEqual(machines["/machine/listener"], "")
 
     def test_param_types(self) -> None:
-        with feature("param_types", "bytes:=true") as launch:
-            self.assert_parameters(
-                launch,
-                types__guessed=1.5,
-                types__text="1.5",
-                types__int=3,
-                types__double=1000.0,
-                types__bool=True,
-                types__list=[1, "two", 3.0],
-                types__command="Linux\n",
-                types__angle=pi / 2,
-            )
-            date = launch.graph.parameter("/types/date")
-            self.assertEqual(date.value, "20200229T12:30:00")
-            self.assertEqual(launch.graph.parameter("/types/bytes/base64").data, b"hello")
-            with open(os.path.join(launch_file(".."), "config", "params.yaml"), "rb") as source:
-                content = source.read()
-            self.assertEqual(launch.graph.parameter("/types/bytes/binfile").data, content)
-            self.assertEqual(launch.graph.parameter("/types/textfile"), content.decode())
+        with open(os.path.join(launch_file(".."), "config", "params.yaml"), "rb") as source:
+            content = source.read()
+        self.launch.graph.wait_for_parameters(
+            "/with_bytes/types",
+            {
+                "guessed": 1.5,
+                "text": "1.5",
+                "int": 3,
+                "double": 1000.0,
+                "bool": True,
+                "list": [1, "two", 3.0],
+                "textfile": content.decode(),
+                "command": "Linux\n",
+                "angle": pi / 2,
+            },
+        )
+        get = self.launch.graph.parameter
+        self.assertEqual(get("/with_bytes/types/date").value, "20200229T12:30:00")
+        self.assertEqual(get("/with_bytes/types/bytes/base64").data, b"hello")
+        self.assertEqual(get("/with_bytes/types/bytes/binfile").data, content)
 
     def test_param_types_leaves_bytes_out_unless_asked(self) -> None:
-        with feature("param_types") as launch:
-            self.assertIn("/types/date", launch.graph.parameters())
-            self.assertNotIn("/types/bytes/base64", launch.graph.parameters())
+        self.assertIn("/param_types/types/date", self.launch.graph.parameters())
+        self.assertNotIn("/param_types/types/bytes/base64", self.launch.graph.parameters())
 
     def test_a_bare_date_cannot_be_set(self) -> None:
         with tempfile.NamedTemporaryFile("w", suffix=".launch") as file:
@@ -207,6 +216,9 @@ class LaunchFeatures(unittest.TestCase):
                 with launched(file.name):
                     pass
 
+    def test_roslaunch_skips_the_test_of_self_test(self) -> None:
+        self.assert_nodes("/self_test", "talker")
+
     def test_self_test_passes_under_rostest(self) -> None:
         with tempfile.TemporaryDirectory() as results:
             command = ["rostest", "--results-base-dir", results]
@@ -214,6 +226,19 @@ class LaunchFeatures(unittest.TestCase):
             ended = subprocess.run(command, stdout=subprocess.PIPE, timeout=120)
         self.assertEqual(ended.returncode, 0, ended.stdout.decode())
         self.assertIn("TESTS: 1", ended.stdout.decode())
+
+    def test_the_end_of_a_required_node_ends_the_launch(self) -> None:
+        file = "features/required.launch"
+        with launched(file + " __ns:=required/one", file + " __ns:=required/other") as launch:
+            one, other = "/required/one/", "/required/other/"
+            everybody = {one + "talker", one + "listener", other + "talker", other + "listener"}
+            launch.graph.wait_for_nodes(*everybody, under="/required/")
+            launch.graph.kill(one + "listener")
+            launch.graph.wait_for_nodes(*everybody - {one + "listener"}, under="/required/")
+            self.assertFalse(launch.ended())
+            launch.graph.kill(one + "talker")
+            wait_until(launch.ended, lambda: "the launch goes on")
+            launch.graph.wait_for_nodes(under="/required/")
 
 
 if __name__ == "__main__":

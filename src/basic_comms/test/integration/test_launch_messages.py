@@ -9,7 +9,7 @@ import rospy
 import rostest
 from helpers.graph import Graph
 from helpers.hearing import Ear
-from helpers.launching import launch_file, launched
+from helpers.launching import launched
 from std_msgs.msg import String
 
 SCOPES = ("closest", "global", "local", "private")
@@ -107,26 +107,25 @@ class LaunchMessages(unittest.TestCase):
         self.assert_says("closest", "private text")
 
     def test_a_parameter_outlives_its_node(self) -> None:
-        pair = launched(launch_file("talker_listener.launch"), "prefix:=outlive")
-        with pair as launch:
-            launch.graph.wait_for_nodes("/outlive/talker", "/outlive/listener")
+        with launched("talker_listener.launch prefix:=outlive") as launch:
+            launch.graph.wait_for_nodes("/outlive/talker", "/outlive/listener", under="/outlive/")
             launch.graph.set_parameter("/outlive/talker/Message", "still here")
             launch.graph.kill("/outlive/talker")
-            launch.graph.wait_for_nodes("/outlive/listener")
+            launch.graph.wait_for_nodes("/outlive/listener", under="/outlive/")
             self.assertEqual(launch.graph.parameter("/outlive/talker/Message"), "still here")
             self.assertEqual(launch.graph.parameter("/outlive/talker/rate"), 10.0)
 
     def test_a_node_that_starts_again_finds_what_was_set_before(self) -> None:
         ear = Ear("/again/chatter", String)
-        file = launch_file("features/respawn.launch")
-        with launched(file, "__ns:=again", "delay:=0.1") as launch:
-            launch.graph.wait_for_nodes("/again/talker")
+        with launched("features/respawn.launch __ns:=again delay:=0.1") as launch:
+            launch.graph.wait_for_nodes("/again/talker", under="/again/")
             launch.graph.set_parameter("/again/talker/rate", 25.0)
             launch.graph.set_parameter("/again/Message", "from the first life")
-            first = launch.processes()["talker.py"]
+            self.addCleanup(self.graph.delete_parameter, "/again/Message")
+            first = launch.processes()["/again/talker"]
             launch.graph.kill("/again/talker")
-            launch.wait_for_new_process("talker.py", first)
-            launch.graph.wait_for_nodes("/again/talker")
+            launch.wait_for_new_process("/again/talker", first)
+            launch.graph.wait_for_nodes("/again/talker", under="/again/")
             ear.forget()
             ear.wait_for(lambda heard: heard.data.startswith("from the first life "))
             self.assertEqual(launch.graph.parameter("/again/talker/rate"), 25.0)

@@ -149,12 +149,6 @@ class Life(ParameterCase):
         self.assertEqual(node.interrupt(), 0)
         self.assertEqual(node.logged("Traceback"), [])
 
-    def test_rosnode_kill_ends_it_well(self) -> None:
-        node = self.start_node("/killed")
-        uri = self.server.master.lookupNode("/test", "/killed")[2]
-        Server(uri).master.shutdown("/test", "by the test")
-        self.assert_ended_well(node, "/killed", node.wait())
-
     def test_hung_subscribers_hold_nobody_up(self) -> None:
         node = self.start_node("/unhindered")
         hung = [Spy("/unhindered", "/blocked") for _ in range(3)]

@@ -274,14 +274,14 @@ class LiveParameters(ParameterCase):
     def test_node_writes_nothing_while_nothing_is_to_be_written(self) -> None:
         spy = Spy(GAUGE)
         self.addCleanup(spy.end)
-        for level in (2.0, 3.0, "x", 4.0):
+        for level, held in ((2.0, 2.0), (3.0, 3.0), ("x", 3.0), (4.0, 4.0)):
             self.server.set(GAUGE + "/level", level)
-            time.sleep(0.3)
-        self.node.wait_for(level=4.0)
-        time.sleep(2.5)  # at least two of the reads that come once a second
-        written = [value for key, value in spy.updates if key == GAUGE + "/level"]
-        self.assertEqual(written, [2.0, 3.0, "x", 3.0, 4.0])
-        self.assertEqual(len(spy.updates), 5)
+            self.node.wait_for(level=held)
+            self.server.wait_for(GAUGE + "/level", held)
+        time.sleep(2.2)  # holds at least two of the reads that come once a second
+        expected = [[GAUGE + "/level", level] for level in (2.0, 3.0, "x", 3.0, 4.0)]
+        wait_until(lambda: len(spy.updates) >= 5, lambda: str(spy.updates))
+        self.assertEqual(spy.updates, expected)
 
 
 if __name__ == "__main__":

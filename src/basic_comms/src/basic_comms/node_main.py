@@ -2,12 +2,14 @@
 
 import sys
 import threading
+import time
 from typing import Callable, List
 
+import rosgraph
 import rospy
 
 from basic_comms import rospy_internals
-from basic_comms.parameter_server import UNREACHABLE
+from basic_comms.parameter_server import UNREACHABLE, ParameterServer
 from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import ParameterError
 
@@ -20,8 +22,8 @@ _PATIENCE_S = 1.0
 def run(name: str, start: Callable[[], object]) -> None:
     """Run a node until it is shut down, then end the process.
 
-    The exit status is 0 after SIGINT, SIGTERM or ``rosnode kill``, and 1 where
-    the start was refused because of a parameter or an unreachable master.
+    The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
+    where the start was refused because of a parameter or an unreachable master.
 
     :param name: name of the node where none is given by ``__name``
     :param start: makes the node, after it was registered; what it returns is
@@ -29,6 +31,7 @@ def run(name: str, start: Callable[[], object]) -> None:
     """
     try:
         rospy_internals.register_signals()
+        _wait_for_master(name)
         node = _start_beside(name, start)
         if not rospy.is_shutdown():
             rospy.spin()
@@ -42,6 +45,25 @@ def run(name: str, start: Callable[[], object]) -> None:
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
     sys.exit(EXIT_OK)
+
+
+def _wait_for_master(name: str) -> None:
+    """Wait until the master answers or the node is told to end.
+
+    ``rospy.init_node`` waits too, but holds a lock that the answer to a signal needs.
+    """
+    uri = rosgraph.get_master_uri()
+    master = ParameterServer(uri, "/" + name, "", timeout=1.0)
+    told = False
+    while not rospy.is_shutdown():
+        try:
+            master.read([])
+            return
+        except UNREACHABLE as error:
+            if not told:
+                rospy.logwarn("waiting for the master at %s: %s", uri, error)
+                told = True
+            time.sleep(0.1)
 
 
 def _start_beside(name: str, start: Callable[[], object]) -> List[object]:

@@ -8,6 +8,7 @@ import contextlib
 import functools
 import inspect
 import io
+import signal
 import socket
 import threading
 from typing import Any, Callable, Collection, ContextManager, Dict, List, Optional
@@ -80,11 +81,13 @@ def cache_parameter(key: str, value: Any) -> None:
 
 
 def register_signals() -> None:
-    """Have rospy shut the node down on SIGINT and SIGTERM.
+    """Have rospy shut the node down on SIGINT and SIGTERM, and when its terminal is closed.
 
-    ``rospy.init_node`` does the same where it is called by the main thread.
+    ``rospy.init_node`` does the same for the first two where it is called by the main thread.
     """
     rospy.core.register_signals()
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # which is nohup's doing
+        signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGTERM))
 
 
 # --- Registration ----------------------------------------------------------------------------

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""A signal ends any node at any moment: no hang, exit status 0, nothing left with the master."""
+
+import os
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import roslib.packages
+import rostest
+from helpers.graph import Graph
+from helpers.slow_master import SlowMaster
+from helpers.waiting import TIMEOUT, wait_until
+
+#: Shorter than TIMEOUT, for the cases that follow when one of them hangs, s.
+END_TIMEOUT = 15.0
+
+
+class Signals(unittest.TestCase):
+    """Nodes that get a signal while they start, run, or wait for a master."""
+
+    def setUp(self) -> None:
+        self.graph = Graph()
+        self.log = tempfile.NamedTemporaryFile()
+        self.addCleanup(self.log.close)
+
+    def node(self, program: str, **environment: str) -> "subprocess.Popen[bytes]":
+        """Start a node; it is killed at the end of the test if it is still there."""
+        path = roslib.packages.find_node("basic_comms", program)[0]
+        process = subprocess.Popen([path], env={**os.environ, **environment}, stderr=self.log)
+
+        def end() -> None:
+            process.kill()
+            process.wait()
+
+        self.addCleanup(end)
+        return process
+
+    def logged(self) -> bytes:
+        """Return what the nodes of this test have written to stderr so far."""
+        with open(self.log.name, "rb") as log:
+            return log.read()
+
+    def assert_ended(self, process: "subprocess.Popen[bytes]") -> None:
+        self.assertEqual(process.wait(END_TIMEOUT), 0)
+        self.assertEqual(self.graph.nodes(), set())
+
+    def test_at_the_end_of_init_node(self) -> None:
+        self.interrupt_registration("listener.py", "registerService", "/set_logger_level")
+
+    def test_while_a_publisher_is_registered(self) -> None:
+        self.interrupt_registration("talker.py", "registerPublisher", "/chatter")
+
+    def test_while_a_subscriber_is_registered(self) -> None:
+        self.interrupt_registration("listener.py", "registerSubscriber", "/chatter")
+
+    def test_while_a_service_is_registered(self) -> None:
+        self.interrupt_registration("signal_generator.py", "registerService", "/enable")
+
+    def interrupt_registration(self, program: str, method: str, ending: str) -> None:
+        """Send each signal while the master keeps a node waiting in one call."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
+            self.addCleanup(master.close)
+            process = self.node(program, ROS_MASTER_URI=master.uri)
+            self.assertTrue(master.reached.wait(TIMEOUT))
+            process.send_signal(number)
+            wait_until(lambda: taken_in(process.pid, number), lambda: "the signal is still pending")
+            master.go_on.set()
+            self.assert_ended(process)
+
+    def ends_while_it_runs(self, number: int) -> None:
+        process = self.node("process.py")
+        self.graph.wait_for_subscribers("/signal", "/process")
+        process.send_signal(number)
+        self.assert_ended(process)
+
+    def test_interrupt_while_a_node_runs(self) -> None:
+        self.ends_while_it_runs(signal.SIGINT)
+
+    def test_hangup_while_a_node_runs(self) -> None:
+        self.ends_while_it_runs(signal.SIGHUP)
+
+    def ends_while_it_waits_for_a_master(self, number: int) -> None:
+        process = self.node("talker.py", ROS_MASTER_URI="http://localhost:1")
+        wait_until(
+            lambda: b"waiting for the master" in self.logged(), lambda: "log: %r" % self.logged()
+        )
+        process.send_signal(number)
+        self.assert_ended(process)
+
+    def test_interrupt_while_a_node_waits_for_a_master(self) -> None:
+        self.ends_while_it_waits_for_a_master(signal.SIGINT)
+
+    def test_termination_while_a_node_waits_for_a_master(self) -> None:
+        self.ends_while_it_waits_for_a_master(signal.SIGTERM)
+
+
+def taken_in(pid: int, number: int) -> bool:
+    """Tell whether a signal that was sent to a process is no longer pending."""
+    with open("/proc/%d/status" % pid) as status:
+        lines = dict(line.split(":", 1) for line in status if ":" in line)
+    pending = int(lines["ShdPnd"], 16)
+    return not pending & (1 << (number - 1))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "signals", Signals)

@@ -3,6 +3,7 @@
 import pathlib
 import sys
 from typing import Callable, Dict, List
+from xml.etree import ElementTree
 
 from steps import Step
 
@@ -95,7 +96,7 @@ def pytest_step(tier: str, name: str, place: pathlib.Path) -> Step:
 
 
 def integration() -> List[Step]:
-    return [
+    steps = [
         Step(
             "integration",
             "%s/%s" % (package.name, test.stem),
@@ -105,10 +106,19 @@ def integration() -> List[Step]:
                 str(test),
             ],
             writes_junit=True,
+            time_limit=min(declared_time(test) + 60.0, 600.0),
         )
         for package in packages()
         for test in sorted((package / "test" / "integration").glob("*.test"))
     ]
+    # The longest first, so that none of them runs alone at the end.
+    return sorted(steps, key=lambda step: step.time_limit, reverse=True)
+
+
+def declared_time(test: pathlib.Path) -> float:
+    """The sum of the time limits of a rostest file's test nodes, s."""
+    nodes = ElementTree.parse(str(test)).getroot().iter("test")
+    return sum(float(node.get("time-limit", "60")) for node in nodes)
 
 
 TIERS: Dict[str, Callable[[], List[Step]]] = {

@@ -121,6 +121,7 @@ class OnSimulatedClock(OnClock):
         task.set_rate(0.0)
         self.step(70.2, 70.3, 75.0)
         task.set_rate(10.0)
+        self.assert_calls(0.0, 0.1, 5.0)
         self.step(75.1)
         self.assert_calls(0.0, 0.1, 5.0, 5.1)
 

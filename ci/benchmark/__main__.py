@@ -17,6 +17,9 @@ from measurements import MEASUREMENTS, Measurement
 from processes import Session
 from results import Results
 
+#: No repeat begins that would end later than this, s.
+LIMIT = 540.0
+
 
 def main() -> int:
     """Measure and report.
@@ -74,7 +77,13 @@ def arguments() -> argparse.Namespace:
 
 def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
     """Run all measurements, every repeat taking each subject in turn."""
+    began = latest = time.monotonic()
     for repeat in range(repeats):
+        now = time.monotonic()
+        if now - began + (now - latest) > LIMIT:
+            say("that took long: no more than %d repeats" % repeat)
+            return
+        latest = now
         for measurement in chosen:
             if repeat >= measurement.repeats:
                 continue

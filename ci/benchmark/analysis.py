@@ -39,29 +39,31 @@ def percentile(values: Sequence[float], share: float) -> float:
 def match_in_order(
     sent: Sequence[float], received: Sequence[float], until: float = math.inf
 ) -> Matched:
-    """Match each sample sent with its answer, where each one is answered once and in order.
+    """Match each sample with its answer, where each one is answered at most once and in order.
 
-    The first answers may be missing, as a receiver joins late. How many is told by the moments:
-    an answer comes after its sample, and at least one comes within a period. Where an answer
-    is lost later, all the following latencies come out too long by a period, never too short.
+    An answer belongs to the latest sample that leaves an earlier one to every later answer. So
+    answers may be missing, at the start as a receiver joins late, or on the way. What this takes
+    for granted is that the way is clear now and then: that some answers come within a period.
 
     :param sent: when the samples were sent, s, rising
     :param received: when the answers were received, s, rising
     :param until: when the nodes were asked to end, s; what is sent later may be lost
     """
     due = bisect.bisect_right(sent, until)
-    if not received:
+    numbers: List[int] = []
+    bound = len(sent)
+    for answer in reversed(received):
+        bound = min(bound, bisect.bisect_left(sent, answer)) - 1
+        numbers.append(bound)
+    numbers.reverse()
+    if not numbers:
         return Matched([], [], due)
-    first = bisect.bisect_right(sent, received[0]) - 1
-    while first >= 0 and any(answer <= sample for sample, answer in zip(sent[first:], received)):
-        first -= 1
-    if first < 0:
+    if numbers[0] < 0:
         raise ValueError("more answers than samples")
-    pairs = list(zip(sent[first:], received))
     return Matched(
-        [sample for sample, _ in pairs],
-        [answer - sample for sample, answer in pairs],
-        max(0, due - first - len(pairs)),
+        [sent[number] for number in numbers],
+        [answer - sent[number] for number, answer in zip(numbers, received)],
+        len(set(range(numbers[0], due)) - set(numbers)),
     )
 
 

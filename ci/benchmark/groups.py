@@ -29,9 +29,9 @@ def thirty_two(bench: Bench, stack: str) -> Figures:
         with bench.session.running(_command(bench, stack, 32)) as pids:
             wait_until(lambda: len(counter.first) == len(topics), LIMIT, "answer of all groups")
             up = max(counter.first.values()) - began
-            time.sleep(2.0)
+            time.sleep(1.0)
             nodes = pids if stack == stacks.OURS else descendants(pids[0])
-            cpu = cpu_share(nodes, bench.seconds(4.0, 2.0))
+            cpu = cpu_share(nodes, bench.seconds(3.0, 2.0))
             return {"up_s": up, "cpu_percent": cpu, "resident_mb": resident_memory(nodes)}
 
 

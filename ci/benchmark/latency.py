@@ -22,17 +22,17 @@ COURSE_RATE = 9.7
 
 def at_1_khz(bench: Bench, stack: str) -> Figures:
     """Measure a stack that answers each sample, at 1 kHz."""
-    return _answering(bench, stack, 1000.0, bench.seconds(3.0, 1.5))
+    return _answering(bench, stack, 1000.0, bench.seconds(2.5, 1.0))
 
 
 def at_100_hz(bench: Bench, stack: str) -> Figures:
     """Measure a stack that answers each sample, at 100 Hz."""
-    return _answering(bench, stack, 100.0, bench.seconds(2.5, 1.5))
+    return _answering(bench, stack, 100.0, bench.seconds(1.5, 1.0))
 
 
 def at_10_hz(bench: Bench, stack: str) -> Figures:
     """Measure the workspace's nodes, or those of the course, at 10 Hz."""
-    seconds = bench.seconds(4.0, 3.0)
+    seconds = bench.seconds(3.0, 2.0)
     if stack != stacks.COURSE:
         return _answering(bench, stack, 10.0, seconds)
     run = stacks.run(

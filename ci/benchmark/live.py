@@ -63,13 +63,13 @@ def _amplitude(recorder: Recorder) -> float:
 def rest(bench: Bench, node: str) -> Figures:
     """Watch a node that nobody asks anything."""
     with bench.session.running(stacks.ours(node + ".py")) as pids:
-        time.sleep(3.0)
-        return {"cpu_percent": cpu_share(pids, bench.seconds(8.0, 4.0))}
+        bench.session.wait_for("/" + node)
+        return {"cpu_percent": cpu_share(pids, bench.seconds(8.0, 3.0))}
 
 
 def leave(bench: Bench, node: str) -> Figures:
     """Interrupt a node that is between two samples, at 0.1 Hz where it has a rate."""
     slow = ["_rate:=0.1"] if node == "signal_generator" else []
     process = bench.session.start(stacks.ours(node + ".py", *slow))
-    time.sleep(2.0)
+    bench.session.wait_for("/" + node)
     return {"exit_s": bench.session.stop(process)}

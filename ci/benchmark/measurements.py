@@ -34,6 +34,7 @@ MEASUREMENTS = [
         "generator -> process -> observer at 1 kHz",
         [stacks.OURS, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
         latency.at_1_khz,
+        warm_up=True,
     ),
     Measurement(
         "latency-100hz",
@@ -64,12 +65,14 @@ MEASUREMENTS = [
         "the highest rate without loss",
         [stacks.OURS, stacks.ROSCPP],
         throughput.zero_loss_rate,
+        repeats=3,
     ),
     Measurement(
         "groups",
         "32 groups of generator and process",
         [stacks.OURS, stacks.COURSE],
         groups.thirty_two,
+        repeats=3,
         slow=[stacks.COURSE],
     ),
     Measurement(

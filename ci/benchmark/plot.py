@@ -31,7 +31,7 @@ def draw(file: pathlib.Path, results: Results) -> None:
     ]
     margins = _margins(results)
     height = 1.6 + 0.3 * max(len(hops), len(margins), 4)
-    matplotlib.rcParams.update({"font.size": 9, "svg.hashsalt": "bench"})
+    matplotlib.rcParams.update({"font.size": 9, "svg.hashsalt": "bench", "svg.fonttype": "none"})
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(12.0, height))
     _draw_hops(left, results, hops)
     _draw_margins(right, margins)

@@ -15,6 +15,8 @@ from peers import HERE, SCRIPTS
 from steps import end_leftovers
 from tcpros import Node
 
+#: how long a node works on after it has registered, s
+SETTLED = 1.5
 #: how long a process may take to end when asked to, s
 PATIENCE = 5.0
 
@@ -72,8 +74,9 @@ class Session:
         wait_until(answers, 30.0, "answer from the master")
 
     def _end_all(self) -> None:
-        for process in reversed(self._running):
-            self.stop(process)
+        # The master last: the nodes take their leave of it.
+        self.stop(*self._running[1:])
+        self.stop(*self._running)
         end_leftovers(self.directory)
 
     @contextlib.contextmanager
@@ -85,6 +88,22 @@ class Session:
             yield node
         finally:
             node.close()
+
+    def wait_for(self, name: str) -> None:
+        """Wait until a node has come up, and until it has then settled.
+
+        :param name: its global name
+        """
+
+        def is_registered() -> bool:
+            with contextlib.suppress(RuntimeError):
+                return bool(node.master("lookupNode", name))
+            time.sleep(0.02)
+            return False
+
+        with self.node() as node:
+            wait_until(is_registered, 30.0, "registration of " + name)
+        time.sleep(SETTLED)
 
     @contextlib.contextmanager
     def in_group(self, group: str) -> Iterator[None]:
@@ -121,29 +140,32 @@ class Session:
         self._running.append(process)
         return process
 
-    def stop(self, process: "subprocess.Popen[bytes]", patience: float = PATIENCE) -> float:
-        """End a process as Ctrl-C would.
+    def stop(self, *processes: "subprocess.Popen[bytes]") -> float:
+        """End processes as Ctrl-C would, or the hard way those that take too long.
 
-        :param patience: how long it may take before it is killed, s
-        :returns: how long it took, s
+        :returns: how long the last one took, s
         """
         began = time.monotonic()
         for number in (signal.SIGINT, signal.SIGKILL):
-            if process.poll() is not None:
-                break
-            os.killpg(process.pid, number)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(patience)
-        for pipe in (process.stdin, process.stdout):
-            if pipe is not None:
-                pipe.close()
-        if process in self._running:
-            self._running.remove(process)
-        return time.monotonic() - began
+            remaining = [process for process in processes if process.poll() is None]
+            for process in remaining:
+                os.killpg(process.pid, number)
+            give_up = time.monotonic() + PATIENCE
+            for process in remaining:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(max(0.0, give_up - time.monotonic()))
+        lasted = time.monotonic() - began
+        for process in processes:
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    pipe.close()
+            if process in self._running:
+                self._running.remove(process)
+        return lasted
 
     @contextlib.contextmanager
     def running(self, *commands: List[str]) -> Iterator[List[int]]:
-        """Run processes for a while; the last one started is the first to end.
+        """Run processes for a while.
 
         :returns: their numbers
         """
@@ -153,8 +175,7 @@ class Session:
                 processes.append(self.start(command))
             yield [process.pid for process in processes]
         finally:
-            for process in reversed(processes):
-                self.stop(process)
+            self.stop(*reversed(processes))
 
 
 def cpu_time(pids: Iterable[int]) -> float:

@@ -9,7 +9,7 @@ from analysis import Sample
 
 
 class Record:
-    """Keeps samples in memory, at the least cost, and writes them to a file at the end."""
+    """Keeps samples in memory, at the least cost, until they are written to a file."""
 
     def __init__(self) -> None:
         self._numbers = array.array("d")
@@ -20,7 +20,7 @@ class Record:
         self._numbers.append(value)
 
     def write(self, file: str) -> None:
-        """Write all samples."""
+        """Write all samples there are."""
         with open(file, "wb") as out:
             self._numbers.tofile(out)
 

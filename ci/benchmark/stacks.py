@@ -134,7 +134,5 @@ def _run_rclpy(
         cpu = cpu_share([process.pid for process in running[1:]], seconds)
         until = time.monotonic()
     finally:
-        # The generator first: the observer is to see its last samples.
-        for process in reversed(running):
-            session.stop(process)
+        session.stop(*reversed(running))
     return record.read(seen), cpu, until

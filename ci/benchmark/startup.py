@@ -13,9 +13,7 @@ LAUNCH = {
     stacks.COURSE: [str(SCRIPTS / "course" / "course.launch")],
 }
 
-GENERATOR, PROCESS, BARE = "signal_generator", "process", "bare node"
-#: after so long a node's memory has settled, s
-SETTLED = 2.0
+GENERATOR, PROCESS, BARE = "signal_generator", "process", "bare_node"
 
 
 def launch(bench: Bench, stack: str) -> Figures:
@@ -33,5 +31,5 @@ def memory(bench: Bench, node: str) -> Figures:
     """Measure a node that runs by itself, as started by default."""
     command = stacks.peer("bare_node.py") if node == BARE else stacks.ours(node + ".py")
     with bench.session.running(command) as pids:
-        time.sleep(SETTLED)
+        bench.session.wait_for("/" + node)
         return {"resident_mb": resident_memory(pids)}

@@ -3,7 +3,7 @@
 import itertools
 import subprocess
 import time
-from typing import Dict, List, Optional
+from typing import List, Optional
 
 import stacks
 from analysis import highest_passing
@@ -16,26 +16,19 @@ RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(24)]
 LATEST = 0.1
 #: how long answers may still come after the last message, s
 GRACE = 0.5
-PROBE_S = 1.0
+PROBE_S = 0.6
 
 _numbers = itertools.count(1)
-#: index of the rate that a stack held in the repeat before
-_held: Dict[str, int] = {}
 
 
 def zero_loss_rate(bench: Bench, stack: str) -> Figures:
-    """Find the highest rate by short probes, then have it held for ten seconds.
-
-    Later repeats start from the rate that was held before.
-    """
+    """Find the highest rate by short probes, then have it or a lower one held for ten seconds."""
     with _Source(bench, stack) as source:
-        if stack not in _held:
-            found = highest_passing(RATES, lambda rate: source.passes(rate, PROBE_S))
-            _held[stack] = RATES.index(found) if found is not None else -1
-        while _held[stack] >= 0:
-            if source.passes(RATES[_held[stack]], bench.seconds(10.0, 3.0)):
-                return {"rate": RATES[_held[stack]]}
-            _held[stack] -= 1
+        found = highest_passing(RATES, source.passes_probe)
+        lower = [rate for rate in RATES if found is not None and rate <= found]
+        for rate in reversed(lower):
+            if source.passes(rate, bench.seconds(10.0, 1.0)):
+                return {"rate": rate}
     return {"rate": 0.0}
 
 
@@ -68,6 +61,10 @@ class _Source:
         session.stop(self._source)
         session.stop(self._process)
         self._node_context.__exit__(None, None, None)
+
+    def passes_probe(self, rate: float) -> bool:
+        """Tell whether a rate can be held for a moment; a failure may be chance, two are not."""
+        return self.passes(rate, PROBE_S) or self.passes(rate, PROBE_S)
 
     def passes(self, rate: float, seconds: float) -> bool:
         """Tell whether every message is answered, and in time."""

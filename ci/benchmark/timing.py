@@ -10,18 +10,19 @@ from observers import Counter
 
 RATE = 1000.0
 #: what both are given to settle, s
-WARM_UP = 1.0
+WARM_UP = 0.5
 LOOP = "clock_nanosleep"
 
 
 def at_1_khz(bench: Bench, stack: str) -> Figures:
     """Measure the generator alone, an observer listening, or the loop in C++ alone."""
     file = bench.session.directory / ("timing-%s-%d" % (stack, time.monotonic_ns()))
-    seconds = WARM_UP + bench.seconds(20.0, 4.0)
     if stack == LOOP:
+        seconds = WARM_UP + bench.seconds(5.0, 2.0)
         command = [str(bench.peers.roscpp / "periodic_loop"), str(file), "%g" % RATE]
         bench.session.start(command + ["%g" % seconds]).wait()
     else:
+        seconds = WARM_UP + bench.seconds(20.0, 2.0)
         with bench.session.node() as node:
             counter = Counter(node)
             counter.watch("/signal", "basic_comms/signal_msg")

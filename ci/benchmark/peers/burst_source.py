@@ -19,6 +19,8 @@ DEFINITION = "float32 amplitude\nfloat32 frequency\nfloat64 time_x\nfloat32 sign
 FRAME = struct.Struct("<Iffdf")
 AMPLITUDE, FREQUENCY = 2.0, 2.0 * math.pi
 TICK = 0.0002  # s
+#: A source that is so far behind is of no use any more, s.
+HOPELESS = 0.5
 
 
 def frame(number: int, rate: float) -> bytes:
@@ -36,7 +38,7 @@ def send(connections: List[socket.socket], rate: float, seconds: float) -> Tuple
     total = int(rate * seconds)
     sent, latest = 0, 0.0
     start = time.monotonic()
-    while sent < total:
+    while sent < total and latest < HOPELESS:
         due = min(total, int((time.monotonic() - start) * rate) + 1)
         for number in range(sent, due):
             data = frame(number, rate)

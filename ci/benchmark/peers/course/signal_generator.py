@@ -32,8 +32,9 @@ if __name__ == "__main__":
             rospy.loginfo(message)
             record.add(message.signal_y)
             publisher.publish(message)
+            # At once: where Ctrl-C comes during get_param, rospy waits for itself for ever.
+            if len(rospy.myargv()) > 1:
+                record.write(rospy.myargv()[1])
             rate.sleep()
     except rospy.ROSInterruptException:
         pass
-    if len(rospy.myargv()) > 1:
-        record.write(rospy.myargv()[1])

@@ -10,7 +10,8 @@ from typing import Any, Callable, Dict, List
 
 import matplotlib
 from docutils import nodes
-from first_order_sys_sim.first_order_plant import METHODS, FirstOrderPlant
+from first_order_sys_sim.first_order_plant import METHODS
+from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
 from sphinx.util.docutils import SphinxDirective
 
@@ -63,7 +64,7 @@ def simulate(method: str, signal: Signal, times: List[float]) -> List[float]:
     :param signal: the input, sampled by the plant
     :param times: s; samples in between are taken too
     """
-    plant = FirstOrderPlant(VALUES.plant._replace(method=method))
+    plant = SampledPlant(VALUES.plant._replace(method=method), SAMPLE_TIME)
     outputs = []
     for time in times:
         outputs.append(plant.output(time))

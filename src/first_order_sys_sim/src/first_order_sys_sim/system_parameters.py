@@ -42,7 +42,6 @@ class SystemParameters(ParameterSet):
         return PlantSettings(
             gain=self.system_param_K,
             time_constant=self.system_param_T,
-            sample_time=self.system_sample_time,
             max_output=self.system_max_output,
             # Inputs are float32, and the one next to 0.2 is greater than 0.2.
             min_input=to_float32(self.system_min_input),

@@ -11,7 +11,7 @@ from basic_comms.publishing import Publisher
 from basic_comms.scheduling import get_scheduler
 from std_msgs.msg import Float32
 
-from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
 
 #: A machine that is busy for up to this long makes outputs late, but loses none, s.
@@ -41,7 +41,9 @@ class FirstOrderSystem:
     def __init__(self, scope: NodeScope = NodeScope()) -> None:
         self._parameters = LiveParameters(SystemParameters, scope.parameters)
         values = self._parameters.values
-        self._plant = FirstOrderPlant(values.plant, values.system_initial_conditions)
+        self._plant = SampledPlant(
+            values.plant, values.system_sample_time, values.system_initial_conditions
+        )
         self._one_at_a_time = threading.Lock()
         # In the plant's time, when the last output was due and the next one is; by the clock, when
         # the last one went out.
@@ -73,7 +75,7 @@ class FirstOrderSystem:
 
     def _on_change(self, new: SystemParameters, old: SystemParameters) -> None:
         with self._one_at_a_time:
-            self._plant.change(self._now(), new.plant)
+            self._plant.change(self._now(), new.plant, new.system_sample_time)
             if new.system_initial_conditions != old.system_initial_conditions:
                 self._plant.set_output(self._now(), new.system_initial_conditions)
         self._task.set_rate(new.system_node_rate)

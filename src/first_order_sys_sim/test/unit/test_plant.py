@@ -1,4 +1,4 @@
-"""The plant against closed forms in 50 digits, computed apart from it."""
+"""The sampled plant against closed forms in 50 digits, computed apart from it."""
 
 import math
 from decimal import Decimal, getcontext
@@ -9,11 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from first_order_sys_sim.first_order_plant import EULER, FirstOrderPlant, PlantSettings
+from first_order_sys_sim.sampled_plant import SampledPlant
 
 getcontext().prec = 50
 
 #: The course's values: limit and dead zone out of the way.
-COURSE = PlantSettings(gain=13.2, time_constant=0.05, sample_time=0.02)
+COURSE = PlantSettings(gain=13.2, time_constant=0.05)
+SAMPLE_TIME = 0.02
 LIMITED = COURSE._replace(max_output=13.0, min_input=0.2)
 
 gains = st.floats(-20.0, 20.0)
@@ -38,12 +40,12 @@ def step_response(settings: PlantSettings, seconds: float, value: float = 1.0) -
 def test_step_is_exact_at_any_sample_time_and_any_moment(
     gain: float, tau: float, sample_time: float, value: float, samples: int, rate: float
 ) -> None:
-    plant = FirstOrderPlant(PlantSettings(gain, tau, sample_time))
+    plant = SampledPlant(PlantSettings(gain, tau), sample_time)
     plant.set_input(0.0, value)
     end = samples * sample_time
     moments = [end * index / 200 for index in range(200)] + [n / rate for n in range(50)]
     for moment in sorted(moments):
-        exact = step_response(PlantSettings(gain, tau, sample_time), moment, value)
+        exact = step_response(PlantSettings(gain, tau), moment, value)
         assert plant.output(moment) == pytest.approx(exact, rel=0.0, abs=1e-12)
 
 
@@ -56,7 +58,7 @@ def test_step_is_exact_at_any_sample_time_and_any_moment(
 def test_each_held_input_is_answered_exactly(
     tau: float, sample_time: float, values: List[float], start: float
 ) -> None:
-    plant = FirstOrderPlant(PlantSettings(13.2, tau, sample_time), start)
+    plant = SampledPlant(PlantSettings(13.2, tau), sample_time, start)
     expected = start
     for number, value in enumerate(values):
         plant.set_input(number * sample_time, value)
@@ -69,7 +71,7 @@ def test_each_held_input_is_answered_exactly(
 def test_it_does_not_matter_how_often_the_output_is_looked_at(
     events: List[Tuple[float, float]], end: float
 ) -> None:
-    looked_at, left_alone = FirstOrderPlant(LIMITED), FirstOrderPlant(LIMITED)
+    looked_at, left_alone = SampledPlant(LIMITED, SAMPLE_TIME), SampledPlant(LIMITED, SAMPLE_TIME)
     moment = 0.0
     for wait, value in events:
         for part in range(10):
@@ -83,7 +85,7 @@ def test_it_does_not_matter_how_often_the_output_is_looked_at(
 
 
 def test_input_is_found_by_the_next_sample_only_and_then_held() -> None:
-    plant = FirstOrderPlant(COURSE)
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.021, 1.0)
     assert plant.output(0.04) == 0.0
     plant.set_input(0.045, 0.0)
@@ -94,7 +96,7 @@ def test_input_is_found_by_the_next_sample_only_and_then_held() -> None:
 
 
 def test_sample_finds_the_input_that_came_at_its_very_moment() -> None:
-    plant = FirstOrderPlant(COURSE)
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
     for number in range(1, 2000):
         moment = 3 * number / 150  # now above, now below number * 0.02
         value = float(number % 2)
@@ -106,7 +108,7 @@ def test_sample_finds_the_input_that_came_at_its_very_moment() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.2), st.floats(-1e3, 1e3)), max_size=30))
 def test_output_never_passes_the_limit(events: List[Tuple[float, float]]) -> None:
-    plant = FirstOrderPlant(LIMITED, output=20.0)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME, output=20.0)
     moment = 0.0
     for wait, value in events:
         assert abs(plant.output(moment)) <= 13.0
@@ -118,7 +120,7 @@ def test_output_never_passes_the_limit(events: List[Tuple[float, float]]) -> Non
 def test_output_leaves_the_limit_at_once_however_long_and_hard_it_was_there(
     seconds: float, value: float
 ) -> None:
-    plant = FirstOrderPlant(LIMITED)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, value)
     turn = math.ceil(seconds / 0.02) * 0.02
     assert plant.output(turn) == 13.0
@@ -127,7 +129,7 @@ def test_output_leaves_the_limit_at_once_however_long_and_hard_it_was_there(
 
 
 def test_limit_is_reached_when_the_free_response_reaches_it() -> None:
-    plant = FirstOrderPlant(LIMITED)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, 1.5)
     reached = -0.05 * math.log(1.0 - 13.0 / (13.2 * 1.5))
     assert plant.output(reached - 1e-6) < 13.0
@@ -137,14 +139,14 @@ def test_limit_is_reached_when_the_free_response_reaches_it() -> None:
 
 @pytest.mark.parametrize("value", [0.2, -0.2, 0.1, 0.0])
 def test_dead_zone_ends_with_its_bound(value: float) -> None:
-    plant = FirstOrderPlant(LIMITED)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, value)
     assert plant.output(1.0) == 0.0
 
 
 @pytest.mark.parametrize("value", [0.201, -0.201, 0.5])
 def test_input_beyond_the_dead_zone_acts_in_full(value: float) -> None:
-    plant = FirstOrderPlant(LIMITED)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, value)
     assert plant.output(10.0) == pytest.approx(13.2 * value, abs=1e-12)
 
@@ -157,65 +159,67 @@ def test_input_beyond_the_dead_zone_acts_in_full(value: float) -> None:
                 PlantSettings,
                 gains,
                 time_constants,
-                sample_times,
                 st.just(13.0),
                 st.floats(0.0, 0.5),
                 st.sampled_from(["exact", "euler"]),
             ),
+            sample_times,
             inputs,
         ),
         max_size=20,
     )
 )
-def test_no_change_makes_the_output_jump(changes: List[Tuple[float, PlantSettings, float]]) -> None:
-    plant = FirstOrderPlant(LIMITED)
+def test_no_change_makes_the_output_jump(
+    changes: List[Tuple[float, PlantSettings, float, float]]
+) -> None:
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     moment = 0.0
-    for wait, settings, value in changes:
+    for wait, settings, sample_time, value in changes:
         moment += wait
         before = plant.output(moment)
-        plant.change(moment, settings)
+        plant.change(moment, settings, sample_time)
         assert plant.output(moment) == before
         plant.set_input(moment, value)
 
 
 def test_output_goes_on_with_the_new_gain_and_time_constant() -> None:
-    plant = FirstOrderPlant(COURSE)
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     before = plant.output(0.03)
-    plant.change(0.03, COURSE._replace(gain=5.0, time_constant=0.3))
+    plant.change(0.03, COURSE._replace(gain=5.0, time_constant=0.3), SAMPLE_TIME)
     assert plant.output(0.04) == pytest.approx(decay(before, 5.0, 0.01, 0.3), abs=1e-12)
 
 
 def test_new_sample_time_counts_from_the_last_sample() -> None:
-    plant = FirstOrderPlant(COURSE)
-    plant.change(0.03, COURSE._replace(sample_time=0.05))  # sampled at 0.02, next at 0.07
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
+    plant.change(0.03, COURSE, 0.05)  # sampled at 0.02, next at 0.07
     plant.set_input(0.03, 1.0)
     assert plant.output(0.07) == 0.0
     assert plant.output(0.08) == pytest.approx(step_response(COURSE, 0.01), abs=1e-12)
 
 
 def test_sample_that_a_new_sample_time_makes_overdue_is_taken_at_once() -> None:
-    plant = FirstOrderPlant(COURSE._replace(sample_time=1.0))
+    plant = SampledPlant(COURSE, 1.0)
     plant.output(0.0)
     plant.set_input(0.5, 1.0)
-    plant.change(0.5, COURSE)
+    plant.change(0.5, COURSE, SAMPLE_TIME)
     assert plant.output(0.5) == 0.0
     assert plant.output(0.51) == pytest.approx(step_response(COURSE, 0.01), abs=1e-12)
 
 
 def test_lower_limit_is_kept_at_once_and_a_higher_one_makes_no_jump() -> None:
-    plant = FirstOrderPlant(LIMITED)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, 1.5)
     plant.output(1.0)
-    plant.change(1.0, LIMITED._replace(max_output=5.0))
+    plant.change(1.0, LIMITED._replace(max_output=5.0), SAMPLE_TIME)
     assert plant.output(1.0) == 5.0
-    plant.change(2.0, LIMITED)
+    plant.change(2.0, LIMITED, SAMPLE_TIME)
     assert plant.output(2.0) == 5.0
     assert 5.0 < plant.output(2.001) < 6.0
 
 
 def test_it_can_be_put_into_a_state() -> None:
-    plant = FirstOrderPlant(LIMITED, output=1.0)
+    plant = SampledPlant(LIMITED, SAMPLE_TIME, output=1.0)
     assert plant.output(0.0) == 1.0
     plant.set_output(0.5, -2.0)
     assert plant.output(0.5) == -2.0
@@ -223,16 +227,19 @@ def test_it_can_be_put_into_a_state() -> None:
 
 
 def test_time_that_goes_back_stands_still() -> None:
-    plant = FirstOrderPlant(COURSE)
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     later = plant.output(0.1)
     assert plant.output(0.05) == later
+    plant.output(0.11)
     plant.set_input(0.0, 0.0)
-    assert plant.output(0.1) == later
+    peak = plant.output(0.12)
+    assert peak == pytest.approx(step_response(COURSE, 0.12), abs=1e-12)
+    assert plant.output(0.13) < peak
 
 
 def test_euler_is_off_by_nine_percent_of_the_gain_at_the_courses_values() -> None:
-    plant = FirstOrderPlant(COURSE._replace(method=EULER))
+    plant = SampledPlant(COURSE._replace(method=EULER), SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     numbers = range(1, 50)
     by_slides, expected = 0.0, []
@@ -246,13 +253,34 @@ def test_euler_is_off_by_nine_percent_of_the_gain_at_the_courses_values() -> Non
 
 
 def test_euler_knows_nothing_new_between_samples() -> None:
-    plant = FirstOrderPlant(COURSE._replace(method=EULER))
+    plant = SampledPlant(COURSE._replace(method=EULER), SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     assert plant.output(0.02) == plant.output(0.0399) < plant.output(0.04)
 
 
+def test_method_can_be_changed_on_the_way() -> None:
+    plant = SampledPlant(COURSE, SAMPLE_TIME)
+    plant.set_input(0.0, 1.0)
+    exact = plant.output(0.04)
+    plant.change(0.04, COURSE._replace(method=EULER), SAMPLE_TIME)
+    by_slides = exact + 0.02 / 0.05 * (13.2 - exact)
+    assert plant.output(0.06) == pytest.approx(by_slides, abs=1e-12)
+    plant.change(0.06, COURSE, SAMPLE_TIME)
+    assert plant.output(0.07) == pytest.approx(decay(by_slides, 13.2, 0.01, 0.05), abs=1e-12)
+
+
 def test_unstable_euler_stays_within_the_limit() -> None:
-    plant = FirstOrderPlant(LIMITED._replace(method=EULER, sample_time=0.2))
+    plant = SampledPlant(LIMITED._replace(method=EULER), 0.2)
     plant.set_input(0.0, 0.5)
     got = [plant.output(number * 0.2) for number in range(4)]
     assert got == pytest.approx([0.0, 13.0, -12.6, 13.0], abs=1e-9)
+
+
+def test_without_a_sampler_the_input_acts_at_once() -> None:
+    plant = FirstOrderPlant(COURSE)
+    plant.hold(0.013, 1.0)
+    assert plant.held == 1.0
+    assert plant.output(0.014) == pytest.approx(step_response(COURSE, 0.001), abs=1e-12)
+    plant.hold(0.02, 0.0)
+    expected = decay(step_response(COURSE, 0.007), 0.0, 0.01, 0.05)
+    assert plant.output(0.03) == pytest.approx(expected, abs=1e-12)

@@ -1,0 +1,1 @@
+"""A simulated DC motor, and the set point that drives it."""

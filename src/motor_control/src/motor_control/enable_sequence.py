@@ -1,0 +1,58 @@
+"""When a set point has its motor enabled, and when it may publish."""
+
+from typing import Optional
+
+from motor_control.motor_state import DISABLED, ENABLED, WAITING
+
+
+class EnableSequence:
+    """What the client of a motor knows of it, from the answers to its calls and from motor_state.
+
+    It asks once for the motor to be enabled, and publishes while the motor is. A motor that has
+    started anew has to be asked again. One that somebody has disabled is left alone, even if it is
+    started anew, until somebody enables it.
+
+    Without a motor_state, from a motor that does not publish it, a successful call is all it takes.
+
+    Not safe for several threads at once.
+    """
+
+    def __init__(self) -> None:
+        self._accepted = False
+        self._state: Optional[str] = None
+        self._left_alone = False
+
+    @property
+    def may_publish(self) -> bool:
+        """Whether the motor was enabled for us and is still."""
+        return self._accepted and self._state in (None, ENABLED)
+
+    @property
+    def wants_call(self) -> bool:
+        """Whether the motor has to be asked to be enabled."""
+        return not self._accepted and not self._left_alone
+
+    def answered(self, success: bool) -> None:
+        """Take note of the answer to a request to be enabled.
+
+        :param success: whether the motor is enabled; False also where there was no answer
+        """
+        self._accepted = success
+
+    def heard(self, state: str) -> None:
+        """Take note of what the motor says of itself.
+
+        :param state: WAITING, ENABLED or DISABLED
+        """
+        if state == DISABLED and self._accepted:
+            self._left_alone = True
+        elif state == ENABLED:
+            self._left_alone = False
+        elif state == WAITING:
+            self._accepted = False
+        self._state = state
+
+    def lost(self) -> None:
+        """Take note that there is no connection to a motor any more."""
+        self._accepted = False
+        self._state = None

@@ -1,0 +1,34 @@
+"""The parameters of the motor, under the names that the course gave them."""
+
+from basic_comms.parameters import FloatParameter, ParameterSet
+from first_order_sys_sim.first_order_plant import PlantSettings
+from first_order_sys_sim.float32 import LARGEST
+
+
+class MotorParameters(ParameterSet):
+    """What the motor is like; all of it may change at any sample."""
+
+    sample_time = FloatParameter(
+        0.02,
+        minimum=1e-4,
+        maximum=1e3,
+        unit="s",
+        help="how often the input is sampled and the speed published",
+    )
+    sys_gain_K = FloatParameter(
+        1.75, minimum=0.0, maximum=1e6, help="gain: steady speed for each unit of input"
+    )
+    sys_tau_T = FloatParameter(
+        0.5, above=0.0, maximum=1e6, unit="s", help="time constant: 63 % of a step pass in it"
+    )
+    initial_conditions = FloatParameter(
+        0.0,
+        minimum=-1e9,
+        maximum=1e9,
+        help="speed when the motor is enabled; a change puts the speed there",
+    )
+
+    @property
+    def plant(self) -> PlantSettings:
+        """What the plant is like; its output stops where a message's float32 ends."""
+        return PlantSettings(self.sys_gain_K, self.sys_tau_T, max_output=LARGEST)

@@ -1,0 +1,1 @@
+"""The nodes: what wires the motor and its set point to ROS."""

@@ -1,0 +1,124 @@
+"""The DC motor: its input is a voltage, its output a speed."""
+
+import math
+import threading
+from typing import Optional
+
+import rospy
+from basic_comms.live_parameters import LiveParameters
+from basic_comms.node_main import run
+from basic_comms.node_scope import NodeScope
+from basic_comms.publishing import Publisher
+from basic_comms.scheduling import get_scheduler
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest, SetProcessBoolResponse
+from std_msgs.msg import Float32, String
+
+from motor_control.motor_parameters import MotorParameters
+from motor_control.motor_state import DISABLED, ENABLED, WAITING
+
+#: Least time between two warnings about inputs that are not finite, s.
+_WARN_EVERY_S = 10.0
+
+
+class DcMotor:
+    """Publishes the speed y of a motor, tau dy/dt + y = K u, while it is enabled.
+
+    Each time it is enabled it starts from its initial conditions, with an input of 0 until the
+    first message. Disabled, it stands still: it says so by a last speed of 0, and is silent then.
+
+    :ROS Subscribers:
+        - ``motor_input_u`` (std_msgs/Float32); what is not finite is left out, with a warning
+
+    :ROS Publishers:
+        - ``motor_speed_y`` (std_msgs/Float32)
+        - ``motor_state`` (std_msgs/String), latched: ``waiting``, ``enabled`` or ``disabled``
+
+    :ROS Services:
+        - ``EnableProcess`` (motor_control_msgs/SetProcessBool): start or stop the motor
+
+    :ROS Parameters:
+        - those of :class:`.MotorParameters`, private and live
+
+    :param scope: where the names above are; those of the process's own node by default
+    """
+
+    def __init__(self, scope: NodeScope = NodeScope()) -> None:
+        self._parameters = LiveParameters(MotorParameters, scope.parameters)
+        self._settings = self._parameters.values
+        self._input = 0.0
+        self._one_at_a_time = threading.Lock()
+        # None while it stands still; its time starts with the first step, at _begun_at.
+        self._plant: Optional[FirstOrderPlant] = None
+        self._begun_at: Optional[float] = None
+        self._speed_publisher = Publisher(scope.topic("motor_speed_y"), Float32)
+        self._state_publisher = Publisher(scope.topic("motor_state"), String, latch=True)
+        self._service_name = rospy.resolve_name(scope.topic("EnableProcess"))
+        self._task = get_scheduler().every(1.0 / self._settings.sample_time, self._step)
+        self._parameters.start(on_change=self._on_change)
+        rospy.Subscriber(scope.topic("motor_input_u"), Float32, self._on_input, tcp_nodelay=True)
+        rospy.Service(self._service_name, SetProcessBool, self._enable)
+        self._state_publisher.publish(String(WAITING))
+
+    def _on_change(self, new: MotorParameters, _old: MotorParameters) -> None:
+        self._task.set_rate(1.0 / new.sample_time)
+
+    def _on_input(self, message: Float32) -> None:
+        if math.isfinite(message.data):
+            self._input = message.data
+        else:
+            rospy.logwarn_throttle(
+                _WARN_EVERY_S, "motor_input_u: %s is not finite and is left out" % message.data
+            )
+
+    def _step(self, elapsed: float) -> None:
+        with self._one_at_a_time:
+            if self._plant is None:
+                return
+            if self._begun_at is None:
+                self._begun_at = elapsed
+            moment = elapsed - self._begun_at
+            self._take_over_settings(self._plant, moment)
+            self._plant.hold(moment, self._input)
+            self._speed_publisher.publish(Float32(self._plant.output(moment)))
+
+    def _take_over_settings(self, plant: FirstOrderPlant, moment: float) -> None:
+        new, old = self._parameters.values, self._settings
+        if new is old:
+            return
+        plant.change(moment, new.plant)
+        if new.initial_conditions != old.initial_conditions:
+            plant.set_output(moment, new.initial_conditions)
+        self._settings = new
+
+    def _enable(self, request: SetProcessBoolRequest) -> SetProcessBoolResponse:
+        with self._one_at_a_time:
+            if rospy.is_shutdown():
+                return SetProcessBoolResponse(False, "the motor is shutting down")
+            state = ENABLED if request.enable else DISABLED
+            if request.enable == (self._plant is not None):
+                if not request.enable:
+                    self._state_publisher.publish(String(state))
+                return SetProcessBoolResponse(True, state + " already")
+            if request.enable:
+                self._start()
+            else:
+                self._stop()
+            self._state_publisher.publish(String(state))
+            rospy.loginfo("%s: %s", self._service_name, state)
+            return SetProcessBoolResponse(True, state)
+
+    def _start(self) -> None:
+        self._settings = self._parameters.values
+        self._plant = FirstOrderPlant(self._settings.plant, self._settings.initial_conditions)
+        self._begun_at = None
+        self._input = 0.0
+
+    def _stop(self) -> None:
+        self._plant = None
+        self._speed_publisher.publish(Float32(0.0))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("dc_motor", DcMotor)

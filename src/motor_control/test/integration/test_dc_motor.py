@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""The motor on the wire: its response, its parameters, and its service."""
+
+import math
+import unittest
+from typing import List
+
+import rospy
+import rostest
+from helpers.hearing import Ear
+from helpers.waiting import wait_until
+from motor_control_msgs.srv import SetProcessBool
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Float32, String
+
+GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
+#: Rounding of a float32 of a magnitude from 2 to 4.
+ROUNDING = 2.0**-23
+NODE = "/lab/motor_sys"
+
+
+class DcMotor(unittest.TestCase):
+    """A motor that has just been enabled before each test."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_dc_motor")
+        cls.input = rospy.Publisher("/lab/motor_input_u", Float32, queue_size=10)
+        cls.speed = Ear("/lab/motor_speed_y", Float32)
+        cls.state = Ear("/lab/motor_state", String)
+        cls.log = Ear("/rosout", Log)
+        rospy.wait_for_service("/lab/EnableProcess", 30.0)
+        cls.enable = rospy.ServiceProxy("/lab/EnableProcess", SetProcessBool)
+        wait_until(cls.input.get_num_connections, lambda: "nobody listens")
+        # In the state in which it starts, the motor is silent.
+        cls.state.wait_for(lambda state: state.data == "waiting")
+        assert not cls.speed.messages()
+
+    def setUp(self) -> None:
+        self.enable(False)
+        self.speed.forget()
+        self.log.forget()
+        self.assertEqual(self.enable(True).message, "enabled")
+
+    def values(self) -> List[float]:
+        return [heard.data for heard in self.speed.messages()]
+
+    def settle(self, target: float) -> List[float]:
+        """Wait for a steady speed, and return all heard."""
+        wait_until(
+            lambda: self.values() and abs(self.values()[-1] - target) < 1e-6,
+            lambda: "the speed is %s, not %s" % (self.values()[-1:], target),
+        )
+        return self.values()
+
+    def assert_response(self, values: List[float], target: float) -> None:
+        """Compare speeds with the response from the first of them to a target.
+
+        The motor samples its input when it publishes, so the analytic solution holds from sample to
+        sample; but a busy machine may leave samples out, and they carry no time. So each speed is
+        compared with the value of the very sample that it is next to.
+        """
+        start, last = values[0], 0
+        for value in values[1:]:
+            # Nearer to the target the rounding would hide which sample it is.
+            if abs(value - target) < 0.01 * abs(start - target):
+                break
+            sample = round(-TAU / SAMPLE_TIME * math.log((value - target) / (start - target)))
+            exact = target + (start - target) * math.exp(-sample * SAMPLE_TIME / TAU)
+            self.assertAlmostEqual(value, exact, delta=2.0 * ROUNDING, msg="sample %d" % sample)
+            self.assertGreater(sample, last)
+            last = sample
+        self.assertGreater(last, 8)
+
+    def test_step_response_is_exact_to_the_last_bits_of_float32(self) -> None:
+        self.input.publish(Float32(2.0))
+        values = self.settle(3.5)
+        rest = max(index for index, value in enumerate(values) if value == 0.0)
+        self.assert_response(values[rest:], 3.5)
+
+    def test_change_of_gain_makes_no_jump_and_is_logged(self) -> None:
+        self.addCleanup(rospy.set_param, NODE + "/sys_gain_K", GAIN)
+        self.input.publish(Float32(0.5))
+        self.settle(0.875)
+        rospy.set_param(NODE + "/sys_gain_K", 8.0)
+        values = self.settle(4.0)
+        # It comes into force at a sample.
+        before = max(index for index, value in enumerate(values) if abs(value - 0.875) < 1e-6)
+        self.assert_response(values[before:], 4.0)
+        self.log.wait_for(lambda line: NODE + "/sys_gain_K: 1.75 -> 8" in line.msg)
+
+    def test_change_of_sample_time_makes_no_jump(self) -> None:
+        self.addCleanup(rospy.set_param, NODE + "/sample_time", SAMPLE_TIME)
+        rospy.set_param(NODE + "/sample_time", 0.001)
+        self.log.wait_for(lambda line: "sample_time: 0.02 -> 0.001" in line.msg)
+        self.input.publish(Float32(2.0))
+        values = self.settle(3.5)
+        # At 1 ms a sample takes the speed 2 % of the way, at 20 ms it took 33 %.
+        rising = [value for value in values if 0.0 < value < 3.0]
+        self.assertGreater(len(rising), 40)
+        self.assertEqual(rising, sorted(rising))
+
+    def test_negative_gain_and_time_constant_are_refused_with_the_reason(self) -> None:
+        for name, kept, reason in (
+            ("sys_gain_K", GAIN, "a number in [0, 1e6]; in force is sys_gain_K=1.75"),
+            ("sys_tau_T", TAU, "a number in (0, 1e6] (s); in force is sys_tau_T=0.05"),
+        ):
+            rospy.set_param("%s/%s" % (NODE, name), -1.0)
+            line = self.log.wait_for(lambda line: name in line.msg)
+            self.assertEqual(line.level, Log.WARN)
+            text = "parameter %s/%s: -1 is refused, allowed is %s" % (NODE, name, reason)
+            self.assertEqual(line.msg, text)
+            wait_until(
+                lambda: rospy.get_param("%s/%s" % (NODE, name)) == kept,
+                lambda: "%s is not put back" % name,
+            )
+
+    def test_initial_conditions_are_where_it_starts_and_can_be_set_live(self) -> None:
+        self.addCleanup(rospy.set_param, NODE + "/initial_conditions", 0.0)
+        rospy.set_param(NODE + "/initial_conditions", -1.5)
+        self.speed.wait_for(lambda heard: heard.data == -1.5)
+        self.enable(False)
+        self.speed.forget()
+        self.enable(True)
+        self.speed.wait_for(lambda heard: True)
+        self.assertEqual(self.values()[0], -1.5)
+
+    def test_disabled_it_stands_still_and_is_silent(self) -> None:
+        self.input.publish(Float32(2.0))
+        self.settle(3.5)
+        self.state.forget()
+        answer = self.enable(False)
+        self.assertEqual((answer.success, answer.message), (True, "disabled"))
+        self.state.wait_for(lambda state: state.data == "disabled")
+        wait_until(lambda: self.values()[-1] == 0.0, lambda: "it does not stop")
+        self.speed.forget()
+        answer = self.enable(False)
+        self.assertEqual((answer.success, answer.message), (True, "disabled already"))
+        rospy.sleep(10.0 * SAMPLE_TIME)
+        self.assertEqual(self.values(), [])
+        # What drove it before does not drive it now.
+        self.enable(True)
+        wait_until(lambda: len(self.values()) > 10, lambda: "it does not go on")
+        self.assertEqual(set(self.values()), {0.0})
+
+    def test_second_enable_changes_nothing(self) -> None:
+        self.input.publish(Float32(2.0))
+        self.settle(3.5)
+        self.speed.forget()
+        answer = self.enable(True)
+        self.assertEqual((answer.success, answer.message), (True, "enabled already"))
+        wait_until(lambda: len(self.values()) > 5, lambda: "it does not go on")
+        self.assertTrue(all(abs(value - 3.5) < 1e-5 for value in self.values()))
+
+    def test_input_that_is_not_finite_is_left_out_with_a_warning(self) -> None:
+        self.input.publish(Float32(2.0))
+        self.input.publish(Float32(math.inf))
+        line = self.log.wait_for(lambda line: "not finite" in line.msg)
+        self.assertEqual(line.level, Log.WARN)
+        self.settle(3.5)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("motor_control", "dc_motor", DcMotor)

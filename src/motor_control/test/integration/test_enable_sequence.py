@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""How a set point and its motor find each other, whoever comes, goes and interferes."""
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+from typing import List
+
+import rospkg
+import rospy
+import rostest
+from helpers.hearing import Ear
+from helpers.waiting import TIMEOUT, wait_until
+from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Float32, String
+
+SCRIPTS = os.path.join(rospkg.RosPack().get_path("motor_control"), "scripts")
+
+
+class EnableSequence(unittest.TestCase):
+    """Each test has a namespace, and in it the nodes that it starts."""
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        self.inputs = Ear(self.space + "/motor_input_u", Float32)
+        self.speeds = Ear(self.space + "/motor_speed_y", Float32)
+        self.states = Ear(self.space + "/motor_state", String)
+        self.log = Ear("/rosout", Log)
+        self.enable = rospy.ServiceProxy(self.space + "/EnableProcess", SetProcessBool)
+
+    def start(self, program: str, name: str) -> "subprocess.Popen[bytes]":
+        """Start a node, to be ended after the test."""
+        node = subprocess.Popen(
+            [os.path.join(SCRIPTS, program), "__ns:=" + self.space, "__name:=" + name]
+        )
+        self.addCleanup(self.end, node, signal.SIGKILL)
+        return node
+
+    def end(self, node: "subprocess.Popen[bytes]", number: int) -> int:
+        """End a node by a signal, and return its exit status."""
+        if node.poll() is None:
+            node.send_signal(number)
+        return node.wait(TIMEOUT)
+
+    def start_motor(self) -> "subprocess.Popen[bytes]":
+        """Start a motor, and wait until it can be enabled."""
+        self.states.forget()
+        motor = self.start("dc_motor.py", "motor_sys")
+        self.wait_for_state("waiting")
+        return motor
+
+    def start_set_point(self) -> "subprocess.Popen[bytes]":
+        return self.start("set_point.py", "sp_gen")
+
+    def wait_for_state(self, state: str) -> None:
+        self.states.wait_for(lambda heard: heard.data == state)
+
+    def wait_for_line(self, text: str) -> None:
+        self.log.wait_for(lambda line: text in line.msg and line.name.startswith(self.space))
+
+    def assert_both_run(self) -> None:
+        for ear in (self.inputs, self.speeds):
+            ear.forget()
+            ear.wait_for(lambda heard: heard.data != 0.0)
+
+    def assert_both_are_silent(self) -> None:
+        """Listen for some periods of each."""
+        for ear in (self.inputs, self.speeds):
+            ear.forget()
+        rospy.sleep(0.5)
+        self.assertEqual(self.inputs.messages() + self.speeds.messages(), [])
+
+    def test_set_point_first(self) -> None:
+        self.start_set_point()
+        for _ in range(2):
+            self.wait_for_line("waiting for %s/EnableProcess: service" % self.space)
+            self.log.forget()
+        self.assertEqual(self.inputs.messages(), [])
+        self.start("dc_motor.py", "motor_sys")
+        self.wait_for_state("enabled")
+        self.assert_both_run()
+
+    def test_motor_first(self) -> None:
+        self.start_motor()
+        self.assertEqual(self.speeds.messages(), [])
+        self.start_set_point()
+        self.assert_both_run()
+        self.assertEqual([heard.data for heard in self.states.messages()], ["waiting", "enabled"])
+
+    def test_disabling_stops_both_until_somebody_enables(self) -> None:
+        self.start_motor()
+        self.start_set_point()
+        self.assert_both_run()
+        self.assertEqual(self.enable(True).message, "enabled already")
+        self.assertTrue(self.enable(False).success)
+        self.wait_for_line("the motor is disabled")
+        # Each takes leave with a 0.
+        for ear in (self.inputs, self.speeds):
+            wait_until(lambda: ear.messages()[-1].data == 0.0, lambda: "there is no last 0")
+        self.assert_both_are_silent()
+        self.assertEqual(self.enable(True).message, "enabled")
+        self.assert_both_run()
+
+    def test_motor_that_is_killed_and_comes_back(self) -> None:
+        motor = self.start_motor()
+        self.start_set_point()
+        self.assert_both_run()
+        self.end(motor, signal.SIGKILL)
+        self.wait_for_line("the motor is gone")
+        wait_until(lambda: self.inputs.messages()[-1].data == 0.0, lambda: "there is no last 0")
+        self.assert_both_are_silent()
+        self.wait_for_line("waiting for %s/EnableProcess: " % self.space)
+        self.states.forget()
+        self.start("dc_motor.py", "motor_sys")
+        self.wait_for_state("enabled")
+        self.assert_both_run()
+
+    def test_disabled_motor_that_starts_anew_stays_off(self) -> None:
+        motor = self.start_motor()
+        self.start_set_point()
+        self.assert_both_run()
+        self.enable(False)
+        self.wait_for_line("the motor is disabled")
+        self.assertEqual(self.end(motor, signal.SIGINT), 0)
+        self.wait_for_line("the motor is gone")
+        self.start_motor()
+        self.assert_both_are_silent()
+        self.assertEqual(self.enable(True).message, "enabled")
+        self.assert_both_run()
+
+    def test_set_point_started_after_somebody_disabled_the_motor_enables_it(self) -> None:
+        self.start_motor()
+        self.enable(False)
+        self.start_set_point()
+        self.assert_both_run()
+
+    def test_refusals_and_failures_are_retried_after_growing_pauses(self) -> None:
+        calls: List[float] = []
+
+        def answer(_request: object) -> SetProcessBoolResponse:
+            calls.append(time.monotonic())
+            if len(calls) == 2:
+                raise RuntimeError("a defect of the motor")
+            return SetProcessBoolResponse(len(calls) > 4, "call %d" % len(calls))
+
+        service = rospy.Service(self.space + "/EnableProcess", SetProcessBool, answer)
+        self.addCleanup(service.shutdown)
+        self.start_set_point()
+        self.inputs.wait_for(lambda heard: True)
+        self.assertEqual(len(calls), 5)
+        self.wait_for_line("waiting for %s/EnableProcess: call 4" % self.space)
+        # A pause counts from the answer, so however slow the machine is, it cannot look shorter.
+        for pause, before, after in zip((0.2, 0.4, 0.8, 1.0), calls, calls[1:]):
+            self.assertGreater(after - before, pause)
+
+    def test_calls_while_the_motor_shuts_down_are_answered_or_fail_at_once(self) -> None:
+        motor = self.start_motor()
+        self.assertTrue(self.enable(True).success)
+        motor.send_signal(signal.SIGINT)
+        with self.assertRaises(rospy.ServiceException):
+            while motor.poll() is None:
+                answer = self.enable(True)
+                self.assertIn(answer.message, ("enabled already", "the motor is shutting down"))
+            self.enable(True)
+        self.assertEqual(motor.wait(TIMEOUT), 0)
+
+    def test_set_point_that_waits_ends_cleanly(self) -> None:
+        set_point = self.start_set_point()
+        self.wait_for_line("waiting for %s/EnableProcess: service" % self.space)
+        self.assertEqual(self.end(set_point, signal.SIGINT), 0)
+
+
+if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would the nodes.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    rospy.init_node("test_enable_sequence", disable_signals=True)
+    rostest.rosrun("motor_control", "enable_sequence", EnableSequence)

@@ -1,0 +1,118 @@
+"""What the launch files start and set; nothing is started here."""
+
+import os
+from typing import Any, Dict, List
+from xml.dom import minidom
+
+import pytest
+import rospkg
+import yaml
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+from motor_control.motor_parameters import MotorParameters
+from motor_control.set_point_parameters import SetPointParameters
+
+PACKAGE = rospkg.RosPack().get_path("motor_control")
+LAUNCH = os.path.join(PACKAGE, "launch")
+
+
+def load(name: str, *arguments: str) -> ROSLaunchConfig:
+    """Load a launch file as roslaunch does with these arguments."""
+    config = ROSLaunchConfig()
+    loader = XmlLoader()
+    loader.ignore_unset_args = False
+    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
+    assert config.config_errors == []
+    return config
+
+
+def nodes(config: ROSLaunchConfig) -> Dict[str, str]:
+    """Return the program of each node by its name."""
+    return {node.namespace + node.name: node.type for node in config.nodes}
+
+
+def settings(config: ROSLaunchConfig, node: str) -> Dict[str, Any]:
+    """Return the private parameters of a node by name."""
+    prefix = node + "/"
+    return {
+        key[len(prefix) :]: parameter.value
+        for key, parameter in config.params.items()
+        if key.startswith(prefix)
+    }
+
+
+def pairs(groups: List[str]) -> Dict[str, str]:
+    """Return the nodes of a motor and a set point in each of these groups."""
+    motors = {group + "/motor_sys": "dc_motor.py" for group in groups}
+    return {**motors, **{group + "/sp_gen": "set_point.py" for group in groups}}
+
+
+def test_motor() -> None:
+    assert nodes(load("motor.launch")) == pairs([""])
+
+
+def test_motor_2() -> None:
+    assert nodes(load("motor_2.launch")) == {
+        "/group1/motor_sys_1": "dc_motor.py",
+        "/group1/sp_gen_1": "set_point.py",
+        "/group2/motor_sys_2": "dc_motor.py",
+        "/group2/sp_gen_2": "set_point.py",
+    }
+
+
+def test_motor_3() -> None:
+    assert nodes(load("motor_3.launch")) == pairs(["/group1", "/group2", "/group3"])
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 10, 150])
+def test_motors(count: int) -> None:
+    groups = ["/group%d" % number for number in range(1, count + 1)]
+    assert nodes(load("motors.launch", "count:=%d" % count)) == pairs(groups)
+
+
+def test_every_motor_starts_from_the_defaults() -> None:
+    config = load("motors.launch", "count:=2")
+    for group in ("/group1", "/group2"):
+        assert settings(config, group + "/motor_sys") == MotorParameters().as_dict()
+        set_point = SetPointParameters(**settings(config, group + "/sp_gen"))
+        assert set_point == SetPointParameters()
+
+
+def test_params_go_over_the_defaults() -> None:
+    config = load("motor_2.launch")
+    expected = MotorParameters(sys_gain_K=4.0, sys_tau_T=0.9).as_dict()
+    assert settings(config, "/group1/motor_sys_1") == expected
+    assert settings(config, "/group2/motor_sys_2") == MotorParameters().as_dict()
+
+
+def test_params_name_nodes_and_parameters_that_exist() -> None:
+    started = nodes(load("motor_2.launch"))
+    with open(os.path.join(PACKAGE, "config", "params.yaml")) as file:
+        for group, members in yaml.safe_load(file).items():
+            for node, values in members.items():
+                assert started["/%s/%s" % (group, node)] == "dc_motor.py"
+                MotorParameters(**values)
+
+
+def test_own_configuration_can_be_given() -> None:
+    params = os.path.join(PACKAGE, "config", "set_point.yaml")
+    config = load("motor.launch", "motor:=m", "set_point:=s", "motor_config:=" + params)
+    assert set(nodes(config)) == {"/m", "/s"}
+    assert settings(config, "/m") == settings(config, "/s")
+
+
+@pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))
+def test_terminals_are_for_every_node_and_only_when_asked_for(name: str) -> None:
+    for node in load(name).nodes:
+        assert "xterm" not in (node.launch_prefix or "")
+        assert node.output == "screen"
+    for node in load(name, "terminals:=true").nodes:
+        assert node.launch_prefix.startswith("xterm -e")
+
+
+@pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))
+def test_every_argument_has_a_doc(name: str) -> None:
+    root = minidom.parse(os.path.join(LAUNCH, name)).documentElement
+    declared = [tag for tag in root.childNodes if tag.nodeName == "arg"]
+    assert [tag.getAttribute("name") for tag in declared if not tag.getAttribute("doc")] == []

@@ -1,0 +1,199 @@
+"""The layout of a message in memory, read from its definition.
+
+A definition is the text that a publisher sends to each subscriber and that a bag holds: it suffices
+to read messages whose package is not installed. It is interpreted, and no code is made of it, since
+it comes from somebody else. Its notation: http://wiki.ros.org/msg.
+"""
+
+import re
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
+
+
+class DefinitionError(ValueError):
+    """A definition that makes no sense."""
+
+
+class Scalar(NamedTuple):
+    """A number of fixed size.
+
+    :param datatype: its name in definitions
+    :param format: what it is in the notation of the module struct, without byte order
+    :param size: bytes
+    """
+
+    datatype: str
+    format: str
+    size: int
+    numeric: bool = True
+
+
+class Text(NamedTuple):
+    """A string: its length, then its bytes."""
+
+    datatype: str = "string"
+    size: Optional[int] = None
+    numeric: bool = False
+
+
+class Record(NamedTuple):
+    """A message: its fields one behind the other.
+
+    :param datatype: name of its type
+    :param fields: name and layout of each, in their order
+    :param size: bytes, None where that differs from one to the next
+    :param numeric: whether there are numbers in it, at any depth
+    """
+
+    datatype: str
+    fields: Tuple[Tuple[str, Any], ...]
+    size: Optional[int]
+    numeric: bool
+
+
+class Array(NamedTuple):
+    """Elements of one layout.
+
+    :param element: their layout
+    :param length: how many there are, None where the message says it
+    :param size: bytes, None where that differs from one to the next
+    """
+
+    element: Any
+    length: Optional[int]
+    size: Optional[int]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether there are numbers in it, at any depth."""
+        return bool(self.element.numeric)
+
+    @property
+    def datatype(self) -> str:
+        """Its name in definitions."""
+        count = "" if self.length is None else str(self.length)
+        return "%s[%s]" % (self.element.datatype, count)
+
+
+Layout = Union[Scalar, Text, Record, Array]
+
+SCALARS: Mapping[str, Scalar] = {
+    name: Scalar(name, format, size)
+    for name, format, size in (
+        ("bool", "?", 1),
+        ("int8", "b", 1),
+        ("byte", "b", 1),
+        ("uint8", "B", 1),
+        ("char", "B", 1),
+        ("int16", "h", 2),
+        ("uint16", "H", 2),
+        ("int32", "i", 4),
+        ("uint32", "I", 4),
+        ("int64", "q", 8),
+        ("uint64", "Q", 8),
+        ("float32", "f", 4),
+        ("float64", "d", 8),
+        # Seconds and nanoseconds; a value in s is made of them.
+        ("time", "II", 8),
+        ("duration", "ii", 8),
+    )
+}
+
+_SEPARATOR = "=" * 80
+_FIELD = re.compile(r"([A-Za-z][A-Za-z0-9_/]*)(\[(\d*)\])?\s+([A-Za-z][A-Za-z0-9_]*)\Z")
+#: Deepest nesting of messages, and most fields at all depths; real ones stay far below.
+_DEPTH, _FIELDS = 50, 20000
+
+
+def layout_of(message_class: Any) -> Record:
+    """Return the layout of a message class, whether generated or made at run time.
+
+    :param message_class: class of the messages
+    :raises DefinitionError: if its definition makes no sense
+    """
+    return parse(message_class._type, message_class._full_text)
+
+
+def parse(datatype: str, text: str) -> Record:
+    """Read a definition.
+
+    :param datatype: name of the type, e.g. ``std_msgs/Float32``
+    :param text: its definition, followed by those of the types that it uses
+    :raises DefinitionError: if it makes no sense
+    """
+    first, *others = re.split(r"^%s\s*$" % _SEPARATOR, text, flags=re.MULTILINE)
+    texts = {datatype: first}
+    for other in others:
+        head, _, body = other.strip().partition("\n")
+        if not head.startswith("MSG:"):
+            raise DefinitionError("no name is given to a part of the definition of %s" % datatype)
+        texts[head[len("MSG:") :].strip()] = body
+    return _Parser(texts).record(datatype, 0)
+
+
+class _Parser:
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._texts = texts
+        self._known: Dict[str, Record] = {}
+        self._counts: Dict[str, int] = {}
+
+    def record(self, datatype: str, depth: int) -> Record:
+        if datatype not in self._texts:
+            raise DefinitionError("the type %s is not defined" % datatype)
+        if depth > _DEPTH:
+            raise DefinitionError("the type %s is nested too deeply" % datatype)
+        if datatype not in self._known:
+            fields = tuple(
+                self._field(match, datatype, depth)
+                for match in map(_field_of, self._texts[datatype].splitlines())
+                if match
+            )
+            sizes = [layout.size for _, layout in fields]
+            size = None if None in sizes else sum(sizes)  # type: ignore[arg-type]
+            numeric = any(layout.numeric for _, layout in fields)
+            self._counts[datatype] = len(fields) + sum(
+                self._counts.get(_innermost(layout), 0) for _, layout in fields
+            )
+            if self._counts[datatype] > _FIELDS:
+                raise DefinitionError("the type %s has too many fields" % datatype)
+            self._known[datatype] = Record(datatype, fields, size, numeric)
+        return self._known[datatype]
+
+    def _field(self, match: "re.Match[str]", parent: str, depth: int) -> Tuple[str, Layout]:
+        datatype, brackets, count, name = match.groups()
+        layout: Layout
+        if datatype in SCALARS:
+            layout = SCALARS[datatype]
+        elif datatype == "string":
+            layout = Text()
+        else:
+            layout = self.record(self._full_name(datatype, parent), depth + 1)
+        if brackets:
+            number = int(count) if count else None
+            layout = Array(layout, number, _size_of_array(layout, number))
+        return name, layout
+
+    def _full_name(self, datatype: str, parent: str) -> str:
+        if datatype in ("Header", "roslib/Header"):
+            return "std_msgs/Header"
+        return datatype if "/" in datatype else "%s/%s" % (parent.partition("/")[0], datatype)
+
+
+def _size_of_array(element: Layout, count: Optional[int]) -> Optional[int]:
+    if count == 0:
+        return 0
+    return None if count is None or element.size is None else count * element.size
+
+
+def _innermost(layout: Layout) -> str:
+    return layout.element.datatype if isinstance(layout, Array) else layout.datatype
+
+
+def _field_of(line: str) -> "Optional[re.Match[str]]":
+    """Take a line of a definition apart; None where it declares no field."""
+    code = line.partition("#")[0].strip()
+    if not code or "=" in code:  # nothing, or a constant
+        return None
+    match = _FIELD.match(code)
+    if not match:
+        raise DefinitionError("%r is no field of a message" % line)
+    return match

@@ -1,0 +1,186 @@
+"""Names of numeric fields, such as ``/signal/signal_y``, and what they stand for.
+
+The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
+side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. A time or a
+duration is a number too, in s, and a truth value is 0 or 1.
+"""
+
+import itertools
+import re
+from typing import Any, Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
+
+from topic_scope.definitions import Array, Layout, Record, Scalar
+
+#: Names of fields and, behind the one of an array, indices.
+Path = Tuple[Union[str, int], ...]
+
+#: Tells how many elements the array at a path has.
+Lengths = Callable[[Path], int]
+
+#: Most elements of an array that are listed one by one.
+LISTED_ELEMENTS = 16
+#: Most fields of a topic that are listed or chosen at once.
+LISTED_FIELDS = 200
+
+_NAME = r"[A-Za-z][A-Za-z0-9_]*(?:\[\d{1,9}\])*"
+_EXPRESSION = re.compile(r"(?:/|~?/?)%s(?:/%s)*(?::%s)*\Z" % (_NAME, _NAME, _NAME))
+_PART = re.compile(r"([A-Za-z][A-Za-z0-9_]*)((?:\[\d+\])*)\Z")
+_LONGEST = 300
+
+
+class FieldError(ValueError):
+    """A name of a field that cannot be one, or that a message does not have."""
+
+
+class NumericField(NamedTuple):
+    """A number in the messages of a topic.
+
+    :param path: where it stands in a message
+    :param datatype: its type as the definition has it, e.g. ``float32``
+    """
+
+    path: Path
+    datatype: str
+
+
+def one_element(_path: Path) -> int:
+    """Let the first element stand for an array of any length."""
+    return 1
+
+
+def expand(expression: str) -> List[str]:
+    """Return the names that an argument stands for.
+
+    :param expression: e.g. ``/pose/x:y``, which stands for ``/pose/x`` and ``/pose/y``
+    :returns: global names, one for each part between colons
+    :raises FieldError: if it is no name
+    """
+    if len(expression) > _LONGEST or not _EXPRESSION.match(expression):
+        raise FieldError("%r is no name of a field, such as /topic/field" % expression[:_LONGEST])
+    first, *others = expression.split(":")
+    first = "/" + first.lstrip("/")
+    parent = first.rpartition("/")[0]
+    return [first] + ["%s/%s" % (parent, other) for other in others]
+
+
+def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
+    """Take a name apart into a topic and what is in its messages.
+
+    :param name: one that :func:`expand` returned
+    :param topics: names of the topics that there are
+    :returns: the longest topic that the name begins with, and the rest, empty for all of a
+        message; None if there is no such topic
+    """
+    topic, rest = name, ""
+    while topic:
+        if topic in topics:
+            return topic, rest
+        topic, _, last = topic.rpartition("/")
+        rest = "%s/%s" % (last, rest) if rest else last
+    return None
+
+
+def to_path(text: str) -> Path:
+    """Return the path that a text such as ``pose/x`` or ``data[3]`` stands for.
+
+    :raises FieldError: if it is none
+    """
+    path: List[Union[str, int]] = []
+    for part in text.split("/") if text else []:
+        match = _PART.match(part)
+        if not match:
+            raise FieldError("%r is no name of a field" % part)
+        path.append(match.group(1))
+        path += [int(index) for index in re.findall(r"\d+", match.group(2))]
+    return tuple(path)
+
+
+def to_text(path: Path) -> str:
+    """Return the text that stands for a path."""
+    parts = ["[%d]" % part if isinstance(part, int) else "/" + part for part in path]
+    return "".join(parts).lstrip("/")
+
+
+def resolve(layout: Record, text: str, lengths: Lengths = one_element) -> List[NumericField]:
+    """Return the numeric fields that a text stands for in a message.
+
+    :param layout: layout of the messages
+    :param text: as :func:`split` returned it; empty for all of a message
+    :param lengths: tells how many elements an array has whose length is not declared
+    :raises FieldError: if there are none
+    """
+    node: Layout = layout
+    path = to_path(text)
+    for position, part in enumerate(path):
+        node = _step(node, part, to_text(path[:position]) or layout.datatype)
+    found = list(itertools.islice(_numbers(node, path, lengths), LISTED_FIELDS))
+    if not found:
+        raise FieldError("there is no number in %s" % (to_text(path) or layout.datatype))
+    return found
+
+
+def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+    """List the numeric fields of a message, but of long arrays and messages only the first ones.
+
+    :param layout: layout of the messages
+    :param lengths: as for :func:`resolve`
+    """
+    return list(itertools.islice(_numbers(layout, (), lengths), LISTED_FIELDS))
+
+
+def lengths_in(message: Any) -> Lengths:
+    """Return the function that tells how long the arrays of a message are."""
+    return lambda path: len(_value(message, path) or ())
+
+
+def getter(path: Path) -> Callable[[Any], float]:
+    """Return a function that takes a number out of a message.
+
+    :param path: where it stands
+    :returns: a function from a message to the value, NaN where an array is too short for it
+    """
+
+    def get(message: Any) -> float:
+        value = _value(message, path)
+        if value is None:
+            return float("nan")
+        return float(value.to_sec() if hasattr(value, "to_sec") else value)
+
+    return get
+
+
+def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
+    if isinstance(part, int):
+        if not isinstance(node, Array):
+            raise FieldError("%s is no array" % place)
+        if node.length is not None and part >= node.length:
+            raise FieldError("%s has %d elements only" % (place, node.length))
+        return node.element
+    fields = dict(node.fields) if isinstance(node, Record) else {}
+    if part not in fields:
+        raise FieldError("there is no %s in %s" % (part, place))
+    return fields[part]
+
+
+def _value(message: Any, path: Path) -> Any:
+    """Return what stands in a message; None where an array is too short for it."""
+    for part in path:
+        if isinstance(part, str):
+            message = getattr(message, part)
+        elif part < len(message):
+            message = message[part]
+        else:
+            return None
+    return message
+
+
+def _numbers(node: Layout, path: Path, lengths: Lengths) -> Iterator[NumericField]:
+    if isinstance(node, Scalar):
+        yield NumericField(path, node.datatype)
+    elif isinstance(node, Record) and node.numeric:
+        for name, field in node.fields:
+            yield from _numbers(field, path + (name,), lengths)
+    elif isinstance(node, Array) and node.numeric:
+        count = lengths(path) if node.length is None else node.length
+        for index in range(min(count, LISTED_ELEMENTS)):
+            yield from _numbers(node.element, path + (index,), lengths)

@@ -1,0 +1,208 @@
+"""Names of fields, what they stand for in a message, and the values behind them."""
+
+import io
+import math
+from typing import List
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rosgraph_msgs.msg import Log, TopicStatistics
+from std_msgs.msg import Float32, Float64MultiArray, Header, MultiArrayDimension, String
+
+from topic_scope import decoding, fields
+from topic_scope.definitions import Array, DefinitionError, Record, layout_of, parse
+
+NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
+
+
+def wire(message: object) -> bytes:
+    """Return a message as it is sent."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)  # type: ignore[attr-defined]
+    return buffer.getvalue()
+
+
+def texts(found: List[fields.NumericField]) -> List[str]:
+    return [fields.to_text(field.path) for field in found]
+
+
+def test_colons_put_fields_side_by_side() -> None:
+    assert fields.expand("/pose/position/x:y:z") == [
+        "/pose/position/x",
+        "/pose/position/y",
+        "/pose/position/z",
+    ]
+
+
+def test_a_name_becomes_global() -> None:
+    assert fields.expand("signal/signal_y") == ["/signal/signal_y"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "/", "//a", "/a/", "/a//b", "/a:", "/a[x]", "/a[-1]", "/a b", "/a\n", "/../a", "a" * 400],
+)
+def test_what_is_no_name_is_refused(name: str) -> None:
+    with pytest.raises(fields.FieldError):
+        fields.expand(name)
+
+
+@given(st.lists(NAMES, min_size=1, max_size=4), st.lists(NAMES, max_size=3))
+def test_the_longest_topic_is_taken(topic: List[str], rest: List[str]) -> None:
+    name = "/" + "/".join(topic)
+    topics = ["/" + "/".join(topic[:end]) for end in range(1, len(topic) + 1)]
+    assert fields.split("/".join([name] + rest), topics) == (name, "/".join(rest))
+
+
+def test_a_name_without_a_topic_stands_for_nothing() -> None:
+    assert fields.split("/signal/signal_y", ["/sig", "/signal/signal_y/more"]) is None
+
+
+@given(st.lists(st.tuples(NAMES, st.lists(st.integers(0, 999), max_size=2)), max_size=4))
+def test_path_and_text_are_the_same(parts: List[tuple]) -> None:
+    path = tuple(item for name, indices in parts for item in (name, *indices))
+    assert fields.to_path(fields.to_text(path)) == path
+
+
+def test_a_message_stands_for_all_of_its_numbers() -> None:
+    found = fields.resolve(layout_of(Header), "")
+    assert found == [(("seq",), "uint32"), (("stamp",), "time")]
+
+
+def test_nested_fields_and_arrays_are_listed() -> None:
+    message = Float64MultiArray(data=[1.0, 2.0])
+    message.layout.dim = [MultiArrayDimension("rows", 2, 2)]
+    found = fields.numeric_fields(layout_of(Float64MultiArray), fields.lengths_in(message))
+    assert texts(found) == [
+        "layout/dim[0]/size",
+        "layout/dim[0]/stride",
+        "layout/data_offset",
+        "data[0]",
+        "data[1]",
+    ]
+    same = decoding.lengths_in(layout_of(Float64MultiArray), wire(message))
+    assert fields.numeric_fields(layout_of(Float64MultiArray), same) == found
+
+
+def test_one_element_stands_for_an_array_of_unknown_length() -> None:
+    assert "data[0]" in texts(fields.numeric_fields(layout_of(Float64MultiArray)))
+
+
+def test_of_long_arrays_only_the_first_elements_are_listed() -> None:
+    layout = parse("a/A", "float32[1000000] x")
+    assert len(fields.numeric_fields(layout)) == fields.LISTED_ELEMENTS
+    assert texts(fields.resolve(layout, "x[999999]")) == ["x[999999]"]
+
+
+@pytest.mark.parametrize("text", ["missing", "data/x", "data[0]", "data/"])
+def test_a_field_that_is_not_there_is_refused(text: str) -> None:
+    with pytest.raises(fields.FieldError):
+        fields.resolve(layout_of(Float32), text)
+
+
+def test_text_is_no_number() -> None:
+    with pytest.raises(fields.FieldError, match="no number"):
+        fields.resolve(layout_of(String), "data")
+    with pytest.raises(fields.FieldError):
+        decoding.Decoder(layout_of(String), ("data",))
+
+
+def test_an_element_behind_the_end_of_a_fixed_array_is_refused() -> None:
+    layout = parse("a/A", "float32[3] x")
+    with pytest.raises(fields.FieldError, match="3 elements"):
+        fields.resolve(layout, "x[3]")
+
+
+def log(names: List[str], level: int = 4) -> Log:
+    message = Log(level=level, name="näme", msg="text", line=77, topics=names)
+    message.header.stamp.secs, message.header.stamp.nsecs = 12, 500000000
+    message.header.frame_id = "frame"
+    return message
+
+
+def test_getter_and_decoder_read_the_same() -> None:
+    layout, messages = layout_of(Log), [log(["/a", "/bcd"]), log([], level=8)]
+    for field in fields.numeric_fields(layout):
+        values = [fields.getter(field.path)(message) for message in messages]
+        decoder = decoding.Decoder(layout, field.path)
+        assert decoder.decode([wire(message) for message in messages]).tolist() == values
+    assert fields.getter(("header", "stamp"))(messages[0]) == 12.5
+
+
+@given(st.lists(st.lists(st.floats(width=64), max_size=5), min_size=1, max_size=5))
+def test_elements_are_read_also_behind_text(rows: List[List[float]]) -> None:
+    messages = [Float64MultiArray(data=row) for row in rows]
+    for message, row in zip(messages, rows):
+        message.layout.dim = [MultiArrayDimension("x" * len(row), 1, 1)] * len(row)
+    decoder = decoding.Decoder(layout_of(Float64MultiArray), ("data", 1))
+    values = decoder.decode([wire(message) for message in messages]).tolist()
+    expected = [row[1] if len(row) > 1 else math.nan for row in rows]
+    assert [repr(value) for value in values] == [repr(value) for value in expected]
+    assert repr(fields.getter(("data", 1))(messages[0])) == repr(expected[0])
+
+
+def test_numbers_of_all_types_are_read() -> None:
+    layout = parse(
+        "a/All",
+        "bool a\nint8 b\nuint8 c\nint16 d # text\nuint16 e\nint32 f\nuint32 g\nint64 h\nuint64 i\n"
+        "float32 j\nfloat64 k\ntime l\nduration m\nint32 N=5\nstring O=a = b # c\n",
+    )
+    data = (
+        b"\x01\xff\xff\xfe\xff\xfe\xff"
+        + b"\xfd\xff\xff\xff" * 2
+        + b"\xfc"
+        + b"\xff" * 7
+        + b"\x02"
+        + bytes(7)
+        + b"\x00\x00\x00\x3f"
+        + bytes(6)
+        + b"\xf0\xbf"
+        + b"\x03\x00\x00\x00\x00\x65\xcd\x1d"
+        + b"\xff\xff\xff\xff\x00\x65\xcd\x1d"
+    )
+    expected = [1, -1, 255, -2, 65534, -3, 2**32 - 3, -4, 2, 0.5, -1.0, 3.5, -0.5]
+    found = fields.numeric_fields(layout)
+    values = [decoding.Decoder(layout, field.path).decode([data, data]) for field in found]
+    assert [value.tolist() for value in values] == [[number] * 2 for number in expected]
+
+
+@given(st.binary(max_size=200))
+def test_garbage_is_no_number_but_no_error_either(data: bytes) -> None:
+    for message_class in (Log, TopicStatistics, Float64MultiArray):
+        layout = layout_of(message_class)
+        for field in fields.numeric_fields(layout, decoding.lengths_in(layout, data)):
+            assert decoding.Decoder(layout, field.path).decode([data]).shape == (1,)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "float32",
+        "float32 a b",
+        "thing x",
+        "a/A x",
+        "float32[x] y",
+        "b/B x\n" + "=" * 80 + "\nMSG: b/B\na/A y",
+        "b/B x\n" + "=" * 80 + "\nfloat32 y",
+        "import os",
+    ],
+)
+def test_a_definition_that_makes_no_sense_is_refused(text: str) -> None:
+    with pytest.raises(DefinitionError):
+        parse("a/A", text)
+
+
+def test_a_definition_that_would_take_for_ever_is_refused() -> None:
+    parts = ["a/T0 x"]
+    parts += ["MSG: a/T%d\na/T%d x\na/T%d y" % (n, n + 1, n + 1) for n in range(40)]
+    parts += ["MSG: a/T40\nfloat32 x"]
+    with pytest.raises(DefinitionError, match="too many"):
+        parse("a/A", ("\n" + "=" * 80 + "\n").join(parts))
+
+
+def test_sizes_are_known_where_they_are_fixed() -> None:
+    layout = parse("a/A", "float32[4] x\nstring[] y\nuint8[] z\nstring[0] w")
+    assert isinstance(layout, Record) and layout.size is None
+    sizes = [field.size for _, field in layout.fields if isinstance(field, Array)]
+    assert sizes == [16, None, None, 0]

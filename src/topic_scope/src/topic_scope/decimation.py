@@ -1,0 +1,57 @@
+"""Reduce samples to what a screen can show: the least and the greatest value of each bin.
+
+Bin ``i`` covers the times from ``i * width`` up to ``(i + 1) * width``, so the bins of all traces
+are the same, and those of a later moment too: no sample is shown in one bin now and in another one
+a moment later, and a peak of a single sample is never lost.
+"""
+
+from typing import List, Optional
+
+import numpy
+
+
+def bin_of(time: float, width: float) -> int:
+    """Return the index of the bin that a time lies in.
+
+    :param time: the time, s
+    :param width: width of the bins, s
+    """
+    return int(numpy.floor(time / width))
+
+
+def extremes(
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    first: int,
+    count: int,
+    width: float,
+) -> numpy.ndarray:
+    """Return the extremes of the samples in each of some bins.
+
+    :param times: ascending, s
+    :param values: the samples; what is not finite is left out
+    :param first: index of the first bin
+    :param count: number of bins
+    :param width: width of the bins, s
+    :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample
+    """
+    result = numpy.full((count, 2), numpy.nan)
+    bins = numpy.floor(times / width).astype(numpy.int64) - first
+    used = (bins >= 0) & (bins < count) & numpy.isfinite(values)
+    bins, values = bins[used], values[used]
+    if len(bins):
+        starts = numpy.flatnonzero(numpy.diff(bins, prepend=-1))
+        result[bins[starts], 0] = numpy.minimum.reduceat(values, starts)
+        result[bins[starts], 1] = numpy.maximum.reduceat(values, starts)
+    return result.ravel()
+
+
+def as_json(values: numpy.ndarray) -> List[Optional[float]]:
+    """Return numbers as JSON knows them: what is not finite becomes None.
+
+    :param values: any numbers
+    """
+    numbers: List[Optional[float]] = values.tolist()
+    for index in numpy.flatnonzero(~numpy.isfinite(values)):
+        numbers[index] = None
+    return numbers

@@ -1,0 +1,48 @@
+"""Who may connect: requests that some other site has made a browser send are refused.
+
+A page of another site can open a WebSocket to this machine, and by pointing its own name to
+127.0.0.1 (DNS rebinding) it can even pass for the same site. So both headers are looked at: the
+name that the browser believes to talk to, and where the page came from.
+"""
+
+import ipaddress
+import urllib.parse
+from typing import Collection, Optional
+
+
+def is_known_host(host: str, names: Collection[str]) -> bool:
+    """Tell whether a request was meant for this machine.
+
+    :param host: its header ``Host``
+    :param names: what this machine is called; every address is fine
+    """
+    name = _name_of("//" + host)
+    if name is None:
+        return False
+    try:
+        ipaddress.ip_address(name)
+        return True
+    except ValueError:
+        return name in names
+
+
+def is_same_origin(origin: Optional[str], host: str) -> bool:
+    """Tell whether a request comes from a page that was served here.
+
+    :param origin: its header ``Origin``; browsers always send it, other programs need not
+    :param host: its header ``Host``
+    """
+    if origin is None:
+        return True
+    try:
+        parts = urllib.parse.urlsplit(origin)
+    except ValueError:
+        return False
+    return parts.scheme in ("http", "https") and parts.netloc.lower() == host.lower()
+
+
+def _name_of(url: str) -> Optional[str]:
+    try:
+        return urllib.parse.urlsplit(url).hostname
+    except ValueError:
+        return None

@@ -1,0 +1,73 @@
+"""Follows what is on the graph, in a thread of its own: the master may keep one waiting."""
+
+import threading
+from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
+
+import rosgraph
+import rospy
+from basic_comms.parameter_server import UNREACHABLE
+
+from topic_scope.taps import Taps
+
+#: Time between two looks at the graph, s.
+PERIOD_S = 1.0
+#: A failure is logged at most this often, s.
+_LOG_PERIOD_S = 30.0
+
+Registrations = List[Tuple[str, List[str]]]
+
+
+class GraphState(NamedTuple):
+    """What the master knew at one moment.
+
+    :param publishers: topics and the nodes that publish them
+    :param subscribers: topics and the nodes that subscribe to them
+    :param services: services and the nodes that offer them
+    :param types: type of each topic
+    """
+
+    publishers: Registrations
+    subscribers: Registrations
+    services: Registrations
+    types: Mapping[str, str]
+
+    @property
+    def published_types(self) -> Mapping[str, str]:
+        """Type of each topic that somebody publishes."""
+        return {topic: self.types.get(topic, "*") for topic, nodes in self.publishers if nodes}
+
+
+class MasterWatch:
+    """Asks the master once a second, and opens the taps that are wanted.
+
+    :param taps: the taps
+    """
+
+    def __init__(self, taps: Taps) -> None:
+        self._taps = taps
+        self._master = rosgraph.Master(rospy.get_name())
+        self._bell = threading.Event()
+
+    def start(self, on_state: Callable[[GraphState], Any]) -> None:
+        """Begin.
+
+        :param on_state: called with each state, from the thread
+        """
+        arguments = (on_state,)
+        threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
+
+    def ring(self) -> None:
+        """Look at once."""
+        self._bell.set()
+
+    def _run(self, on_state: Callable[[GraphState], Any]) -> None:
+        while not rospy.is_shutdown():
+            try:
+                self._taps.adjust()
+                publishers, subscribers, services = self._master.getSystemState()
+                types = dict(self._master.getTopicTypes())
+                on_state(GraphState(publishers, subscribers, services, types))
+            except UNREACHABLE + (rosgraph.MasterException, rospy.ROSException) as error:
+                rospy.logdebug("the master does not answer: %s", error)
+            self._bell.wait(PERIOD_S)
+            self._bell.clear()

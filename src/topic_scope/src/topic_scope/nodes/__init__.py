@@ -1,0 +1,1 @@
+"""The node: what wires the oscilloscope to ROS."""

@@ -1,0 +1,102 @@
+"""The oscilloscope: serves a page that shows numeric fields of any topics."""
+
+import asyncio
+import errno
+import logging
+import os
+import socket
+import sys
+import threading
+import traceback
+import webbrowser
+from typing import List
+
+import roslib.packages
+import rospy
+import tornado.httpserver
+import tornado.ioloop
+from basic_comms.node_main import run
+
+from topic_scope import options, web
+from topic_scope.master_watch import MasterWatch
+from topic_scope.options import Options
+from topic_scope.recorder import Recorder
+from topic_scope.server import Server
+from topic_scope.taps import Clock, Taps
+
+
+class Scope:
+    """Serves the page, and runs until the node is shut down.
+
+    :ROS Subscribers:
+        - the topics of the fields that are looked at, of any type
+
+    :param chosen: the options
+    :param sockets: where to serve
+    """
+
+    def __init__(self, chosen: Options, sockets: List[socket.socket]) -> None:
+        self._options = chosen
+        self._sockets = sockets
+        taps = Taps(Clock())
+        self._server = Server(Recorder(taps, chosen.history), chosen)
+        self._watch = MasterWatch(taps)
+        self._running = threading.Event()
+        threading.Thread(target=self._serve, name="web", daemon=True).start()
+        self._running.wait()
+        rospy.loginfo("the scope is at %s", chosen.url)
+        if not chosen.is_local:
+            rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
+        if chosen.open_browser:
+            threading.Thread(target=_open_browser, args=(chosen.url,), daemon=True).start()
+
+    def _serve(self) -> None:
+        try:
+            asyncio.set_event_loop(asyncio.new_event_loop())
+            loop = tornado.ioloop.IOLoop.current()
+            folder = os.path.join(roslib.packages.get_pkg_dir("topic_scope"), "www")
+            names = ["localhost", self._options.address, socket.gethostname(), socket.getfqdn()]
+            application = web.application(self._server, folder, [name.lower() for name in names])
+            tornado.httpserver.HTTPServer(
+                application, max_header_size=16384, max_body_size=4096
+            ).add_sockets(self._sockets)
+            self._server.start(self._watch)
+            self._watch.start(
+                lambda seen: loop.add_callback(self._server.on_graph, seen),
+            )
+            loop.add_callback(self._running.set)
+            loop.start()
+        except Exception:
+            rospy.logfatal("the scope has ended:\n%s", traceback.format_exc())
+            rospy.signal_shutdown("the scope has ended")
+            self._running.set()
+
+
+def _open_browser(url: str) -> None:
+    # Without a display the module would take one that runs in the terminal.
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        webbrowser.open(url)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    chosen = options.parse(sys.argv[1:])
+    try:
+        sockets = web.bind(chosen)
+    except OSError as error:
+        sys.exit("scope.py: " + _why_not(error, chosen))
+    logging.getLogger("tornado").setLevel(logging.ERROR)
+    # Two scopes are two nodes: their ports differ, so their names do.
+    name = "scope" if chosen.port == options.DEFAULT_PORT else "scope_%d" % chosen.port
+    run(name, lambda: Scope(chosen, sockets))
+
+
+def _why_not(error: OSError, chosen: Options) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return "port %d is taken, perhaps by another scope: close that, or use --port %d" % (
+            chosen.port,
+            chosen.port + 1 if chosen.port < 65535 else options.DEFAULT_PORT,
+        )
+    if error.errno == errno.EACCES:
+        return "port %d is not for users: use --port %d" % (chosen.port, options.DEFAULT_PORT)
+    return "cannot serve at %s, port %d: %s" % (chosen.address, chosen.port, error.strerror)

@@ -1,0 +1,141 @@
+"""The command line of the oscilloscope.
+
+Options are read from the command line only. As parameters they would outlive the scope on the
+master, and one of them could open the next scope to the network unasked.
+"""
+
+import argparse
+import ipaddress
+import re
+from typing import List, NamedTuple, Sequence
+
+from topic_scope.fields import FieldError, expand
+
+DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
+
+
+class Options(NamedTuple):
+    """What the command line says.
+
+    :param fields: names of the fields that are shown at first
+    :param address: address that the pages are served at
+    :param port: port that the pages are served at
+    :param history: how long samples are kept, s
+    :param window: span of time that is shown at first, s
+    :param open_browser: whether to open the page where there is a browser
+    """
+
+    fields: Sequence[str]
+    address: str
+    port: int
+    history: float
+    window: float
+    open_browser: bool
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can connect."""
+        return is_loopback(self.address)
+
+    @property
+    def url(self) -> str:
+        """Where the page is, as seen from this machine."""
+        host = "localhost" if self.is_local or self.address in ("0.0.0.0", "::") else self.address
+        return "http://%s:%d" % ("[%s]" % host if ":" in host else host, self.port)
+
+
+def is_loopback(address: str) -> bool:
+    """Tell whether an address is of this machine only."""
+    if address == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def parse(arguments: Sequence[str]) -> Options:
+    """Read a command line.
+
+    :param arguments: without the name of the program; ``_port:=8081`` is another way to say
+        ``--port 8081``, and so for all options with a value
+    :raises SystemExit: if it cannot be understood, with the status 2
+    """
+    parser = _parser()
+    read = parser.parse_args(_as_options(arguments))
+    names: List[str] = []
+    for argument in read.fields:
+        for word in argument.split():  # a launch file hands them over in one
+            try:
+                names += [name for name in expand(word) if name not in names]
+            except FieldError as error:
+                parser.error(str(error))
+    return Options(
+        tuple(names), read.address, read.port, read.history, read.window, read.open_browser
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="scope.py",
+        description="An oscilloscope in the browser for any numeric field on the ROS graph.",
+    )
+    parser.add_argument(
+        "fields",
+        nargs="*",
+        metavar="FIELD",
+        help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], or a topic for all"
+        " of its fields; any other can be chosen on the page",
+    )
+    parser.add_argument(
+        "--port", type=_port, default=DEFAULT_PORT, help="where to serve the page (%(default)s)"
+    )
+    parser.add_argument(
+        "--address",
+        default=DEFAULT_ADDRESS,
+        help="address to serve it at (%(default)s); any other than one of this machine alone lets"
+        " others watch, and nobody set or call anything",
+    )
+    parser.add_argument(
+        "--history",
+        type=_seconds,
+        default=60.0,
+        metavar="S",
+        help="how long samples are kept, in s (%(default)s)",
+    )
+    parser.add_argument(
+        "--window",
+        type=_seconds,
+        default=10.0,
+        metavar="S",
+        help="span of time that is shown at first, in s (%(default)s)",
+    )
+    parser.add_argument(
+        "--open-browser", action="store_true", help="open the page where there is a browser"
+    )
+    return parser
+
+
+def _as_options(arguments: Sequence[str]) -> List[str]:
+    words = []
+    for argument in arguments:
+        match = re.match(r"_(port|address|history|window):=(.*)\Z", argument)
+        if match:
+            words += ["--" + match.group(1), match.group(2)]
+        elif ":=" not in argument:  # the rest is rospy's
+            words.append(argument)
+    return words
+
+
+def _port(text: str) -> int:
+    port = int(text)
+    if not 1 <= port <= 65535:
+        raise argparse.ArgumentTypeError("a port is a number from 1 to 65535")
+    return port
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.1 <= seconds <= 3600.0:
+        raise argparse.ArgumentTypeError("a time here is a number of seconds from 0.1 to 3600")
+    return seconds

@@ -1,0 +1,56 @@
+"""One page that is open: what it wants, and what is on its way to it."""
+
+from collections import deque
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
+
+from topic_scope import protocol
+from topic_scope.view import LiveView, default_view
+
+#: Most answers that wait for a page that does not read.
+_NOTES = 50
+
+
+class Page:
+    """The state of one page, without its connection.
+
+    What a page has not read yet is replaced by what is newer, so that one that does not read costs
+    no memory, and sees the present when it reads again.
+
+    :param window: span of time that it sees at first, s
+    """
+
+    def __init__(self, window: float) -> None:
+        #: Names as the page chose them, None as long as it has chosen nothing.
+        self.chosen: Optional[Tuple[str, ...]] = None
+        self.wants_graph = False
+        self.view = LiveView(default_view(window))
+        self._latest: Dict[Any, Dict[str, Any]] = {}
+        self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
+
+    def put(self, message: Dict[str, Any], *key: str) -> None:
+        """Send a message; it replaces one of its type and key that has not been sent yet."""
+        place = (message["type"],) + key
+        self._latest.pop(place, None)  # newer than what else is waiting
+        self._latest[place] = message
+
+    def note(self, message: Dict[str, Any]) -> None:
+        """Send a message that says something once."""
+        self._notes.append(message)
+
+    def take(self) -> List[Dict[str, Any]]:
+        """Return what is to be sent now."""
+        messages = list(self._notes) + list(self._latest.values())
+        self._latest.clear()
+        self._notes.clear()
+        return messages
+
+    def obey(self, text: Any, handle: Callable[["Page", protocol.Request], None]) -> None:
+        """Do what the page asks for, or tell it why not.
+
+        :param text: the request as it came
+        :param handle: what does it
+        """
+        try:
+            handle(self, protocol.parse(text))
+        except protocol.RequestError as error:
+            self.note({"type": "error", "text": str(error)})

@@ -1,0 +1,211 @@
+"""What a page may ask for: one JSON object a request, checked field by field."""
+
+import json
+import math
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
+
+from topic_scope.fields import FieldError, expand
+
+#: Longest request that is read, bytes.
+LONGEST = 64 * 1024
+#: Most traces of a page.
+TRACES = 32
+#: Limits of a view: time span, s, and number of bins.
+WINDOW = (1e-3, 3600.0)
+WIDTH = (10, 4000)
+_LONGEST_NAME = 300
+
+
+class RequestError(ValueError):
+    """A request that cannot be obeyed, and why."""
+
+
+class Select(NamedTuple):
+    """Show these fields.
+
+    :param fields: their names
+    """
+
+    fields: Tuple[str, ...]
+
+
+class View(NamedTuple):
+    """Show this span of time.
+
+    :param window: how long it is, s
+    :param width: how many bins it is shown in
+    :param end: its end, s since the epoch; None to go with the time
+    """
+
+    window: float
+    width: int
+    end: Optional[float]
+
+
+class Trigger(NamedTuple):
+    """Show what is around the crossing of a level.
+
+    :param mode: off; normal, to show each crossing; single, to stop at the next one
+    :param field: name of the field
+    :param level: the level
+    :param rising: whether it is crossed upwards
+    """
+
+    mode: str
+    field: str
+    level: float
+    rising: bool
+
+
+class Set(NamedTuple):
+    """Set a parameter.
+
+    :param node: namespace of the parameter
+    :param name: name in there
+    :param value: as it came
+    """
+
+    node: str
+    name: str
+    value: Any
+
+
+class Call(NamedTuple):
+    """Call a service.
+
+    :param service: its name
+    :param data: for one that takes a truth value
+    """
+
+    service: str
+    data: Optional[bool]
+
+
+class Graph(NamedTuple):
+    """Begin or end to show the graph.
+
+    :param on: whether it is to be shown
+    """
+
+    on: bool
+
+
+Request = Union[Select, View, Trigger, Set, Call, Graph]
+
+
+def parse(text: Union[str, bytes]) -> Request:
+    """Read a request.
+
+    :param text: as it came
+    :raises RequestError: if it is none that is known, or something in it is not allowed
+    """
+    if not isinstance(text, str):
+        raise RequestError("a request is text")
+    try:
+        request = json.loads(text)
+    except (ValueError, RecursionError):
+        raise RequestError("a request is a JSON object") from None
+    if not isinstance(request, dict):
+        raise RequestError("a request is a JSON object")
+    kind = request.get("type")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
+    if reader is None:
+        raise RequestError("there is no request of this type; there are " + ", ".join(_READERS))
+    return reader(request)
+
+
+def _select(request: Dict[str, Any]) -> Select:
+    names = request.get("fields")
+    if not isinstance(names, list) or len(names) > TRACES:
+        raise RequestError("select: fields is a list of at most %d names" % TRACES)
+    fields: List[str] = []
+    for name in names:
+        fields += [field for field in _fields(name, "select") if field not in fields]
+    if len(fields) > TRACES:
+        raise RequestError("select: these are more than %d fields" % TRACES)
+    return Select(tuple(fields))
+
+
+def _view(request: Dict[str, Any]) -> View:
+    end = request.get("end")
+    return View(
+        _number(request, "view", "window", *WINDOW),
+        int(_number(request, "view", "width", *WIDTH)),
+        None if end is None else _number(request, "view", "end", 0.0, 1e11),
+    )
+
+
+def _trigger(request: Dict[str, Any]) -> Trigger:
+    mode = _word(request, "trigger", "mode", ("off", "normal", "single"))
+    if mode == "off":
+        return Trigger(mode, "", 0.0, True)
+    fields = _fields(request.get("field"), "trigger")
+    if len(fields) != 1:
+        raise RequestError("trigger: one field is watched")
+    level = _number(request, "trigger", "level", -1e300, 1e300)
+    rising = _word(request, "trigger", "edge", ("rising", "falling")) == "rising"
+    return Trigger(mode, fields[0], level, rising)
+
+
+def _set(request: Dict[str, Any]) -> Set:
+    if "value" not in request:
+        raise RequestError("set: a value is needed")
+    value = request["value"]
+    if not isinstance(value, (bool, int, float, str)):
+        raise RequestError("set: a value is a number, a text or a truth value")
+    return Set(_name(request, "set", "node"), _name(request, "set", "name"), value)
+
+
+def _call(request: Dict[str, Any]) -> Call:
+    data = request.get("data")
+    if data is not None and not isinstance(data, bool):
+        raise RequestError("call: data is true or false")
+    return Call(_name(request, "call", "service"), data)
+
+
+def _graph(request: Dict[str, Any]) -> Graph:
+    if not isinstance(request.get("on"), bool):
+        raise RequestError("graph: on is true or false")
+    return Graph(request["on"])
+
+
+_READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
+    "select": _select,
+    "view": _view,
+    "trigger": _trigger,
+    "set": _set,
+    "call": _call,
+    "graph": _graph,
+}
+
+
+def _fields(name: Any, kind: str) -> List[str]:
+    if not isinstance(name, str):
+        raise RequestError("%s: the name of a field is a text" % kind)
+    try:
+        return expand(name)
+    except FieldError as error:
+        raise RequestError("%s: %s" % (kind, error)) from None
+
+
+def _name(request: Dict[str, Any], kind: str, key: str) -> str:
+    name = request.get(key)
+    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
+        raise RequestError("%s: %s is a name" % (kind, key))
+    return name
+
+
+def _word(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
+    word = request.get(key)
+    if not isinstance(word, str) or word not in words:
+        raise RequestError("%s: %s is one of %s" % (kind, key, ", ".join(words)))
+    return word
+
+
+def _number(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
+    number = request.get(key)
+    if isinstance(number, bool) or not isinstance(number, (int, float)):
+        raise RequestError("%s: %s is a number" % (kind, key))
+    if not low <= number <= high or not math.isfinite(number):
+        raise RequestError("%s: %s is a number from %g to %g" % (kind, key, low, high))
+    return float(number)

@@ -1,0 +1,168 @@
+"""Records the fields that are looked at: from names to samples."""
+
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional
+
+import numpy
+
+from topic_scope import decoding, fields
+from topic_scope.decoding import Decoder
+from topic_scope.definitions import Record
+from topic_scope.layouts import Layouts
+from topic_scope.ring import Ring, Samples
+from topic_scope.taps import Batch, Taps
+
+_NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
+
+
+class Choice(NamedTuple):
+    """A field that can be chosen.
+
+    :param field: its name
+    :param datatype: its type, e.g. ``float32``
+    """
+
+    field: str
+    datatype: str
+
+
+class _Trace:
+    """The samples of one field.
+
+    :param path: where it stands in a message
+    :param history: how long samples are kept, s
+    """
+
+    def __init__(self, path: fields.Path, history: float) -> None:
+        self.path = path
+        self.ring = Ring(history)
+        self.used_at = 0.0
+        self._layout: Optional[Record] = None
+        self._decoder: Optional[Decoder] = None
+
+    def add(self, layout: Record, batch: Batch) -> None:
+        if layout is not self._layout:
+            self._layout = layout
+            try:
+                self._decoder = Decoder(layout, self.path)
+            except fields.FieldError:  # the topic has got another type
+                self._decoder = None
+        if self._decoder is not None:
+            values = self._decoder.decode(batch.messages)
+            self.ring.append(numpy.array(batch.times), values)
+
+
+class Recorder:
+    """Keeps the recent samples of the fields that are wanted.
+
+    All methods belong to one thread.
+
+    :param taps: where the messages come in
+    :param history: how long samples are kept, and a field that nobody looks at any more, s
+    """
+
+    def __init__(self, taps: Taps, history: float) -> None:
+        self._taps = taps
+        self._history = history
+        self._layouts = Layouts()
+        self._types: Mapping[str, str] = {}
+        self._lengths: Dict[str, fields.Lengths] = {}
+        self._traces: Dict[str, Dict[str, _Trace]] = {}
+        self._topics: Dict[str, str] = {}
+
+    def set_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of what there is on the graph.
+
+        :param types: type of each published topic
+        """
+        self._types = types
+
+    def choices(self) -> List[Choice]:
+        """List the fields that can be chosen now."""
+        found = []
+        for topic, datatype in sorted(self._types.items()):
+            layout = self._layouts.installed(datatype)
+            lengths = self._lengths.get(topic, fields.one_element)
+            for field in fields.numeric_fields(layout, lengths) if layout else ():
+                found.append(Choice(_name(topic, field.path), field.datatype))
+        return found
+
+    def unknown_topics(self) -> List[str]:
+        """List the topics of whose type nothing is known until a message comes."""
+        return [topic for topic, kind in self._types.items() if not self._layouts.installed(kind)]
+
+    def expand(self, name: str) -> List[str]:
+        """Return the names of all numeric fields that a name stands for.
+
+        :param name: of a field, of a part of a message or of a topic
+        :returns: the name itself, as long as its topic is not known
+        :raises FieldError: if its topic has no such field
+        """
+        place = fields.split(name, self._types)
+        layout = self._layouts.installed(self._types[place[0]]) if place else None
+        if place is None or layout is None:
+            return [name]
+        topic, text = place
+        lengths = self._lengths.get(topic, fields.one_element)
+        found = [field.path for field in fields.resolve(layout, text, lengths)]
+        for path in found:
+            self._topics[_name(topic, path)] = topic
+        return [_name(topic, path) for path in found]
+
+    def want(self, names: Collection[str], now: float) -> None:
+        """Record these fields; those that were wanted before stay for the time of the history.
+
+        :param names: names that :meth:`expand` has returned
+        :param now: the time, s
+        """
+        for name in names:
+            topic = self._topics.get(name)
+            if topic is not None:
+                traces = self._traces.setdefault(topic, {})
+                if name not in traces:
+                    path = fields.to_path(name[len(topic) + 1 :])
+                    traces[name] = _Trace(path, self._history)
+                traces[name].used_at = now
+        for topic in list(self._traces):
+            kept = {
+                name: trace
+                for name, trace in self._traces[topic].items()
+                if trace.used_at >= now - self._history
+            }
+            self._traces[topic] = kept
+            if not kept:
+                del self._traces[topic]
+        self._taps.want(list(self._traces))
+
+    def update(self) -> float:
+        """Take in what has come.
+
+        :returns: the time up to which all samples are there, s
+        """
+        now = self._taps.clock.now()
+        for topic, tap in self._taps.open().items():
+            for batch in tap.take():
+                layout = self._layouts.received(batch.header)
+                if layout is None:
+                    continue
+                self._lengths[topic] = decoding.lengths_in(layout, batch.messages[-1])
+                for trace in self._traces.get(topic, {}).values():
+                    trace.add(layout, batch)
+        return now
+
+    def samples(self, name: str, start: float, end: float) -> Samples:
+        """Return the samples of a field.
+
+        :param name: its name
+        :param start: begin of the span, s
+        :param end: end of the span, s
+        """
+        trace = self._traces.get(self._topics.get(name, ""), {}).get(name)
+        return trace.ring.between(start, end) if trace else _NOTHING
+
+    def topic_of(self, name: str) -> str:
+        """Return the topic of a field, empty where it is not known."""
+        return self._topics.get(name, "")
+
+
+def _name(topic: str, path: fields.Path) -> str:
+    return "%s/%s" % (topic, fields.to_text(path))

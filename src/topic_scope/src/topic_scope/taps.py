@@ -1,0 +1,114 @@
+"""Where messages come in: rospy's threads leave them here as they are, and go on."""
+
+import threading
+import time
+from typing import Any, Collection, Dict, Iterator, List, Mapping, NamedTuple, Tuple
+
+import rospy
+
+#: Most bytes of a topic that wait to be read; what comes beyond that is lost, and counted.
+WAITING = 32 * 1024 * 1024
+#: Time between two messages that the clock does not tell apart, s: the resolution of a float.
+_TICK_S = 5e-7
+
+
+class Clock:
+    """Seconds since the epoch that never step, whatever is done to the clock of the machine."""
+
+    def __init__(self) -> None:
+        self._offset = time.time() - time.monotonic()
+
+    def now(self) -> float:
+        """Return the time, s."""
+        return self._offset + time.monotonic()
+
+
+class Batch(NamedTuple):
+    """Messages that came over one connection.
+
+    :param header: what the publisher has said of them
+    :param times: when they came, s
+    :param messages: as they came
+    """
+
+    header: Mapping[str, str]
+    times: List[float]
+    messages: List[bytes]
+
+
+class Tap:
+    """Takes the messages of one topic.
+
+    :param topic: its name
+    :param clock: tells when they come
+    """
+
+    def __init__(self, topic: str, clock: Clock) -> None:
+        self.topic = topic
+        self.lost = 0
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._waiting: List[Tuple[float, Any]] = []
+        self._bytes = 0
+        self._latest = 0.0
+        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, tcp_nodelay=True)
+
+    def _on_message(self, message: Any) -> None:
+        # The time is taken under the lock: what comes after take() is never older than that.
+        with self._lock:
+            if self._bytes > WAITING:
+                self.lost += 1
+                return
+            self._latest = max(self._clock.now(), self._latest + _TICK_S)
+            self._waiting.append((self._latest, message))
+            self._bytes += len(message._buff)
+
+    def take(self) -> Iterator[Batch]:
+        """Return what has come since the last call, oldest first."""
+        with self._lock:
+            waiting, self._waiting, self._bytes = self._waiting, [], 0
+        batch = None
+        for moment, message in waiting:
+            header = message._connection_header
+            if batch is None or header is not batch.header:
+                if batch is not None:
+                    yield batch
+                batch = Batch(header, [], [])
+            batch.times.append(moment)
+            batch.messages.append(message._buff)
+        if batch is not None:
+            yield batch
+
+    def close(self) -> None:
+        """Subscribe no longer."""
+        self._subscriber.unregister()
+
+
+class Taps:
+    """The taps that are open.
+
+    :param clock: tells when messages come
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.clock = clock
+        self._wanted: Collection[str] = ()
+        self._open: Dict[str, Tap] = {}
+
+    def want(self, topics: Collection[str]) -> None:
+        """Have the messages of these topics taken, after the next :meth:`adjust`."""
+        self._wanted = topics
+
+    def adjust(self) -> None:
+        """Open and close taps; may wait for the master."""
+        wanted = set(self._wanted)
+        for topic in wanted - set(self._open):
+            tap = Tap(topic, self.clock)
+            self._open = {**self._open, topic: tap}
+        for topic in set(self._open) - wanted:
+            self._open[topic].close()
+            self._open = {key: tap for key, tap in self._open.items() if key != topic}
+
+    def open(self) -> Mapping[str, Tap]:
+        """Return the taps that are open now, by topic."""
+        return self._open

@@ -1,0 +1,86 @@
+"""What one page sees: which bins it has, and which it needs next."""
+
+from typing import Any, Callable, Dict, Optional, Sequence
+
+from topic_scope import protocol
+from topic_scope.decimation import as_json, bin_of, extremes
+from topic_scope.ring import Samples
+
+#: Returns the samples of a field from one time to another, both in s.
+Source = Callable[[str, float, float], Samples]
+
+
+class LiveView:
+    """The frames of one page.
+
+    :param view: the span of time that is shown
+    """
+
+    def __init__(self, view: protocol.View) -> None:
+        self.fields: Sequence[str] = ()
+        self._view = view
+        #: First bin that the page does not have in full; None where it has none.
+        self._open: Optional[int] = None
+        self._complete = False
+
+    def show(self, view: protocol.View) -> None:
+        """Show another span of time."""
+        self._view = view
+        self.restart()
+
+    def select(self, fields: Sequence[str]) -> None:
+        """Show other fields."""
+        self.fields = fields
+        self.restart()
+
+    def restart(self) -> None:
+        """Send all that is to be seen with the next frame."""
+        self._open = None
+        self._complete = False
+
+    def span(self, now: float) -> "tuple[float, float]":
+        """Return start and end of what is shown, s."""
+        end = now if self._view.end is None else self._view.end
+        return end - self._view.window, end
+
+    def frame(self, now: float, source: Source) -> Optional[Dict[str, Any]]:
+        """Return what the page does not have yet.
+
+        :param now: time up to which all samples are there, s
+        :param source: where the samples are
+        :returns: the frame, None where nothing can come any more
+        """
+        if self._complete:
+            return None
+        start, end = self.span(now)
+        width = self._view.window / self._view.width
+        last = bin_of(min(end, now), width)
+        first, reset = self._open, False
+        if first is None or last - first > self._view.width:
+            first, reset = bin_of(start, width), True
+        count = max(last - first + 1, 0)
+        traces = {}
+        for field in self.fields:
+            # A little more than the bins, whose edges are rounded otherwise.
+            samples = source(field, (first - 0.5) * width, (last + 1.5) * width)
+            traces[field] = as_json(extremes(*samples, first, count, width))
+        self._open = max(last, first)
+        self._complete = self._view.end is not None and now > end
+        return {
+            "type": "frame",
+            "now": now,
+            "start": start,
+            "end": end,
+            "bin": width,
+            "reset": reset,
+            "first": first,
+            "traces": traces,
+        }
+
+
+def default_view(window: float) -> protocol.View:
+    """Return what is shown to a page that has not said what it wants.
+
+    :param window: span of time, s
+    """
+    return protocol.View(window, 1000, None)

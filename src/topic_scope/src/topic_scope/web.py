@@ -1,0 +1,142 @@
+"""What the browser talks to: files, data as CSV and the WebSocket."""
+
+import asyncio
+import json
+import socket
+from typing import Any, Dict, List, Optional
+
+import tornado.netutil
+import tornado.web
+import tornado.websocket
+
+from topic_scope import hosts, protocol
+from topic_scope.options import Options
+from topic_scope.page import Page
+
+#: Where Debian installs dygraphs.
+DYGRAPHS = "/usr/share/javascript/dygraphs"
+#: Most pages at a time.
+PAGES = 32
+#: What the system keeps for a page that does not read, bytes; it would let it grow to megabytes.
+_SEND_BUFFER = 256 * 1024
+
+
+def bind(options: Options) -> List[socket.socket]:
+    """Return the sockets to serve at.
+
+    :raises OSError: if the address is not one of this machine's, or the port is taken
+    """
+    return tornado.netutil.bind_sockets(options.port, options.address)
+
+
+class _Guarded(tornado.web.RequestHandler):
+    """Refuses what was not meant for this machine, and tells browsers to be strict."""
+
+    def initialize(self, scope: Any) -> None:
+        self.scope = scope
+
+    def prepare(self) -> None:
+        _check_host(self)
+
+    def set_default_headers(self) -> None:
+        set_strict_headers(self)
+
+
+def _check_host(handler: tornado.web.RequestHandler) -> None:
+    if not hosts.is_known_host(handler.request.host, handler.application.settings["host_names"]):
+        raise tornado.web.HTTPError(403, "not a name of this machine")
+
+
+def set_strict_headers(handler: tornado.web.RequestHandler) -> None:
+    """Let a page load nothing from elsewhere, nor be shown within another one."""
+    handler.set_header("X-Content-Type-Options", "nosniff")
+    handler.set_header("Cache-Control", "no-cache")
+    handler.set_header(
+        "Content-Security-Policy",
+        "default-src 'self'; connect-src 'self' ws://%s; img-src 'self' data: blob:;"
+        " style-src 'self' 'unsafe-inline'; frame-ancestors 'none'" % _plain(handler.request.host),
+    )
+
+
+def _plain(host: str) -> str:
+    return "".join(letter for letter in host if letter.isalnum() or letter in ".:-[]")
+
+
+class Files(tornado.web.StaticFileHandler):
+    """Files of one folder; what is outside of it is refused."""
+
+    def prepare(self) -> None:
+        _check_host(self)
+
+    def set_default_headers(self) -> None:
+        set_strict_headers(self)
+
+
+class Socket(tornado.websocket.WebSocketHandler):
+    """The connection of one page.
+
+    :param scope: what the page is about: has ``open``, ``close`` and ``handle``
+    """
+
+    def initialize(self, scope: Any) -> None:
+        self._scope = scope
+        self._writing: Optional["asyncio.Future[None]"] = None
+        self.page: Optional[Page] = None
+
+    def prepare(self) -> None:
+        _check_host(self)
+        if len(self._scope.sockets) >= PAGES:
+            raise tornado.web.HTTPError(503, "too many pages are open")
+
+    def check_origin(self, origin: str) -> bool:
+        return hosts.is_same_origin(origin, self.request.host)
+
+    def open(self, *_arguments: str, **_named: str) -> None:
+        stream = self.ws_connection.stream if self.ws_connection else None
+        if stream is not None and stream.socket is not None:
+            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
+        self.set_nodelay(True)
+        self.page = self._scope.open(self)
+
+    def on_message(self, message: Any) -> None:
+        if self.page is not None:
+            self.page.obey(message, self._scope.handle)
+
+    def on_close(self) -> None:
+        self._scope.close(self)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether all that was sent before is on its way."""
+        return self._writing is None or self._writing.done()
+
+    def send(self, messages: List[Dict[str, Any]]) -> None:
+        """Send messages; only when ready."""
+        for message in messages:
+            try:
+                text = json.dumps(message, allow_nan=False, separators=(",", ":"))
+                self._writing = self.write_message(text)
+            except tornado.websocket.WebSocketClosedError:
+                return
+            self._writing.add_done_callback(lambda future: future.exception())
+
+
+def application(scope: Any, folder: str, names: List[str]) -> tornado.web.Application:
+    """Return the web application.
+
+    :param scope: what pages are about
+    :param folder: where the page's files are
+    :param names: what this machine is called
+    """
+    return tornado.web.Application(
+        [
+            (r"/ws", Socket, {"scope": scope}),
+            (r"/static/(.*)", Files, {"path": folder}),
+            (r"/dygraphs/(.*)", Files, {"path": DYGRAPHS}),
+            (r"/()", Files, {"path": folder, "default_filename": "index.html"}),
+        ],
+        host_names=names,
+        websocket_max_message_size=protocol.LONGEST,
+        websocket_ping_interval=20,
+        log_function=lambda handler: None,
+    )

@@ -1,0 +1,143 @@
+/** The bins of all traces on their common grid, as frames bring them. */
+
+/** Smallest and largest value of each bin, for a stretch of bins that moves on. */
+export class TraceBuffer {
+  constructor() {
+    this.bin = 0; // length of a bin, s
+    this.first = 0; // index of the first bin
+    this.count = 0; // how many bins there are
+    this.now = 0; // time of the last frame, since the epoch, s
+    this.traces = new Map(); // field -> [min0, max0, min1, max1, …], null where a bin is empty
+    this.rowsKept = [];
+  }
+
+  /**
+   * Take what a frame brings.
+   * @param {{now: number, bin: number, reset: boolean, first: number,
+   *   traces: Object<string, Array<?number>>}} frame
+   * @param {number} span how much of the past is to be kept, s
+   */
+  apply(frame, span) {
+    const fields = Object.keys(frame.traces);
+    this.now = frame.now;
+    if (frame.reset || frame.bin !== this.bin || frame.first > this.first + this.count) {
+      this.traces.clear();
+      this.bin = frame.bin;
+      this.first = frame.first;
+      this.count = 0;
+    }
+    if (!fields.length) return;
+    const offset = Math.max(0, frame.first - this.first);
+    this.count = offset + frame.traces[fields[0]].length / 2;
+    for (const field of fields) {
+      const values = this.traces.get(field) || new Array(2 * offset).fill(null);
+      values.length = 2 * offset;
+      for (const value of frame.traces[field]) values.push(value);
+      this.traces.set(field, values);
+    }
+    this.forget(this.count - Math.ceil(span / this.bin) - 2);
+  }
+
+  forget(surplus) {
+    if (surplus <= 0) return;
+    for (const values of this.traces.values()) values.splice(0, 2 * surplus);
+    this.first += surplus;
+    this.count -= surplus;
+  }
+
+  /** A copy that further frames leave alone. */
+  copy() {
+    const twin = new TraceBuffer();
+    Object.assign(twin, this, { traces: new Map(), rowsKept: [] });
+    for (const [field, values] of this.traces) twin.traces.set(field, values.slice());
+    return twin;
+  }
+
+  /**
+   * Tabulate traces for dygraphs: two rows a bin, at its middle, one with the smallest and one
+   * with the largest value, of which the first is the one nearer to the bin before. The rows are
+   * used again by the next call.
+   * @param {string[]} fields
+   * @param {number} reference what the times count from, since the epoch, s
+   * @returns {Array<Array<?number>>} never empty
+   */
+  rows(fields, reference) {
+    const rows = this.rowsKept;
+    rows.length = Math.max(1, 2 * this.count);
+    for (let index = 0; index < rows.length; index += 1) {
+      const row = rows[index] || (rows[index] = []);
+      row.length = fields.length + 1;
+      row[0] = (this.first + (index >> 1) + 0.5) * this.bin - reference;
+    }
+    fields.forEach((field, column) => fillColumn(rows, column + 1, this.traces.get(field) || []));
+    return rows;
+  }
+
+  /**
+   * Find the smallest and the largest value of some traces.
+   * @param {string[]} fields
+   * @param {number} from since the epoch, s
+   * @param {number} to since the epoch, s
+   * @returns {[number, number]} infinite, and the wrong way round, where there is none
+   */
+  extent(fields, from, to) {
+    let low = Infinity;
+    let high = -Infinity;
+    const begin = Math.max(0, Math.floor(from / this.bin) - this.first);
+    const end = Math.min(this.count, Math.ceil(to / this.bin) - this.first);
+    for (const field of fields) {
+      const values = this.traces.get(field) || [];
+      for (let index = 2 * begin; index < 2 * end; index += 1) {
+        const value = values[index];
+        if (value === null || value === undefined) continue;
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    return [low, high];
+  }
+
+  /**
+   * Tell how many bins of a trace hold something.
+   * @param {string} field
+   * @returns {number}
+   */
+  filled(field) {
+    let count = 0;
+    const values = this.traces.get(field) || [];
+    for (let index = 0; index < values.length; index += 2) if (values[index] !== null) count += 1;
+    return count;
+  }
+
+  /**
+   * Tell the value of a trace at a time: the middle of the nearest bin that holds something.
+   * @param {string} field
+   * @param {number} time since the epoch, s
+   * @returns {?number}
+   */
+  at(field, time) {
+    const values = this.traces.get(field) || [];
+    const middle = Math.floor(time / this.bin) - this.first;
+    if (middle < 0 || middle >= this.count) return null;
+    for (let distance = 0; distance < this.count; distance += 1) {
+      for (const index of [middle - distance, middle + distance]) {
+        const low = values[2 * index];
+        if (low !== null && low !== undefined) return (low + values[2 * index + 1]) / 2;
+      }
+    }
+    return null;
+  }
+}
+
+/** Write a trace into a column of rows, so that its line is as short as can be. */
+function fillColumn(rows, column, values) {
+  let before = 0;
+  for (let index = 0; index < rows.length; index += 2) {
+    const low = values[index] ?? null;
+    const high = values[index + 1] ?? null;
+    const falls = low !== null && Math.abs(before - high) < Math.abs(before - low);
+    rows[index][column] = falls ? high : low;
+    if (index + 1 < rows.length) rows[index + 1][column] = falls ? low : high;
+    if (low !== null) before = falls ? low : high;
+  }
+}

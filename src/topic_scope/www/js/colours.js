@@ -1,0 +1,45 @@
+/** Colours of the traces, and light or dark. */
+
+const LIGHT = [
+  "#0b66c3", "#c8553d", "#1f8a55", "#b07a00", "#7a4fc0",
+  "#00838f", "#b0307f", "#6b7a00", "#8a4b2a", "#4a5a70",
+];
+const DARK = [
+  "#58aefc", "#ff8f73", "#5fd38d", "#f2c14e", "#bd9bff",
+  "#3fd0dc", "#f783c4", "#c6d45a", "#d9996f", "#a6b6c8",
+];
+
+/**
+ * Tell the colour of a trace, the picked one or one by its place in the list.
+ * @param {import("./state.js").State} state
+ * @param {string} field
+ * @returns {string} #rrggbb
+ */
+export function colourOf(state, field) {
+  const { colours, fields, theme } = state.values;
+  const palette = theme === "dark" ? DARK : LIGHT;
+  const place = Math.max(0, fields.indexOf(field));
+  return colours.get(field) || palette[place % palette.length];
+}
+
+/**
+ * Follow the system's preference until the user chooses, and remember that choice.
+ * @param {import("./state.js").State} state
+ * @param {HTMLElement} button
+ */
+export function startTheme(state, button) {
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const preferred = () => localStorage.getItem("theme") || (system.matches ? "dark" : "light");
+  const show = () => {
+    const theme = preferred();
+    document.documentElement.dataset.theme = theme;
+    button.textContent = theme === "dark" ? "Light" : "Dark";
+    state.set({ theme });
+  };
+  system.addEventListener("change", show);
+  button.addEventListener("click", () => {
+    localStorage.setItem("theme", state.values.theme === "dark" ? "light" : "dark");
+    show();
+  });
+  show();
+}

@@ -1,0 +1,86 @@
+/** Two cursors in time. */
+
+import { byId, make, press, say } from "./dom.js";
+import { Handle } from "./handle.js";
+import { figure } from "./numbers.js";
+
+/** Shows two lines that can be moved, and the time between them. */
+export class Cursors {
+  /**
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("./state.js").State} state
+   * @param {import("./plot.js").Plot} plot
+   */
+  constructor(overlay, state, plot) {
+    this.state = state;
+    this.plot = plot;
+    this.lastAxis = null; // left edge and length of the axis when last drawn
+    this.readout = make("output", { class: "readout", hidden: true });
+    overlay.append(this.readout);
+    this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
+      kind: "cursor",
+      name: `cursor ${key.toUpperCase()}, time`,
+      label: key.toUpperCase(),
+      move: (part) => this.moveTo(key, part),
+    })]);
+    const button = byId("cursors");
+    button.addEventListener("click", () => this.toggle());
+    state.on(["cursors"], ({ cursors }) => {
+      press(button, cursors !== null);
+      this.place();
+    });
+    plot.onDrawn(() => this.place());
+  }
+
+  /** Show the cursors in the view, or hide them. */
+  toggle() {
+    const [from, to] = this.plot.times;
+    const cursors = { a: from + (to - from) * 0.35, b: from + (to - from) * 0.65 };
+    this.state.set({ cursors: this.state.values.cursors ? null : cursors });
+  }
+
+  moveTo(key, part) {
+    const [from, to] = this.plot.times;
+    const moved = { [key]: from + part * (to - from) };
+    this.state.set({ cursors: { ...this.state.values.cursors, ...moved } });
+  }
+
+  place() {
+    const [from, to] = this.plot.times;
+    this.stay(from, to);
+    const { cursors } = this.state.values;
+    this.readout.hidden = !cursors;
+    for (const [key, handle] of this.handles) {
+      const time = cursors ? cursors[key] : null;
+      handle.place(time === null ? null : (time - from) / (to - from), time, `${figure(time)} s`);
+    }
+    if (!cursors) return;
+    const apart = cursors.b - cursors.a;
+    say(this.readout, `A ${figure(cursors.a)} s   B ${figure(cursors.b)} s   ` +
+      `Δt ${figure(apart)} s   1/Δt ${figure(apart ? 1 / Math.abs(apart) : null)} Hz`);
+  }
+
+  /** Stay where they are on the screen when the axis begins to count from something else. */
+  stay(from, to) {
+    const { cursors, end } = this.state.values;
+    const shift = from - this.lastAxis?.from;
+    const same = Math.abs(to - from - this.lastAxis?.length) < 1e-9;
+    this.lastAxis = { from, length: to - from };
+    if (!cursors || end !== null || !same || Math.abs(shift) < 1e-9) return;
+    this.state.set({ cursors: { a: cursors.a + shift, b: cursors.b + shift } });
+  }
+
+  /**
+   * Tell what a trace is at both cursors.
+   * @param {string} field
+   * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
+   */
+  valuesOf(field) {
+    const { cursors } = this.state.values;
+    const { shown } = this.plot;
+    if (!cursors || !shown) return null;
+    const a = shown.buffer.at(field, shown.reference + cursors.a);
+    const b = shown.buffer.at(field, shown.reference + cursors.b);
+    return { a, b, difference: a === null || b === null ? null : b - a };
+  }
+}

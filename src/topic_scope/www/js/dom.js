@@ -1,0 +1,60 @@
+/** Short ways to find and to make elements. */
+
+/**
+ * Find an element by its id.
+ * @param {string} id
+ * @returns {HTMLElement}
+ */
+export const byId = (id) => document.getElementById(id);
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function filled(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") element.addEventListener(name, value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== null && value !== undefined) element.setAttribute(name, value);
+  }
+  element.append(...children.filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+/**
+ * Make an HTML element. A function among the attributes listens to the event of that name.
+ * @param {string} tag
+ * @param {Object<string, *>} [attributes] true sets an empty attribute, false and null none
+ * @param {...(Node|string|null)} children
+ * @returns {HTMLElement}
+ */
+export function make(tag, attributes = {}, ...children) {
+  return filled(document.createElement(tag), attributes, children);
+}
+
+/**
+ * Make an SVG element; as {@link make}.
+ * @param {string} tag
+ * @param {Object<string, *>} [attributes]
+ * @param {...(Node|string|null)} children
+ * @returns {SVGElement}
+ */
+export function draw(tag, attributes = {}, ...children) {
+  return filled(document.createElementNS(SVG, tag), attributes, children);
+}
+
+/**
+ * Set the text of an element, and touch the document only where it differs.
+ * @param {Element} element
+ * @param {string} text
+ */
+export function say(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/**
+ * Say whether a button that stays down is down.
+ * @param {Element} button
+ * @param {boolean} down
+ */
+export function press(button, down) {
+  button.setAttribute("aria-pressed", String(down));
+}

@@ -1,0 +1,127 @@
+/** The graph of nodes and topics, drawn anew when it changes. */
+
+import { byId, draw, say } from "./dom.js";
+import { BACK, layOut, namespaceOf } from "./layout.js";
+import { figure } from "./numbers.js";
+
+const CHARACTER = 7.4; // width, pixels
+const LARGEST = 1.4; // times its size, where there is room
+const QUIET = /^\/(rosout(_agg)?|scope(_\d+)?|clock)$/;
+
+const shortName = (name) => name.slice(namespaceOf(name).length + 1) || name;
+
+/** What is to be placed: nodes and topics, and the ways of the messages between them. */
+function itemsOf(graph, quiet) {
+  const hides = (name) => quiet && QUIET.test(name);
+  const used = new Set(graph.edges.filter(({ from, to }) => !(hides(from) && hides(to)))
+    .map(({ topic }) => topic));
+  const nodes = graph.nodes.filter((name) => !hides(name)).map((name) => ({
+    id: `n${name}`, kind: "node", name, group: namespaceOf(name), text: shortName(name),
+    width: 44 + CHARACTER * shortName(name).length, height: 42,
+  }));
+  const topics = graph.topics.filter(({ name }) => !hides(name) && (used.has(name) || !quiet))
+    .map(({ name, datatype }) => ({
+      id: `t${name}`, kind: "topic", name, group: topicGroup(name, nodes), datatype,
+      text: topicText(name, topicGroup(name, nodes)),
+      width: 20 + Math.max(CHARACTER * topicText(name, topicGroup(name, nodes)).length, 6 * datatype.length),
+      height: 38,
+    }));
+  const known = new Set([...nodes, ...topics].map(({ id }) => id));
+  const ways = new Map(); // each once, though a topic has several ways through it
+  for (const { from, to, topic, rate } of graph.edges) {
+    for (const [a, b] of [[`n${from}`, `t${topic}`], [`t${topic}`, `n${to}`]]) {
+      if (known.has(a) && known.has(b)) ways.set(`${a} ${b}`, { from: a, to: b, rate });
+    }
+  }
+  return { items: [...nodes, ...topics], ways: [...ways.values()] };
+}
+
+/** A topic below a node's name belongs to the namespace of that node. */
+function topicGroup(name, nodes) {
+  const owner = nodes.find((node) => name.startsWith(`${node.name}/`));
+  return owner ? owner.group : namespaceOf(name);
+}
+
+const topicText = (name, group) => name.slice(group.length + 1);
+
+/** A smooth way from the edge of one item to the edge of another. */
+function path(a, b) {
+  const forward = b.x > a.x;
+  const x1 = a.x + (a.width / 2) * (forward ? 1 : -1);
+  const x2 = b.x - (b.width / 2) * (forward ? 1 : -1);
+  if (forward) {
+    const bend = (x2 - x1) / 2;
+    return `M${x1} ${a.y} C${x1 + bend} ${a.y} ${x2 - bend} ${b.y} ${x2} ${b.y}`;
+  }
+  const y1 = a.y + a.height / 2;
+  const y2 = b.y + b.height / 2;
+  const low = Math.max(y1, y2) + BACK;
+  return `M${a.x} ${y1} C${a.x} ${low} ${b.x} ${low} ${b.x} ${y2}`;
+}
+
+function nodeShape({ name, text }, { x, y, width, height }) {
+  return draw("g", { class: "node", "data-name": name }, draw("title", {}, name),
+    draw("ellipse", { cx: x, cy: y, rx: width / 2, ry: height / 2 }), draw("text", { x, y }, text));
+}
+
+function topicShape({ name, text, datatype }, { x, y, width, height }) {
+  return draw("g", { class: "topic", "data-name": name }, draw("title", {}, `${name}, ${datatype}`),
+    draw("rect", { x: x - width / 2, y: y - height / 2, width, height, rx: 4 }),
+    draw("text", { x, y: y - 7 }, text), draw("text", { class: "type", x, y: y + 9 }, datatype));
+}
+
+function groupShape({ name, x, y, width, height }) {
+  return draw("g", { class: "group" }, draw("rect", { x, y, width, height, rx: 8 }),
+    draw("text", { x: x + 10, y: y + 13 }, name));
+}
+
+/** Shows the graph. */
+export class Graph {
+  constructor() {
+    this.sheet = byId("graph");
+    this.quiet = byId("graph-quiet");
+    this.latest = { nodes: [], topics: [], edges: [] };
+    this.drawn = "";
+    this.rates = new Map();
+    this.quiet.addEventListener("change", () => this.show(this.latest));
+  }
+
+  /**
+   * @param {{nodes: string[], topics: Object[], edges: Object[]}} graph as the server sends it
+   */
+  show(graph) {
+    this.latest = graph;
+    const { items, ways } = itemsOf(graph, this.quiet.checked);
+    const shape = JSON.stringify([items, ways.map(({ from, to }) => [from, to])]);
+    if (shape !== this.drawn) this.draw(items, ways);
+    this.drawn = shape;
+    byId("graph-empty").hidden = items.length > 0;
+    for (const { from, to, rate } of ways) {
+      const text = this.rates.get(`${from} ${to}`);
+      say(text, rate === null ? "" : `${figure(rate, rate < 10 ? 2 : 3)} Hz`);
+    }
+  }
+
+  draw(items, ways) {
+    const { places, groups, width, height } = layOut(items, ways);
+    this.rates.clear();
+    const arrow = draw("marker", {
+      id: "arrow", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 7, markerHeight: 7, orient: "auto",
+    }, draw("path", { d: "M0 0.5 L8 4 L0 7.5 z" }));
+    const edges = ways.map(({ from, to }) => {
+      const [a, b] = [places.get(from), places.get(to)];
+      const middle = { x: (a.x + a.width / 2 + b.x - b.width / 2) / 2, y: (a.y + b.y) / 2 - 8 };
+      const text = draw("text", b.x > a.x ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
+      this.rates.set(`${from} ${to}`, text);
+      return draw("g", { class: "edge", "data-from": from.slice(1), "data-to": to.slice(1) },
+        draw("path", { d: path(a, b), "marker-end": "url(#arrow)" }), text);
+    });
+    this.sheet.replaceChildren(
+      draw("defs", {}, arrow), ...groups.map(groupShape), ...edges,
+      ...items.map((item) => (item.kind === "node" ? nodeShape : topicShape)(item, places.get(item.id))),
+    );
+    this.sheet.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.sheet.style.minWidth = `${width}px`;
+    this.sheet.style.width = `min(100%, ${LARGEST * width}px)`;
+  }
+}

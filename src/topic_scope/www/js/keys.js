@@ -1,0 +1,40 @@
+/** The keys of the page, and the overlay that lists them. */
+
+import { byId, make } from "./dom.js";
+
+/**
+ * @typedef {Object} Key
+ * @property {string[]} keys as KeyboardEvent.key has them, "Shift+" before where it is held
+ * @property {string} shown what the list shows
+ * @property {string} help
+ * @property {?function(): void} act null: the browser or a control does it
+ */
+
+/** Keys that a control with the focus keeps for itself. */
+function isTaken(event) {
+  const target = event.target;
+  if (target.matches("input:not([type=checkbox]):not([type=range]), select, textarea")) return true;
+  if (document.querySelector("dialog[open]")) return true;
+  if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(event.key);
+  return event.key === " " && target.matches("button, a, summary, input");
+}
+
+/**
+ * Listen to keys.
+ * @param {Key[]} keys
+ */
+export function startKeys(keys) {
+  byId("help-keys").append(...keys.filter(({ shown }) => shown).flatMap(({ shown, help }) => [
+    make("dt", {}, ...shown.split(" ").map((key) => make("kbd", {}, key))),
+    make("dd", {}, help),
+  ]));
+  const acts = new Map(keys.flatMap(({ keys: names, act }) => names.map((name) => [name, act])));
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || isTaken(event)) return;
+    const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift+${event.key}` : event.key;
+    const act = acts.get(name);
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+}

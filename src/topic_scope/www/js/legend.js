@@ -1,0 +1,120 @@
+/** The table below the plot: legend, switches and measurements of each trace. */
+
+import { colourOf } from "./colours.js";
+import { byId, make, press, say } from "./dom.js";
+import { figure } from "./numbers.js";
+
+const MEASURED = [
+  ["rate", "rate, Hz"], ["min", "min"], ["max", "max"], ["mean", "mean"], ["rms", "RMS"],
+  ["frequency", "freq., Hz"],
+];
+const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
+const CURSORS_EVERY_MS = 120;
+
+const without = (set, item) => new Set([...set].filter((other) => other !== item));
+const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
+
+/** The legend. */
+export class Legend {
+  /**
+   * @param {import("./state.js").State} state
+   * @param {import("./plot.js").Plot} plot
+   * @param {import("./cursors.js").Cursors} cursors
+   */
+  constructor(state, plot, cursors) {
+    this.state = state;
+    this.cursors = cursors;
+    this.rows = new Map();
+    this.body = byId("legend");
+    this.cursorsShown = 0;
+    state.on(["fields", "hidden", "right", "colours", "theme"], () => this.build());
+    state.on(["cursors"], () => {
+      if ((state.values.cursors !== null) !== this.withCursors) this.build();
+    });
+    plot.onDrawn(() => this.showCursors());
+    this.build();
+  }
+
+  build() {
+    const focused = document.activeElement?.dataset?.control;
+    this.withCursors = this.state.values.cursors !== null;
+    this.columns = [...MEASURED, ...(this.withCursors ? AT_CURSORS : [])];
+    const head = (text, className) => make("th", { scope: "col", class: className }, text);
+    byId("legend-head").replaceChildren(
+      head("", ""), head("", ""), head("trace", "name"), head("axis", ""),
+      ...this.columns.map(([, title]) => head(title, "figure")), head("", ""),
+    );
+    const before = this.rows;
+    this.rows = new Map();
+    for (const field of this.state.values.fields) {
+      const row = this.row(field);
+      this.rows.set(field, row);
+      for (const [key, cell] of row.cells) {
+        say(cell, before.get(field)?.cells.get(key)?.textContent ?? "–");
+      }
+    }
+    this.body.replaceChildren(...[...this.rows.values()].map((row) => row.element));
+    if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
+  }
+
+  row(field) {
+    const { state } = this;
+    const { hidden, right, colours } = state.values;
+    const cells = new Map(this.columns.map(([key]) => [key, make("td", { "data-cell": key })]));
+    const shown = make("input", {
+      type: "checkbox",
+      "aria-label": `show ${field}`,
+      "data-control": `show ${field}`,
+      change: () => state.set({ hidden: toggled(hidden, field) }),
+    });
+    shown.checked = !hidden.has(field);
+    const colour = make("input", {
+      type: "color",
+      value: colourOf(state, field),
+      "aria-label": `colour of ${field}`,
+      change: () => state.set({ colours: new Map([...colours, [field, colour.value]]) }),
+    });
+    const axis = make("button", {
+      type: "button",
+      title: "left or right axis",
+      "aria-label": `right axis for ${field}`,
+      "data-control": `axis ${field}`,
+      click: () => state.set({ right: toggled(right, field) }),
+    }, right.has(field) ? "right" : "left");
+    press(axis, right.has(field));
+    const remove = make("button", {
+      type: "button",
+      class: "quiet",
+      title: "remove the trace",
+      "aria-label": `remove ${field}`,
+      click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
+    }, "✕");
+    const element = make(
+      "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
+      make("td", {}, shown), make("td", {}, colour), make("td", { class: "name", title: field }, field),
+      make("td", {}, axis), ...cells.values(), make("td", {}, remove),
+    );
+    return { element, cells };
+  }
+
+  /**
+   * Show what the server measured in the visible window.
+   * @param {Object<string, Object<string, ?number>>} traces
+   */
+  showStats(traces) {
+    for (const [field, { cells }] of this.rows) {
+      const measured = traces[field] || {};
+      for (const [key] of MEASURED) say(cells.get(key), figure(measured[key]));
+    }
+  }
+
+  showCursors() {
+    const now = performance.now();
+    if (!this.withCursors || now - this.cursorsShown < CURSORS_EVERY_MS) return;
+    this.cursorsShown = now;
+    for (const [field, { cells }] of this.rows) {
+      const values = this.cursors.valuesOf(field) || {};
+      for (const [key] of AT_CURSORS) say(cells.get(key), figure(values[key]));
+    }
+  }
+}

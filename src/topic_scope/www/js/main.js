@@ -1,0 +1,76 @@
+/** Puts the page together. */
+
+import { startAxes } from "./axes.js";
+import { startChooser } from "./chooser.js";
+import { colourOf, startTheme } from "./colours.js";
+import { Connection } from "./connection.js";
+import { Cursors } from "./cursors.js";
+import { byId, press } from "./dom.js";
+import { startGestures } from "./gestures.js";
+import { Graph } from "./graph.js";
+import { startKeys } from "./keys.js";
+import { keyList } from "./key_list.js";
+import { Legend } from "./legend.js";
+import { Panels } from "./panels.js";
+import { Plot } from "./plot.js";
+import { Requests } from "./requests.js";
+import { startScreen } from "./screen.js";
+import { State } from "./state.js";
+import { Sweep } from "./sweep.js";
+import { startTools } from "./tools.js";
+import { Trigger } from "./trigger.js";
+import { View } from "./view.js";
+import { showLink, notify } from "./link.js";
+
+const state = new State();
+const sweep = new Sweep(state);
+startTheme(state, byId("theme"));
+const colour = (field) => colourOf(state, field);
+const plot = new Plot(byId("plot"), state, colour);
+const view = new View(state, sweep, plot);
+const cursors = new Cursors(byId("overlay"), state, plot);
+const trigger = new Trigger(byId("overlay"), state, plot);
+const legend = new Legend(state, plot, cursors);
+const graph = new Graph();
+const screen = startScreen(state, sweep, plot);
+
+const connection = new Connection(
+  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`,
+  (message) => handlers[message.type]?.(message),
+  showLink,
+);
+const requests = new Requests(state, plot, connection);
+const panels = new Panels(state, (message) => connection.send(message));
+
+const handlers = {
+  hello: (message) => requests.onHello(message),
+  fields: ({ fields }) => state.set({ available: fields }),
+  frame: (frame) => {
+    sweep.onFrame(frame);
+    screen.refresh();
+  },
+  stats: ({ traces }) => legend.showStats(traces),
+  trigger: (message) => {
+    trigger.showLamp(message.state);
+    sweep.onTrigger(message);
+  },
+  panels: (message) => panels.show(message.panels),
+  value: (message) => panels.onValue(message),
+  refused: (message) => panels.onRefused(message),
+  called: (message) => panels.onCalled(message),
+  graph: (message) => graph.show(message),
+  error: ({ text }) => notify(text),
+};
+
+const open = { chooser: startChooser(state), axes: startAxes(state) };
+startGestures(byId("stage"), plot, view);
+startTools(state, view, plot, sweep, open);
+startKeys(keyList({ state, view, cursors, trigger, open }));
+byId("reconnect").addEventListener("click", () => connection.connect());
+state.on(["view"], ({ view: shown }) => {
+  for (const name of ["scope", "graph"]) {
+    byId(`${name}-view`).hidden = name !== shown;
+    press(byId(`show-${name}`), name === shown);
+  }
+});
+connection.connect();

@@ -1,0 +1,123 @@
+/** Numbers: round steps, ticks, and how they are written. */
+
+/**
+ * Round up to 1, 2 or 5 times a power of ten.
+ * @param {number} value above 0
+ * @returns {number}
+ */
+export function niceStep(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const lead = value / power;
+  const step = [1, 2, 5, 10].find((candidate) => lead <= candidate * (1 + 1e-9));
+  return step * power;
+}
+
+/**
+ * Write a number of an axis, with as many places as its step needs.
+ * @param {number} value
+ * @param {number} step distance of the ticks
+ * @returns {string}
+ */
+export function tickText(value, step) {
+  if (Math.abs(value) < step * 1e-6) return "0";
+  if (Math.abs(value) >= 1e6 || step < 1e-5) {
+    const digits = Math.max(0, Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(step)));
+    return minus(value.toExponential(Math.min(digits, 8)));
+  }
+  const places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  return minus(value.toFixed(places));
+}
+
+/**
+ * List round places between two bounds.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} most how many at most
+ * @returns {{v: number, label: string}[]} as dygraphs takes them
+ */
+export function ticks(low, high, most) {
+  const step = niceStep((high - low) / Math.max(1, most));
+  const list = [];
+  if (!(step > 0) || !Number.isFinite(step)) return list;
+  for (let index = Math.ceil(low / step - 1e-9); index * step <= high + step * 1e-9; index += 1) {
+    list.push({ v: index * step, label: tickText(index * step, step) });
+  }
+  return list;
+}
+
+/**
+ * Write a measured number with some significant digits.
+ * @param {?number} value
+ * @param {number} [digits]
+ * @returns {string} a dash where there is none
+ */
+export function figure(value, digits = 5) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size >= 1e7 || size < 1e-4)) return minus(value.toExponential(digits - 2));
+  const before = size < 1 ? 1 : Math.floor(Math.log10(size)) + 1;
+  return minus(value.toFixed(Math.max(0, digits - before)));
+}
+
+/**
+ * Write a value as a person would type it: all its digits, and no more.
+ * @param {number} value
+ * @returns {string}
+ */
+export function typed(value) {
+  return String(Number(value.toPrecision(12)));
+}
+
+/**
+ * Write a bound in few characters.
+ * @param {number} value
+ * @returns {string}
+ */
+export function short(value) {
+  const digits = Number(value.toPrecision(4));
+  const long = Math.abs(digits) >= 1e5;
+  return minus(long ? digits.toExponential().replace("e+", "e") : String(digits));
+}
+
+/**
+ * Read a number that a person typed.
+ * @param {string} text with a decimal point or comma
+ * @returns {?number} null for no text, NaN for something else
+ */
+export function readNumber(text) {
+  const trimmed = text.trim().replace("−", "-").replace(",", ".");
+  return trimmed === "" ? null : Number(trimmed);
+}
+
+const minus = (text) => text.replace(/^-/, "−");
+
+const SHRINK_AFTER_S = 2.5;
+
+/** A range that holds all values, with round ends; it grows at once and shrinks only later. */
+export class AutoRange {
+  constructor() {
+    this.range = null;
+    this.roomy = null; // since when the values have needed much less
+  }
+
+  /**
+   * @param {number} low smallest value, may be infinite where there is none
+   * @param {number} high largest value
+   * @param {number} now s
+   * @returns {[number, number]}
+   */
+  update(low, high, now) {
+    if (!(low <= high)) return this.range || [-1, 1];
+    const [from, to] = this.range || [Infinity, -Infinity];
+    const fits = low >= from && high <= to;
+    if (!fits || (high - low) * 2.5 > to - from) this.roomy = null;
+    else if (this.roomy === null) this.roomy = now;
+    if (fits && (this.roomy === null || now - this.roomy < SHRINK_AFTER_S)) return this.range;
+    const span = high - low || Math.abs(high) * 0.2 || 2;
+    const margin = high > low ? 0.04 * span : 0.5 * span;
+    const step = niceStep(span / 10);
+    this.roomy = null;
+    this.range = [Math.floor((low - margin) / step) * step, Math.ceil((high + margin) / step) * step];
+    return this.range;
+  }
+}

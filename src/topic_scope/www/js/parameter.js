@@ -1,0 +1,147 @@
+/** One parameter of a node: its control, what it means, and why a value was refused. */
+
+import { make, say } from "./dom.js";
+import { readNumber, short, typed } from "./numbers.js";
+import { allowed, isPoor, travel } from "./slider.js";
+
+const EVERY_MS = 60; // between two sets while a slider moves
+
+/** Shows a parameter and lets it be changed. */
+export class Parameter {
+  /**
+   * @param {Object} parameter as the server describes it
+   * @param {boolean} readonly
+   * @param {function(*): void} set takes a value that the user wants
+   */
+  constructor(parameter, readonly, set) {
+    this.parameter = parameter;
+    this.inForce = parameter.value;
+    this.set = set;
+    this.lastSent = 0;
+    this.later = null;
+    this.numeric = parameter.kind === "float" || parameter.kind === "int";
+    this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
+    this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
+    this.control.setAttribute("aria-label", parameter.name);
+    this.slider = this.numeric && !readonly ? this.makeSlider() : null;
+    this.ends = this.slider && make("div", { class: "travel" }, make("i"), this.slider, make("i"));
+    const range = allowed(parameter);
+    this.element = make(
+      "div", { class: "parameter", "data-name": parameter.name },
+      make("div", { class: "row" },
+        make("label", { title: parameter.name }, parameter.name),
+        this.control, make("span", { class: "unit" }, parameter.unit || "")),
+      this.ends,
+      make("p", { class: "help" }, [parameter.help, range && `(${range})`].filter(Boolean).join(" ")),
+      this.refusal,
+    );
+    this.show();
+  }
+
+  makeControl() {
+    const { kind, choices } = this.parameter;
+    if (kind === "bool") {
+      return make("input", { type: "checkbox", change: () => this.want(this.control.checked) });
+    }
+    if (kind === "enum") {
+      const options = choices.map((choice) => make("option", { value: choice }, choice));
+      return make("select", { change: () => this.want(this.control.value) }, ...options);
+    }
+    return make("input", {
+      type: "text",
+      class: this.numeric ? "value" : "value text",
+      inputmode: this.numeric ? "decimal" : false,
+      change: () => this.wantTyped(this.control.value),
+      keydown: (event) => {
+        if (event.key === "Escape") this.show(true);
+      },
+    });
+  }
+
+  makeSlider() {
+    const slider = make("input", {
+      type: "range",
+      "aria-label": `${this.parameter.name}, slider`,
+      pointerdown: () => { this.held = true; },
+      input: () => this.wantSoon(Number(slider.value)),
+      change: () => {
+        this.held = false;
+        this.want(Number(slider.value));
+      },
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      slider.addEventListener(end, () => { this.held = false; });
+    }
+    return slider;
+  }
+
+  wantTyped(text) {
+    const number = this.numeric ? readNumber(text) : null;
+    // What is no number goes to the node as it is: the node says what it allows.
+    this.want(this.numeric && Number.isFinite(number) ? number : text);
+  }
+
+  wantSoon(value) {
+    this.control.value = typed(value);
+    clearTimeout(this.later);
+    const wait = this.lastSent + EVERY_MS - performance.now();
+    if (wait <= 0) this.send(value);
+    else this.later = setTimeout(() => this.send(value), wait);
+  }
+
+  want(value) {
+    clearTimeout(this.later);
+    this.send(value);
+  }
+
+  send(value) {
+    this.lastSent = performance.now();
+    this.refusal.hidden = true;
+    this.element.classList.remove("refused");
+    this.set(value);
+  }
+
+  /**
+   * Take the value in force.
+   * @param {*} value
+   */
+  update(value) {
+    const news = value !== this.inForce;
+    this.inForce = value;
+    if (!this.held) this.show(!news);
+  }
+
+  /**
+   * Say why a value was refused; the control goes back to the value in force.
+   * @param {string} text
+   */
+  refuse(text) {
+    say(this.refusal, text);
+    this.refusal.hidden = false;
+    this.element.classList.add("refused");
+    this.show(true);
+  }
+
+  show() {
+    const { kind } = this.parameter;
+    const value = this.inForce;
+    const text = this.numeric && typeof value === "number" ? typed(value) : asText(value);
+    if (this.control.tagName === "OUTPUT") this.control.value = text;
+    else if (kind === "bool") this.control.checked = Boolean(value);
+    else this.control.value = text;
+    if (this.slider && typeof value === "number") this.showSlider(value);
+  }
+
+  showSlider(value) {
+    const wanted = travel(this.parameter, value);
+    if (!this.travel || isPoor(this.travel, wanted, value)) {
+      this.travel = wanted;
+      Object.assign(this.slider, { min: wanted.low, max: wanted.high, step: wanted.step });
+      say(this.ends.firstChild, short(wanted.low));
+      say(this.ends.lastChild, short(wanted.high));
+    }
+    this.slider.value = value;
+  }
+}
+
+const asText = (value) => (typeof value === "string" ? value : JSON.stringify(value ?? ""));

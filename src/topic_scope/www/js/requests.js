@@ -1,0 +1,91 @@
+/** Tells the server what the user has chosen, also after a connection that was lost. */
+
+const EVERY_MS = 50; // between two views while the wheel turns
+
+/** Keeps the server in step with the state. */
+export class Requests {
+  /**
+   * @param {import("./state.js").State} state
+   * @param {import("./plot.js").Plot} plot
+   * @param {import("./connection.js").Connection} connection
+   */
+  constructor(state, plot, connection) {
+    this.state = state;
+    this.plot = plot;
+    this.connection = connection;
+    this.welcome = false; // whether the server has said hello once
+    this.picked = false; // whether the user has picked fields; else the server decides
+    this.greeting = false;
+    this.sent = {}; // kind -> what was sent last
+    this.timer = null;
+    state.on(["fields"], () => {
+      this.picked = this.picked || !this.greeting;
+      this.sendSelect();
+    });
+    state.on(["window", "end"], () => this.sendViewSoon());
+    state.on(["trigger"], () => this.sendTrigger(true));
+    state.on(["view"], () => {
+      this.sendGraph();
+      this.sendViewSoon();
+    });
+    new ResizeObserver(() => this.sendViewSoon()).observe(plot.element);
+  }
+
+  /**
+   * At first, take what the server suggests; after a loss, restore what the user had. The server
+   * says hello again when it finds more of the fields it was started for.
+   * @param {{readonly: boolean, history: number, fields: string[], defaults: {window: number}}}
+   *   message
+   */
+  onHello({ readonly, history, fields, defaults }) {
+    this.sent = {};
+    this.greeting = true;
+    const { window } = defaults;
+    this.state.set({ readonly, history, ...(this.picked ? {} : { fields }) });
+    if (!this.welcome) this.state.set({ window, baseWindow: window });
+    this.welcome = true;
+    this.greeting = false;
+    this.sendSelect();
+    this.sendView();
+    this.sendTrigger(false);
+    this.sendGraph();
+  }
+
+  /** Send a message, if it says something new. */
+  send(message) {
+    const text = JSON.stringify(message);
+    if (!this.welcome || this.sent[message.type] === text) return;
+    this.sent[message.type] = text;
+    this.connection.send(message);
+  }
+
+  sendSelect() {
+    if (this.picked) this.send({ type: "select", fields: this.state.values.fields });
+  }
+
+  sendViewSoon() {
+    if (this.timer !== null) return;
+    this.timer = setTimeout(() => this.sendView(), EVERY_MS);
+  }
+
+  sendView() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    if (this.state.values.view !== "scope") return; // the plot has no size then
+    const { window, end } = this.state.values;
+    const width = Math.min(Math.max(Math.round(this.plot.area.w), 50), 4000);
+    this.send({ type: "view", window, width, end });
+  }
+
+  sendTrigger(arm) {
+    const { mode, field, level, edge } = this.state.values.trigger;
+    if (arm && mode === "single") delete this.sent.trigger; // the same again arms it again
+    if (mode === "off" && !this.sent.trigger) return; // as a server begins
+    this.send({ type: "trigger", mode, field, level, edge });
+  }
+
+  sendGraph() {
+    const on = this.state.values.view === "graph";
+    if (on || this.sent.graph) this.send({ type: "graph", on });
+  }
+}

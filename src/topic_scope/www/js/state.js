@@ -1,0 +1,76 @@
+/** What the user has chosen: one object, and who wants to know of which part. */
+
+/**
+ * @typedef {Object} Axis
+ * @property {string} title
+ * @property {?number} low null: by itself
+ * @property {?number} high null: by itself
+ */
+
+/** What a page starts with. Times are in s. */
+const INITIAL = {
+  fields: [], // chosen, in order
+  available: [], // {field, datatype}
+  hidden: new Set(),
+  right: new Set(), // fields on the right axis
+  colours: new Map(), // field -> colour picked by hand
+  history: 60,
+  baseWindow: 5, // as selected
+  window: 5, // as zoomed
+  end: null, // right edge, since the epoch; null follows
+  reference: null, // what the time axis counts from; null follows
+  trigger: { mode: "off", field: "", level: 0, edge: "rising" },
+  axes: {
+    x: { title: "time, s" },
+    y: { title: "", low: null, high: null },
+    y2: { title: "", low: null, high: null },
+  },
+  cursors: null, // {a, b} on the time axis
+  readonly: false,
+  view: "scope",
+  theme: "light",
+};
+
+/** Holds the state and tells of its changes. */
+export class State {
+  constructor() {
+    /** Read these freely; write them with set. */
+    this.values = { ...INITIAL };
+    this.listeners = [];
+  }
+
+  /**
+   * Have a function called when one of some values is set.
+   * @param {string[]} names
+   * @param {function(Object): void} listener takes the values
+   */
+  on(names, listener) {
+    this.listeners.push({ names, listener });
+  }
+
+  /**
+   * Set some values.
+   * @param {Object} changes
+   */
+  set(changes) {
+    Object.assign(this.values, changes);
+    for (const { names, listener } of this.listeners) {
+      if (names.some((name) => name in changes)) listener(this.values);
+    }
+  }
+
+  /**
+   * Set a part of one axis.
+   * @param {"x"|"y"|"y2"} name
+   * @param {Partial<Axis>} changes
+   */
+  setAxis(name, changes) {
+    const axes = this.values.axes;
+    this.set({ axes: { ...axes, [name]: { ...axes[name], ...changes } } });
+  }
+
+  /** The chosen fields that are shown. */
+  get shown() {
+    return this.values.fields.filter((field) => !this.values.hidden.has(field));
+  }
+}

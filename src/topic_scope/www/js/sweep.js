@@ -1,0 +1,74 @@
+/** What the screen shows: the running trace, a paused stretch, or one held by the trigger. */
+
+import { TraceBuffer } from "./buffer.js";
+
+/** Takes frames and triggers; tells what is to be drawn. */
+export class Sweep {
+  /**
+   * @param {import("./state.js").State} state
+   */
+  constructor(state) {
+    this.state = state;
+    this.live = new TraceBuffer();
+    this.held = null; // {buffer, time} of the last complete sweep of the trigger
+    this.pending = null; // time of a crossing whose sweep is not complete
+    this.armed = "";
+    this.ahead = 0; // of the server's clock over this page's, s
+    state.on(["trigger"], ({ trigger }) => {
+      const mode = trigger.mode + trigger.field + trigger.edge;
+      if (mode !== this.armed) this.release();
+      this.armed = mode;
+    });
+    state.on(["fields"], () => this.release());
+  }
+
+  /** Forget what the trigger holds. */
+  release() {
+    this.held = null;
+    this.pending = null;
+  }
+
+  /**
+   * @param {Object} frame as the server sends it
+   */
+  onFrame(frame) {
+    const { window, trigger, end } = this.state.values;
+    this.live.apply(frame, window);
+    this.ahead = frame.now - performance.now() / 1000;
+    if (this.pending === null || frame.now < this.pending + window / 2) return;
+    const time = this.pending;
+    this.pending = null;
+    if (end !== null) return;
+    this.held = { buffer: this.live.copy(), time };
+    if (trigger.mode === "single") this.state.set({ end: time + window / 2, reference: time });
+  }
+
+  /**
+   * @param {{state: string, time: number}} message
+   */
+  onTrigger(message) {
+    if (message.state === "triggered" && this.pending === null) this.pending = message.time;
+  }
+
+  /** What the server's clock shows, also while no frames come, since the epoch, s. */
+  get now() {
+    return performance.now() / 1000 + this.ahead;
+  }
+
+  /**
+   * What is to be drawn: bins, what times count from, and both edges, since the epoch, s.
+   * @returns {{buffer: TraceBuffer, reference: number, from: number, to: number}}
+   */
+  get shown() {
+    const { window, end, reference } = this.state.values;
+    if (end !== null) {
+      return { buffer: this.live, reference: reference ?? end, from: end - window, to: end };
+    }
+    if (this.held) {
+      const { buffer, time } = this.held;
+      return { buffer, reference: time, from: time - window / 2, to: time + window / 2 };
+    }
+    const { now } = this.live;
+    return { buffer: this.live, reference: now, from: now - window, to: now };
+  }
+}

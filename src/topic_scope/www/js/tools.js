@@ -1,0 +1,61 @@
+/** The bar above the plot. */
+
+import { colourOf } from "./colours.js";
+import { byId, make, press } from "./dom.js";
+import { csvAddress, picture, save } from "./export.js";
+import { typed } from "./numbers.js";
+
+const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
+
+const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
+
+/**
+ * Make the bar work.
+ * @param {import("./state.js").State} state
+ * @param {import("./view.js").View} view
+ * @param {import("./plot.js").Plot} plot
+ * @param {import("./sweep.js").Sweep} sweep
+ * @param {{chooser: function(): void, axes: function(): void}} open opens the dialogs
+ */
+export function startTools(state, view, plot, sweep, open) {
+  const run = byId("run");
+  const select = byId("window");
+  const clicks = {
+    run: () => view.toggle(),
+    reset: () => view.reset(),
+    add: open.chooser,
+    "show-axes": open.axes,
+    "show-help": () => byId("help").showModal(),
+    "show-scope": () => state.set({ view: "scope" }),
+    "show-graph": () => state.set({ view: "graph" }),
+    png: () => save(picture(plot, state.shown, (field) => colourOf(state, field)), "topic_scope.png"),
+  };
+  for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
+  select.addEventListener("change", () => view.choose(Number(select.value)));
+
+  const panels = byId("show-panels");
+  panels.addEventListener("click", () => {
+    const wide = byId("scope-view").classList.toggle("wide");
+    press(panels, !wide);
+  });
+
+  const csv = byId("csv");
+  const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };
+  for (const before of ["pointerdown", "focus", "keydown", "click"]) csv.addEventListener(before, address);
+
+  function showWindows({ window, history }) {
+    const lengths = WINDOWS.filter((length) => length <= history);
+    if (!lengths.includes(window)) lengths.push(window);
+    lengths.sort((a, b) => a - b);
+    select.replaceChildren(...lengths.map((length) =>
+      make("option", { value: length }, windowText(Number(length.toPrecision(3))))));
+    select.value = String(window);
+  }
+
+  state.on(["window", "history"], showWindows);
+  state.on(["end"], ({ end }) => {
+    press(run, end === null);
+    run.textContent = end === null ? "Pause" : "Run";
+  });
+  state.on(["readonly"], ({ readonly }) => { byId("readonly").hidden = !readonly; });
+}

@@ -1,0 +1,101 @@
+/** The trigger: its controls, its line on the plot, and its lamp. */
+
+import { byId, make } from "./dom.js";
+import { Handle } from "./handle.js";
+import { figure, readNumber, typed } from "./numbers.js";
+
+const MODES = ["off", "normal", "single"];
+
+/** Round to what a screen can tell apart. */
+const rounded = (value, span) => {
+  const step = 10 ** Math.floor(Math.log10(span / 500));
+  return Number((Math.round(value / step) * step).toPrecision(10));
+};
+
+/** Shows and changes the trigger. */
+export class Trigger {
+  /**
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("./state.js").State} state
+   * @param {import("./plot.js").Plot} plot
+   */
+  constructor(overlay, state, plot) {
+    this.state = state;
+    this.plot = plot;
+    this.mode = byId("trigger-mode");
+    this.field = byId("trigger-field");
+    this.edge = byId("trigger-edge");
+    this.level = byId("trigger-level");
+    this.lamp = byId("trigger-state");
+    this.line = new Handle(overlay, {
+      kind: "level",
+      name: "trigger level",
+      label: "T",
+      move: (part) => this.moveTo(part),
+    });
+    this.mode.addEventListener("change", () => this.change({ mode: this.mode.value }));
+    this.field.addEventListener("change", () => this.change({ field: this.field.value }));
+    this.edge.addEventListener("change", () => this.change({ edge: this.edge.value }));
+    this.level.addEventListener("change", () => {
+      const level = readNumber(this.level.value);
+      if (Number.isFinite(level)) this.change({ level });
+      else this.show();
+    });
+    state.on(["fields", "trigger"], () => this.show());
+    plot.onDrawn(() => this.placeLine());
+    this.show();
+  }
+
+  /** Choose the next mode. */
+  cycle() {
+    const next = (MODES.indexOf(this.state.values.trigger.mode) + 1) % MODES.length;
+    this.change({ mode: MODES[next] });
+  }
+
+  change(changes) {
+    const trigger = { ...this.state.values.trigger, ...changes };
+    if (!trigger.field) trigger.field = this.state.values.fields[0] || "";
+    if (!trigger.field) trigger.mode = "off";
+    const again = this.state.values.end !== null && "mode" in changes;
+    this.state.set({ trigger, ...(again ? { end: null, reference: null } : {}) });
+  }
+
+  moveTo(part) {
+    const [low, high] = this.plot.range(this.plot.axisOf(this.state.values.trigger.field));
+    this.change({ level: rounded(low + part * (high - low), high - low) });
+  }
+
+  show() {
+    const { fields, trigger } = this.state.values;
+    if (trigger.field && !fields.includes(trigger.field)) {
+      this.state.set({ trigger: { ...trigger, field: "", mode: "off" } });
+      return;
+    }
+    this.field.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));
+    this.field.value = trigger.field || fields[0] || "";
+    this.mode.value = trigger.mode;
+    this.edge.value = trigger.edge;
+    if (document.activeElement !== this.level) this.level.value = typed(trigger.level);
+    for (const control of [this.field, this.edge, this.level]) {
+      control.disabled = trigger.mode === "off";
+    }
+    if (trigger.mode === "off") this.showLamp("off");
+  }
+
+  /**
+   * Show what the server says of the trigger.
+   * @param {"off"|"armed"|"triggered"} text
+   */
+  showLamp(text) {
+    this.lamp.dataset.state = text;
+    this.lamp.value = text;
+  }
+
+  placeLine() {
+    const { trigger, hidden } = this.state.values;
+    const shown = trigger.mode !== "off" && trigger.field && !hidden.has(trigger.field);
+    const [low, high] = this.plot.range(this.plot.axisOf(trigger.field));
+    const part = shown ? (trigger.level - low) / (high - low) : null;
+    this.line.place(part, trigger.level, figure(trigger.level));
+  }
+}

@@ -4,6 +4,7 @@ from collections import deque
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from topic_scope import protocol
+from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
 
 #: Most answers that wait for a page that does not read.
@@ -24,6 +25,7 @@ class Page:
         self.chosen: Optional[Tuple[str, ...]] = None
         self.wants_graph = False
         self.view = LiveView(default_view(window))
+        self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
 

@@ -13,6 +13,7 @@ TRACES = 32
 #: Limits of a view: time span, s, and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
+_TIMES = (0.0, 1e11)
 _LONGEST_NAME = 300
 
 
@@ -114,16 +115,40 @@ def parse(text: Union[str, bytes]) -> Request:
     return reader(request)
 
 
-def _select(request: Dict[str, Any]) -> Select:
-    names = request.get("fields")
+def fields_of(names: Any) -> Tuple[str, ...]:
+    """Read a list of names of fields.
+
+    :param names: as it came
+    :returns: each name once
+    :raises RequestError: if it is no such list
+    """
     if not isinstance(names, list) or len(names) > TRACES:
-        raise RequestError("select: fields is a list of at most %d names" % TRACES)
+        raise RequestError("fields is a list of at most %d names" % TRACES)
     fields: List[str] = []
     for name in names:
-        fields += [field for field in _fields(name, "select") if field not in fields]
+        fields += [field for field in _fields(name, "fields") if field not in fields]
     if len(fields) > TRACES:
-        raise RequestError("select: these are more than %d fields" % TRACES)
-    return Select(tuple(fields))
+        raise RequestError("these are more than %d fields" % TRACES)
+    return tuple(fields)
+
+
+def time_of(text: str) -> float:
+    """Read a time.
+
+    :param text: s since the epoch
+    :raises RequestError: if it is none
+    """
+    try:
+        time = float(text)
+    except ValueError:
+        time = math.nan
+    if not _TIMES[0] <= time <= _TIMES[1]:
+        raise RequestError("a time is a number of seconds since the epoch")
+    return time
+
+
+def _select(request: Dict[str, Any]) -> Select:
+    return Select(fields_of(request.get("fields")))
 
 
 def _view(request: Dict[str, Any]) -> View:
@@ -131,7 +156,7 @@ def _view(request: Dict[str, Any]) -> View:
     return View(
         _number(request, "view", "window", *WINDOW),
         int(_number(request, "view", "width", *WIDTH)),
-        None if end is None else _number(request, "view", "end", 0.0, 1e11),
+        None if end is None else _number(request, "view", "end", *_TIMES),
     )
 
 

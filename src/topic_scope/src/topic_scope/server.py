@@ -1,19 +1,27 @@
 """The oscilloscope between its pages and the graph; all of it runs in the thread of the web."""
 
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
 
+import numpy
 import tornado.ioloop
 
 from topic_scope import protocol
+from topic_scope.csv_rows import Column, header, rows
 from topic_scope.fields import FieldError
 from topic_scope.master_watch import GraphState, MasterWatch
 from topic_scope.options import Options
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
+from topic_scope.statistics import measure
+from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
 
 #: Time between two frames, s.
 FRAME_S = 0.025
+#: Time between two measurements of the traces, s.
+STATISTICS_S = 0.25
+#: A file is made in parts of this length, s; frames are sent in between.
+EXPORT_S = 0.25
 
 
 class Server:
@@ -30,6 +38,7 @@ class Server:
         self._watch: Optional[MasterWatch] = None
         self._initial: List[str] = list(options.fields)
         self._choices: List[Choice] = []
+        self._statistics_at = 0.0
 
     def start(self, watch: MasterWatch) -> None:
         """Begin to send frames.
@@ -75,6 +84,26 @@ class Server:
         if connection in self.sockets:
             self.sockets.remove(connection)
 
+    async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
+        """Return the rows of a CSV file, bit by bit.
+
+        :param names: names of the fields
+        :param start: begin of the time span, s
+        :param end: end of the time span, s
+        """
+        now = self._recorder.update()
+        begin, end = max(start, now - self._options.history), min(end, now)
+        yield header(names)
+        while begin <= end:
+            stop = begin + EXPORT_S
+            last = min(end, float(numpy.nextafter(stop, begin)))
+            columns = [
+                Column(self._recorder.topic_of(name), self._recorder.samples(name, begin, last))
+                for name in names
+            ]
+            yield "".join(rows(columns))
+            begin = stop
+
     def handle(self, page: Page, request: protocol.Request) -> None:
         """Do what a page asks for.
 
@@ -90,6 +119,8 @@ class Server:
                 self._watch.ring()
         elif isinstance(request, protocol.View):
             page.view.show(request)
+        elif isinstance(request, protocol.Trigger):
+            page.trigger = TriggerWatch(request, self._recorder.update())
 
     # -----------------------------------------------------------------------------------------
 
@@ -129,10 +160,26 @@ class Server:
 
     def _send_frames(self) -> None:
         now = self._recorder.update()
+        with_statistics = now >= self._statistics_at + STATISTICS_S
+        if with_statistics:
+            self._statistics_at = now
         for connection in list(self.sockets):
             page = connection.page
-            if page is None or not connection.is_ready:
+            if page is None:
+                continue
+            crossing = page.trigger.update(now, page.view.window, self._recorder.samples)
+            if crossing is not None:
+                page.put(crossing)
+            if not connection.is_ready:
                 continue  # the next frame holds what this one would have
+            if with_statistics:
+                page.put(self._statistics(page, now))
             messages = page.take()
             frame = page.view.frame(now, self._recorder.samples)
             connection.send(messages + ([frame] if frame is not None else []))
+
+    def _statistics(self, page: Page, now: float) -> Dict[str, Any]:
+        start, end = page.view.span(now)
+        samples = self._recorder.samples
+        traces = {field: measure(*samples(field, start, end)) for field in page.view.fields}
+        return {"type": "stats", "traces": traces}

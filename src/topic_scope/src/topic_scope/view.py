@@ -38,6 +38,11 @@ class LiveView:
         self._open = None
         self._complete = False
 
+    @property
+    def window(self) -> float:
+        """How long the span of time is, s."""
+        return self._view.window
+
     def span(self, now: float) -> "tuple[float, float]":
         """Return start and end of what is shown, s."""
         end = now if self._view.end is None else self._view.end
@@ -69,8 +74,6 @@ class LiveView:
         return {
             "type": "frame",
             "now": now,
-            "start": start,
-            "end": end,
             "bin": width,
             "reset": reset,
             "first": first,

@@ -5,6 +5,7 @@ import json
 import socket
 from typing import Any, Dict, List, Optional
 
+import tornado.iostream
 import tornado.netutil
 import tornado.web
 import tornado.websocket
@@ -27,19 +28,6 @@ def bind(options: Options) -> List[socket.socket]:
     :raises OSError: if the address is not one of this machine's, or the port is taken
     """
     return tornado.netutil.bind_sockets(options.port, options.address)
-
-
-class _Guarded(tornado.web.RequestHandler):
-    """Refuses what was not meant for this machine, and tells browsers to be strict."""
-
-    def initialize(self, scope: Any) -> None:
-        self.scope = scope
-
-    def prepare(self) -> None:
-        _check_host(self)
-
-    def set_default_headers(self) -> None:
-        set_strict_headers(self)
 
 
 def _check_host(handler: tornado.web.RequestHandler) -> None:
@@ -70,6 +58,41 @@ class Files(tornado.web.StaticFileHandler):
 
     def set_default_headers(self) -> None:
         set_strict_headers(self)
+
+
+class Data(tornado.web.RequestHandler):
+    """Samples as CSV.
+
+    :param scope: what has them: its method ``export``
+    """
+
+    def initialize(self, scope: Any) -> None:
+        self._scope = scope
+
+    def prepare(self) -> None:
+        _check_host(self)
+
+    def set_default_headers(self) -> None:
+        set_strict_headers(self)
+
+    async def get(self) -> None:
+        """Send all samples of some fields in a time span."""
+        try:
+            names = protocol.fields_of(self.get_arguments("field"))
+            start, end = (
+                protocol.time_of(self.get_argument(name, default))
+                for name, default in (("start", "0"), ("end", "1e11"))
+            )
+        except protocol.RequestError as error:
+            raise tornado.web.HTTPError(400, str(error)) from None
+        self.set_header("Content-Type", "text/csv; charset=utf-8")
+        self.set_header("Content-Disposition", 'attachment; filename="scope.csv"')
+        try:
+            async for text in self._scope.export(names, start, end):
+                self.write(text)
+                await self.flush()
+        except tornado.iostream.StreamClosedError:
+            pass  # the page does not want the rest
 
 
 class Socket(tornado.websocket.WebSocketHandler):
@@ -131,6 +154,7 @@ def application(scope: Any, folder: str, names: List[str]) -> tornado.web.Applic
     return tornado.web.Application(
         [
             (r"/ws", Socket, {"scope": scope}),
+            (r"/data\.csv", Data, {"scope": scope}),
             (r"/static/(.*)", Files, {"path": folder}),
             (r"/dygraphs/(.*)", Files, {"path": DYGRAPHS}),
             (r"/()", Files, {"path": folder, "default_filename": "index.html"}),

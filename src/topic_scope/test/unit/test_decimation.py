@@ -1,0 +1,118 @@
+"""Bins hold the extremes of their samples, and all frames together hold every sample."""
+
+import math
+from typing import Dict, List, Tuple
+
+import numpy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope import protocol
+from topic_scope.decimation import as_json, bin_of, extremes
+from topic_scope.ring import Samples
+from topic_scope.view import LiveView
+
+EPOCH = 1.7e9
+VALUES = st.floats(allow_nan=True, allow_infinity=True, width=32)
+SAMPLES = st.lists(st.tuples(st.floats(0.0, 4.0), VALUES), max_size=80).map(
+    lambda pairs: sorted(pairs, key=lambda pair: pair[0])
+)
+
+
+def arrays(pairs: List[Tuple[float, float]]) -> Samples:
+    return (
+        numpy.array([EPOCH + time for time, _ in pairs]),
+        numpy.array([value for _, value in pairs]),
+    )
+
+
+def expected_bins(samples: Samples, width: float) -> Dict[int, List[float]]:
+    """Return the extremes by bin, reckoned one by one."""
+    bins: Dict[int, List[float]] = {}
+    for time, value in zip(*(part.tolist() for part in samples)):
+        if math.isfinite(value):
+            bins.setdefault(bin_of(time, width), []).append(value)
+    return {index: [min(values), max(values)] for index, values in bins.items()}
+
+
+@given(SAMPLES, st.floats(0.001, 2.0), st.integers(-5, 100), st.integers(0, 200))
+def test_each_bin_has_the_extremes_of_its_samples(
+    pairs: list, width: float, skipped: int, count: int
+) -> None:
+    samples = arrays(pairs)
+    first = bin_of(EPOCH, width) + skipped
+    result = as_json(extremes(*samples, first, count, width))
+    expected = expected_bins(samples, width)
+    assert len(result) == 2 * count
+    for index in range(count):
+        bounds = expected.get(first + index, [None, None])
+        assert result[2 * index : 2 * index + 2] == bounds
+
+
+class Screen:
+    """A page that puts frames together as the documentation says."""
+
+    def __init__(self) -> None:
+        self.bins: Dict[int, List[float]] = {}
+
+    def show(self, frame: dict) -> None:
+        values = frame["traces"]["/a"]
+        if frame["reset"]:
+            self.bins.clear()
+        for index in range(len(values) // 2):
+            self.bins[frame["first"] + index] = values[2 * index : 2 * index + 2]
+
+
+def source(samples: Samples, until: float) -> Samples:
+    seen = samples[0] <= until
+    return samples[0][seen], samples[1][seen]
+
+
+@given(SAMPLES, st.lists(st.floats(0.0, 5.0), max_size=12), st.sampled_from([0.5, 2.0, 4.0]))
+def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, window: float) -> None:
+    """However the frames fall, nothing is lost and nothing is left over."""
+    samples, screen = arrays(pairs), Screen()
+    view = LiveView(protocol.View(window, 50, None))
+    view.select(["/a"])
+    for moment in sorted(moments) + [5.0]:
+        now = EPOCH + moment
+        frame = view.frame(now, lambda name, start, end: source(samples, now))
+        assert frame is not None
+        screen.show(frame)
+    width = window / 50
+    expected = expected_bins(samples, width)
+    for index in range(bin_of(EPOCH + 5.0 - window, width), bin_of(EPOCH + 5.0, width) + 1):
+        assert screen.bins[index] == expected.get(index, [None, None])
+
+
+def test_a_page_that_was_away_for_long_starts_over() -> None:
+    view = LiveView(protocol.View(1.0, 100, None))
+    nothing = (numpy.empty(0), numpy.empty(0))
+    resets = [
+        (view.frame(EPOCH + moment, lambda *_: nothing) or {})["reset"]
+        for moment in (0.0, 0.5, 1.0, 10.0, 10.1)
+    ]
+    assert resets == [True, False, False, True, False]
+
+
+def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
+    samples = arrays([(0.5, 1.0), (1.5, -7.0), (2.5, 3.0)])
+    view, screen = LiveView(protocol.View(1.0, 10, EPOCH + 2.0)), Screen()
+    view.select(["/a"])
+    first = view.frame(EPOCH + 4.0, lambda *_: samples)
+    assert first is not None
+    screen.show(first)
+    assert screen.bins[bin_of(EPOCH + 1.5, 0.1)] == [-7.0, -7.0]
+    assert view.frame(EPOCH + 4.1, lambda *_: samples) is None
+    view.show(protocol.View(1.0, 10, EPOCH + 3.0))
+    again = view.frame(EPOCH + 4.2, lambda *_: samples)
+    assert again is not None and again["reset"]
+
+
+def test_a_span_that_ends_later_goes_on_until_then() -> None:
+    view = LiveView(protocol.View(1.0, 10, EPOCH + 2.0))
+    frames = [
+        view.frame(EPOCH + moment, lambda *_: (numpy.empty(0), numpy.empty(0)))
+        for moment in (1.0, 1.9, 2.1, 2.2)
+    ]
+    assert [frame is not None for frame in frames] == [True, True, True, False]

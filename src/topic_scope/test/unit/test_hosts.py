@@ -1,0 +1,56 @@
+"""Who may connect."""
+
+from typing import Optional
+
+import pytest
+
+from topic_scope.hosts import is_known_host, is_same_origin
+
+NAMES = ["localhost", "lab-7"]
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "localhost",
+        "localhost:8080",
+        "LOCALHOST:80",
+        "127.0.0.1:8080",
+        "[::1]:8080",
+        "10.0.0.7",
+        "lab-7:1",
+    ],
+)
+def test_names_of_this_machine_are_known(host: str) -> None:
+    assert is_known_host(host, NAMES)
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["", "example.com", "localhost.example.com:8080", "127.0.0.1.example.com", "a@b", "[", "x:y:z"],
+)
+def test_other_names_are_not(host: str) -> None:
+    assert not is_known_host(host, NAMES)
+
+
+@pytest.mark.parametrize("origin", [None, "http://localhost:8080", "https://LOCALHOST:8080"])
+def test_a_page_that_was_served_here_may_connect(origin: Optional[str]) -> None:
+    assert is_same_origin(origin, "localhost:8080")
+
+
+@pytest.mark.parametrize(
+    "origin",
+    [
+        "",
+        "null",
+        "http://localhost",
+        "http://localhost:8081",
+        "http://127.0.0.1:8080",
+        "http://example.com",
+        "file://localhost:8080",
+        "http://localhost:8080.example.com",
+        "http://[",
+    ],
+)
+def test_a_page_from_elsewhere_may_not(origin: str) -> None:
+    assert not is_same_origin(origin, "localhost:8080")

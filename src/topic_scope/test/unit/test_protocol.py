@@ -1,0 +1,108 @@
+"""Requests of pages: what is understood, and that nothing else gets through."""
+
+import json
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope import protocol
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=4)
+    | st.dictionaries(st.text(max_size=8), inner, max_size=4),
+    max_leaves=10,
+)
+GOOD = [
+    (
+        {"type": "select", "fields": ["/a/x:y", "/a/y"]},
+        protocol.Select(("/a/x", "/a/y")),
+    ),
+    ({"type": "select", "fields": []}, protocol.Select(())),
+    ({"type": "view", "window": 2, "width": 800, "end": None}, protocol.View(2.0, 800, None)),
+    ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, protocol.View(2.0, 800, 1.7e9)),
+    (
+        {"type": "trigger", "mode": "normal", "field": "/a/x", "level": -1, "edge": "falling"},
+        protocol.Trigger("normal", "/a/x", -1.0, False),
+    ),
+    ({"type": "trigger", "mode": "off"}, protocol.Trigger("off", "", 0.0, True)),
+    ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
+    ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
+    ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),
+    ({"type": "graph", "on": True}, protocol.Graph(True)),
+]
+
+
+@pytest.mark.parametrize("request_, expected", GOOD)
+def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
+    assert protocol.parse(json.dumps(request_)) == expected
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        {"type": "select", "fields": "/a/x"},
+        {"type": "select", "fields": ["/a/x"] * 33},
+        {"type": "select", "fields": ["/a/" + ":".join("x%d" % n for n in range(40))]},
+        {"type": "select", "fields": ["../../etc/passwd"]},
+        {"type": "view", "window": 0, "width": 800},
+        {"type": "view", "window": math.nan, "width": 800},
+        {"type": "view", "window": 1, "width": 10**9},
+        {"type": "view", "window": True, "width": 800},
+        {"type": "view", "window": 1, "width": 800, "end": -1},
+        {"type": "view", "window": 1, "width": 800, "end": "now"},
+        {"type": "trigger", "mode": "auto", "field": "/a/x", "level": 0, "edge": "rising"},
+        {"type": "trigger", "mode": "normal", "field": "/a/x:y", "level": 0, "edge": "rising"},
+        {"type": "trigger", "mode": "normal", "field": "/a/x", "level": 0, "edge": "up"},
+        {"type": "trigger", "mode": "normal", "field": "/a/x", "level": math.inf, "edge": "rising"},
+        {"type": "set", "node": "/n", "name": "a"},
+        {"type": "set", "node": "/n", "name": "a", "value": None},
+        {"type": "set", "node": "", "name": "a", "value": 1},
+        {"type": "set", "node": "/n", "name": "a" * 400, "value": 1},
+        {"type": "set", "node": "/n", "name": "a", "value": {"b": 1}},
+        {"type": "call", "service": "/n/enable", "data": 1},
+        {"type": "call"},
+        {"type": "graph", "on": 1},
+        {"type": ["select"]},
+        {"type": "shutdown"},
+        {},
+        [],
+        None,
+        "select",
+    ],
+)
+def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
+    with pytest.raises(protocol.RequestError, match="[a-z]"):
+        protocol.parse(json.dumps(request_))
+
+
+@given(st.text(max_size=200) | st.binary(max_size=50))
+def test_garbage_is_refused(text: Any) -> None:
+    with pytest.raises(protocol.RequestError):
+        protocol.parse(text)
+
+
+def test_json_that_is_nested_too_deeply_is_refused() -> None:
+    with pytest.raises(protocol.RequestError):
+        protocol.parse("[" * 60000)
+
+
+@given(
+    st.sampled_from(["select", "view", "trigger", "set", "call", "graph"]),
+    st.dictionaries(
+        st.sampled_from(
+            "fields window width end mode field level edge node name value service data on".split()
+        ),
+        JSON | st.sampled_from(["normal", "rising", "/a/x", 1.0]),
+        max_size=6,
+    ),
+)
+def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, values: Any) -> None:
+    try:
+        request = protocol.parse(json.dumps({**values, "type": kind}))
+    except protocol.RequestError:
+        return
+    assert type(request).__name__ == kind.capitalize()

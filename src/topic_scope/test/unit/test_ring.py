@@ -1,0 +1,67 @@
+"""Rings keep what is recent, exactly, and no more than they may."""
+
+from typing import List, Tuple
+
+import numpy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope.ring import Ring
+
+HISTORY = 10.0
+BATCHES = st.lists(
+    st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(allow_nan=False)), max_size=60), max_size=40
+)
+
+
+def filled(ring: Ring, batches: List[List[Tuple[float, float]]]) -> List[Tuple[float, float]]:
+    """Append batches of (time since the sample before, value); return all samples."""
+    now, everything = 0.0, []
+    for batch in batches:
+        times = []
+        for step, value in batch:
+            now += step
+            times.append(now)
+            everything.append((now, value))
+        ring.append(numpy.array(times), numpy.array([value for _, value in batch]))
+    return everything
+
+
+def content(ring: Ring, start: float = -1.0, end: float = 1e9) -> List[Tuple[float, float]]:
+    times, values = ring.between(start, end)
+    return list(zip(times.tolist(), values.tolist()))
+
+
+@given(BATCHES)
+def test_what_is_younger_than_the_history_is_kept(batches: list) -> None:
+    ring = Ring(HISTORY)
+    everything = filled(ring, batches)
+    recent = [item for item in everything if item[0] >= everything[-1][0] - HISTORY]
+    kept = content(ring)
+    assert kept[len(kept) - len(recent) :] == recent
+    assert kept == everything[len(everything) - len(kept) :]
+    assert len(kept) == len(ring)
+
+
+@given(BATCHES, st.integers(1, 50))
+def test_no_more_samples_are_kept_than_allowed(batches: list, limit: int) -> None:
+    ring = Ring(1e6, limit)
+    everything = filled(ring, batches)
+    assert content(ring) == everything[-limit:]
+
+
+@given(BATCHES, st.floats(0.0, 50.0), st.floats(0.0, 50.0))
+def test_a_span_has_its_samples(batches: list, start: float, length: float) -> None:
+    ring = Ring(1e6)
+    everything = filled(ring, batches)
+    expected = [item for item in everything if start <= item[0] <= start + length]
+    assert content(ring, start, start + length) == expected
+
+
+def test_memory_stays_what_the_history_needs() -> None:
+    ring = Ring(HISTORY)
+    for second in range(1000):
+        times = second + numpy.arange(100) / 100.0
+        ring.append(times, times)
+    assert len(ring) <= 100 * (HISTORY + 1)
+    assert ring._data.shape[1] <= 8 * 100 * HISTORY

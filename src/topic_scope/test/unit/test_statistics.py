@@ -1,0 +1,52 @@
+"""What is measured of a trace."""
+
+import math
+from typing import List
+
+import numpy
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from topic_scope.statistics import measure
+
+
+@given(st.floats(0.5, 20.0), st.floats(0.0, 6.28), st.floats(1e-3, 1e3), st.floats(-1e3, 1e3))
+def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: float) -> None:
+    times = 1.7e9 + numpy.arange(0, math.ceil(10 * frequency) / frequency, 0.002)
+    values = mean + peak * numpy.sin(2 * math.pi * frequency * times + phase)
+    result = measure(times, values)
+    assert result["frequency"] == pytest.approx(frequency, rel=2e-3)
+    assert result["rate"] == pytest.approx(500.0)
+    assert result["mean"] == pytest.approx(mean, abs=0.02 * peak)
+    assert result["max"] == values.max() and result["min"] == values.min()
+    assert result["rms"] == pytest.approx(math.hypot(mean, peak / math.sqrt(2)), rel=1e-2)
+
+
+def test_noise_on_a_sine_makes_no_periods() -> None:
+    times = numpy.arange(0.0, 5.0, 0.001)
+    values = numpy.sin(2 * math.pi * 3.0 * times)
+    values += numpy.random.RandomState(1).uniform(-0.05, 0.05, len(times))
+    assert measure(times, values)["frequency"] == pytest.approx(3.0, rel=2e-3)
+
+
+def test_a_square_wave_has_its_frequency() -> None:
+    times = numpy.arange(0.0, 4.0, 0.01)
+    values = numpy.where(times % 0.5 < 0.25, 0.0, 5.0)
+    assert measure(times, values)["frequency"] == pytest.approx(2.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("values", [[], [1.0], [math.nan], [2.0, 2.0, 2.0], [0.0, 1.0, 0.0]])
+def test_what_has_no_period_has_no_frequency(values: List[float]) -> None:
+    assert measure(numpy.arange(len(values)), numpy.array(values))["frequency"] is None
+
+
+@given(st.lists(st.floats(), max_size=50))
+def test_anything_is_measured_and_the_result_is_finite(values: List[float]) -> None:
+    result = measure(numpy.arange(float(len(values))), numpy.array(values, float))
+    assert all(number is None or math.isfinite(number) for number in result.values())
+    finite = [value for value in values if math.isfinite(value)]
+    assert result["min"] == (min(finite) if finite else None)
+    assert result["max"] == (max(finite) if finite else None)
+    assume(finite)
+    assert result["rms"] is None or result["rms"] <= max(map(abs, finite)) * (1 + 1e-9)

@@ -1,0 +1,104 @@
+"""Crossings are found where they are, and told as a page needs them."""
+
+import math
+from typing import List, Optional
+
+import numpy
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope import protocol
+from topic_scope.ring import Samples
+from topic_scope.trigger import TriggerWatch, crossings
+
+WINDOW = 1.0
+
+
+def sine(end: float, frequency: float = 1.0, rate: float = 1000.0) -> Samples:
+    times = numpy.arange(int(end * rate)) / rate
+    return times, numpy.sin(2 * math.pi * frequency * times)
+
+
+@given(st.floats(-0.9, 0.9), st.booleans(), st.floats(0.5, 5.0))
+def test_a_sine_crosses_where_it_does(level: float, rising: bool, frequency: float) -> None:
+    found = crossings(*sine(3.0, frequency), level, rising)
+    phase = math.asin(level) / (2 * math.pi)
+    first = phase % 1.0 if rising else (0.5 - phase) % 1.0
+    expected = [(first + turn) / frequency for turn in range(16)]
+    expected = [time for time in expected if 0.001 <= time <= 2.998]
+    inner = [time for time in found if 0.001 <= time <= 2.998]
+    assert inner == pytest.approx(expected, abs=1e-4)
+
+
+@given(
+    st.lists(st.floats(allow_nan=True), max_size=50),
+    st.floats(allow_nan=False, allow_infinity=False),
+)
+def test_each_crossing_is_between_its_samples(values: List[float], level: float) -> None:
+    numbers = numpy.array(values, float)
+    times = numpy.arange(len(values), dtype=float)
+    finite = [(t, v) for t, v in zip(times, values) if math.isfinite(v)]
+    for rising in (True, False):
+        found = crossings(times, numbers, level, rising)
+        pairs = [
+            (one[0], other[0])
+            for one, other in zip(finite, finite[1:])
+            if (one[1] < level <= other[1] if rising else one[1] > level >= other[1])
+        ]
+        assert len(found) == len(pairs)
+        assert all(start <= moment <= end for moment, (start, end) in zip(found, pairs))
+
+
+def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
+    """Return what a page is told, looking at some moments."""
+    request = protocol.Trigger(mode, "/a", level, True)
+    watch = TriggerWatch(request, 0.0)
+    messages: List[Optional[dict]] = []
+    for now in moments:
+
+        def source(_name: str, start: float, end: float) -> Samples:
+            seen = (samples[0] >= start) & (samples[0] <= end)
+            return samples[0][seen], samples[1][seen]
+
+        messages.append(watch.update(now, WINDOW, source))
+    return [(message["state"], message["time"]) for message in messages if message]
+
+
+MOMENTS = [index / 40 for index in range(200)]
+
+
+def test_single_tells_of_one_crossing_only() -> None:
+    assert told("single", MOMENTS, sine(5.0)) == [
+        ("armed", None),
+        ("triggered", pytest.approx(1.0, abs=1e-6)),
+    ]
+
+
+def test_normal_tells_of_the_next_when_the_page_has_shown_the_last() -> None:
+    found = told("normal", MOMENTS, sine(5.0, frequency=3.0))
+    assert [state for state, _ in found] == ["armed"] + ["triggered"] * (len(found) - 1)
+    times = [time for _, time in found[1:]]
+    # Held for half a window, 0.5 s: of the crossings at n / 3 s every other one.
+    assert times[:4] == pytest.approx([1 / 3, 1.0, 5 / 3, 7 / 3], abs=1e-5)
+
+
+def test_normal_says_when_nothing_comes_any_more() -> None:
+    times, values = sine(5.0)
+    values[times > 1.5] = -1.0
+    found = told("normal", MOMENTS, (times, values))
+    assert [state for state, _ in found] == ["armed", "triggered", "armed"]
+
+
+def test_a_level_that_is_not_reached_stays_armed() -> None:
+    assert told("normal", MOMENTS, sine(5.0), level=1.5) == [("armed", None)]
+
+
+def test_off_says_so_once() -> None:
+    assert told("off", MOMENTS, sine(5.0)) == [("off", None)]
+
+
+@given(st.lists(st.floats(0.0, 4.9), min_size=1, max_size=30))
+def test_no_crossing_is_missed_however_often_one_looks(moments: List[float]) -> None:
+    found = told("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
+    assert found[-1] == ("triggered", pytest.approx(1 / 3, abs=1e-5))

@@ -50,7 +50,8 @@ export function startChooser(state) {
     else if (event.key === "Enter") {
       const box = document.activeElement === search ? list.querySelector("input") : document.activeElement;
       if (box?.type === "checkbox") box.click();
-    } else return;
+    } else if (event.key === "Escape") dialog.close(); // a search field would only clear itself
+    else return;
     event.preventDefault();
   });
   state.on(["available"], () => {

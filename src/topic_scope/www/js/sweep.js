@@ -11,7 +11,7 @@ export class Sweep {
     this.state = state;
     this.live = new TraceBuffer();
     this.held = null; // {buffer, time} of the last complete sweep of the trigger
-    this.pending = null; // time of a crossing whose sweep is not complete
+    this.pending = []; // times of crossings whose sweeps are not complete
     this.armed = "";
     this.ahead = 0; // of the server's clock over this page's, s
     state.on(["trigger"], ({ trigger }) => {
@@ -25,7 +25,7 @@ export class Sweep {
   /** Forget what the trigger holds. */
   release() {
     this.held = null;
-    this.pending = null;
+    this.pending = [];
   }
 
   /**
@@ -35,9 +35,8 @@ export class Sweep {
     const { window, trigger, end } = this.state.values;
     this.live.apply(frame, window);
     this.ahead = frame.now - performance.now() / 1000;
-    if (this.pending === null || frame.now < this.pending + window / 2) return;
-    const time = this.pending;
-    this.pending = null;
+    if (!this.pending.length || frame.now < this.pending[0] + window / 2) return;
+    const time = this.pending.shift();
     if (end !== null) return;
     this.held = { buffer: this.live.copy(), time };
     if (trigger.mode === "single") this.state.set({ end: time + window / 2, reference: time });
@@ -47,7 +46,7 @@ export class Sweep {
    * @param {{state: string, time: number}} message
    */
   onTrigger(message) {
-    if (message.state === "triggered" && this.pending === null) this.pending = message.time;
+    if (message.state === "triggered") this.pending = [...this.pending.slice(-1), message.time];
   }
 
   /** What the server's clock shows, also while no frames come, since the epoch, s. */

@@ -28,7 +28,7 @@ export function startTools(state, view, plot, sweep, open) {
     "show-help": () => byId("help").showModal(),
     "show-scope": () => state.set({ view: "scope" }),
     "show-graph": () => state.set({ view: "graph" }),
-    png: () => save(picture(plot, state.shown, (field) => colourOf(state, field)), "topic_scope.png"),
+    png: () => save(picture(plot, state.shown, (field) => colourOf(state, field)), "scope.png"),
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   select.addEventListener("change", () => view.choose(Number(select.value)));

@@ -1,0 +1,132 @@
+"""Debian's Chromium without a screen, and how a test looks at the page in it."""
+
+import atexit
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any, List
+
+from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.remote.webelement import WebElement
+
+from browsing.waiting import wait_until
+
+WIDTH, HEIGHT = 1280, 720
+
+#: What is painted: grid and traces.
+_PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
+_TEXT = "return [...document.querySelectorAll(arguments[0])].map((e) => e.innerText).join(' ')"
+
+
+class Browser:
+    """A browser with a profile of its own, which is gone in the end in any case.
+
+    :param width: of the page, pixels
+    :param height: of the page, pixels
+    """
+
+    def __init__(self, width: int = WIDTH, height: int = HEIGHT) -> None:
+        self._profile = tempfile.mkdtemp()
+        self.downloads = Path(self._profile, "downloads")
+        options = webdriver.ChromeOptions()
+        options.binary_location = "/usr/bin/chromium"
+        for argument in (
+            "--headless=new",
+            "--no-sandbox",  # as root it refuses to start otherwise
+            "--disable-dev-shm-usage",  # in a container that is small
+            "--hide-scrollbars",
+            "--user-data-dir=" + str(Path(self._profile, "profile")),
+        ):
+            options.add_argument(argument)
+        preferences = {"download.default_directory": str(self.downloads)}
+        options.add_experimental_option("prefs", preferences)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options=options)
+        atexit.register(self.close)
+        self.resize(width, height)
+
+    def close(self) -> None:
+        """End it."""
+        atexit.unregister(self.close)
+        self.driver.quit()
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def resize(self, width: int, height: int) -> None:
+        """Give the page a size, whatever the window around it needs."""
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+    def open(self, url: str) -> None:
+        """Open the page and wait until it is connected and shows traces."""
+        self.driver.get(url)
+        self.wait_connected()
+
+    def wait_connected(self) -> None:
+        """Wait until the page says that it is connected."""
+        wait_until(lambda: self.text("#link") == "connected", lambda: self.text("#link"))
+
+    def find(self, selector: str) -> WebElement:
+        """Return the first element that a CSS selector finds."""
+        return self.driver.find_element(By.CSS_SELECTOR, selector)
+
+    def count(self, selector: str) -> int:
+        """Return how many elements a CSS selector finds."""
+        return len(self.driver.find_elements(By.CSS_SELECTOR, selector))
+
+    def wait_for(self, selector: str) -> WebElement:
+        """Wait until an element is there and can be seen."""
+
+        def seen() -> Any:
+            found = self.driver.find_elements(By.CSS_SELECTOR, selector)
+            return next((element for element in found if element.is_displayed()), None)
+
+        found: WebElement = wait_until(seen, lambda: "no %s on the page" % selector)
+        return found
+
+    def text(self, selector: str) -> str:
+        """Return the text of all elements that a selector finds, as it is shown at one moment."""
+        return str(self.run(_TEXT, selector))
+
+    def value(self, selector: str) -> str:
+        """Return the value of a control."""
+        return str(self.find(selector).get_property("value"))
+
+    def keys(self, *keys: str) -> None:
+        """Press keys, wherever the focus is."""
+        ActionChains(self.driver).send_keys(*keys).perform()
+
+    def choose(self, selector: str, value: str) -> None:
+        """Choose an option of a list."""
+        self.find("%s option[value='%s']" % (selector, value)).click()
+
+    def run(self, script: str, *arguments: Any) -> Any:
+        """Run JavaScript in the page."""
+        return self.driver.execute_script(script, *arguments)
+
+    def call(self, module: str, expression: str, *arguments: Any) -> Any:
+        """Evaluate an expression with a module of the page.
+
+        :param module: file name
+        :param expression: JavaScript; ``module`` and ``a`` are the module and the arguments
+        """
+        return self.driver.execute_async_script(
+            "const [path, ...rest] = arguments; const done = rest.pop(); const a = rest;"
+            "import(path).then((module) => done({value: %s}))"
+            ".catch((error) => done({error: String(error)}))" % expression,
+            "/static/js/" + module,
+            *arguments,
+        )["value"]
+
+    def picture(self) -> str:
+        """Return what is painted in the plot, to be compared."""
+        return str(self.run(_PICTURE))
+
+    def errors(self) -> List[str]:
+        """Return what the page has complained about since this was asked last."""
+        return [
+            entry["message"]
+            for entry in self.driver.get_log("browser")
+            if entry["level"] in ("SEVERE", "WARNING")
+        ]

@@ -1,0 +1,46 @@
+"""The scope as a process of its own, which a test can end and start again."""
+
+import socket
+import subprocess
+from urllib.request import urlopen
+
+import roslib.packages
+
+from browsing.waiting import wait_until
+
+
+class ScopeProcess:
+    """A scope at a port of its own.
+
+    :param arguments: what its command line says besides the port
+    """
+
+    def __init__(self, *arguments: str) -> None:
+        with socket.socket() as probe:
+            probe.bind(("localhost", 0))
+            port = str(probe.getsockname()[1])
+        self._command = [roslib.packages.find_node("topic_scope", "scope.py")[0]]
+        self._command += ["--port", port, *arguments]
+        self.url = "http://localhost:" + port
+        self.start()
+
+    def start(self) -> None:
+        """Start it; the page waits for it by itself."""
+        self._process = subprocess.Popen(self._command)
+
+    def wait_until_served(self) -> None:
+        """Wait until a page can be loaded."""
+
+        def answers() -> bool:
+            try:
+                with urlopen(self.url) as answer:
+                    return bool(answer.status == 200)
+            except OSError:
+                return False
+
+        wait_until(answers, lambda: "no answer at %s" % self.url)
+
+    def stop(self) -> None:
+        """End it."""
+        self._process.terminate()
+        self._process.wait(30.0)

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""The page shows the signals: it runs, holds, triggers, measures, exports and comes back."""
+
+import csv
+import io
+import math
+import threading
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, List, Tuple
+from urllib.request import urlopen
+
+import rosbag
+import rospy
+import rostest
+from basic_comms.msg import signal_msg
+from browsing.page_test import PROCESSED, SIGNAL, PageTest
+from browsing.waiting import wait_until
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+
+class Page(PageTest):
+    """What a user does with the plot."""
+
+    def wait_moving(self) -> None:
+        """Wait until the picture changes."""
+        first = self.browser.picture()
+        wait_until(lambda: self.browser.picture() != first, lambda: "the picture stands still")
+
+    def wait_still(self) -> None:
+        """Wait until the picture has been the same for ten times."""
+        seen = [self.browser.picture()]
+
+        def still() -> bool:
+            seen.append(self.browser.picture())
+            return len(seen) > 10 and len(set(seen[-10:])) == 1
+
+        wait_until(still, lambda: "the picture changes")
+
+    def cell(self, field: str, name: str) -> float:
+        """Return a number of the table; NaN for a dash."""
+        text = self.browser.text("#legend tr[data-field='%s'] [data-cell='%s']" % (field, name))
+        return math.nan if text == "–" else float(text.replace("−", "-"))
+
+    def samples(self) -> List[Tuple[float, List[str]]]:
+        """Return the rows of the CSV that the page links to."""
+        self.browser.run("arguments[0].focus()", self.browser.find("#csv"))
+        with urlopen(str(self.browser.find("#csv").get_property("href"))) as answer:
+            head, *rows = csv.reader(io.TextIOWrapper(answer, "utf-8"))
+        self.assertEqual(head[0], "time")
+        return [(float(row[0]), row[1:]) for row in rows]
+
+    def test_traces_move_until_paused(self) -> None:
+        self.assertEqual(self.browser.driver.title, "topic_scope")
+        self.wait_moving()
+        self.browser.keys(Keys.SPACE)
+        self.assertEqual(self.browser.text("#run"), "Run")
+        self.wait_still()
+        self.browser.find("#run").click()
+        self.wait_moving()
+
+    def test_measures_the_traces(self) -> None:
+        wait_until(
+            lambda: abs(self.cell(SIGNAL, "frequency") - 1.0) < 0.05
+            and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0,
+            lambda: self.browser.text("#legend"),
+        )
+        self.assertAlmostEqual(self.cell(SIGNAL, "max"), 2.0, delta=0.05)
+        self.assertAlmostEqual(self.cell(PROCESSED, "min"), 0.0, delta=0.05)
+
+    def test_csv_is_what_a_bag_has(self) -> None:
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "recorded.bag")
+            with rosbag.Bag(str(path), "w") as bag:
+                lock = threading.Lock()
+                count = [0]
+
+                def record(message: Any) -> None:
+                    with lock:
+                        bag.write("/signal", message)
+                        count[0] += 1
+
+                subscriber = rospy.Subscriber("/signal", signal_msg, record)
+                wait_until(lambda: count[0] > 600, lambda: "%d messages" % count[0])
+                self.browser.keys(Keys.SPACE)
+                shown = self.samples()
+                more = count[0] + 20  # what the page has shown is in the bag by then
+                wait_until(lambda: count[0] > more, lambda: "%d messages" % count[0])
+                subscriber.unregister()
+                with lock:
+                    pass
+            with rosbag.Bag(str(path)) as bag:
+                recorded = [repr(message.signal_y) for _, message, _ in bag.read_messages()]
+        values = [row[0] for _, row in shown if row[0]]
+        self.assertGreater(len(values), 400)
+        # Periods are alike but for rounding: the first value may be there several times.
+        starts = [index for index, value in enumerate(recorded) if value == values[0]]
+        self.assertIn(values, [recorded[start : start + len(values)] for start in starts])
+
+    def test_single_trigger_holds_at_the_crossing(self) -> None:
+        self.browser.choose("#window", "1")
+        level = self.browser.find("#trigger-level")
+        self.browser.choose("#trigger-mode", "single")
+        level.clear()
+        level.send_keys("0.7", Keys.ENTER)
+        wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold")
+        self.assertEqual(self.browser.text("#trigger-state"), "triggered")
+        self.wait_still()
+        rows = [(time, float(row[0])) for time, row in self.samples() if row[0]]
+        (before, low), (after, high) = next(
+            pair for pair in zip(rows, rows[1:]) if pair[0][1] < 0.7 <= pair[1][1]
+        )
+        crossing = before + (0.7 - low) / (high - low) * (after - before)
+        # The crossing is in the middle of the window of one second, where the axis has its zero.
+        query = str(self.browser.find("#csv").get_property("href"))
+        start = float(query.partition("start=")[2].partition("&")[0])
+        self.assertAlmostEqual(crossing, start + 0.5, delta=1e-3)
+        self.browser.keys(Keys.SPACE)
+        self.assertIn(self.browser.text("#trigger-state"), ("armed", "triggered"))
+        wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold again")
+
+    def test_wheel_drag_and_double_click(self) -> None:
+        stage = self.browser.find("#stage")
+        self.browser.run(
+            "arguments[0].dispatchEvent(new WheelEvent('wheel',"
+            " {deltaY: -300, clientX: 500, clientY: 250, bubbles: true, cancelable: true}))",
+            stage,
+        )
+        wait_until(
+            lambda: float(self.browser.value("#window")) < 4.0,
+            lambda: self.browser.value("#window"),
+        )
+        ActionChains(self.browser.driver).drag_and_drop_by_offset(stage, 100, 0).perform()
+        self.assertEqual(self.browser.text("#run"), "Run")
+        ActionChains(self.browser.driver).double_click(stage).perform()
+        self.assertEqual(float(self.browser.value("#window")), 5.0)
+
+    def test_cursors_by_keyboard(self) -> None:
+        self.browser.keys("c")
+        handle = self.browser.wait_for(".cursor[aria-label^='cursor A']")
+        first = float(handle.get_attribute("aria-valuenow"))
+        handle.send_keys(Keys.ARROW_RIGHT)
+        self.assertAlmostEqual(
+            float(handle.get_attribute("aria-valuenow")), first + 0.025, delta=1e-6
+        )
+        self.assertIn("Δt 1.4750 s", self.browser.text(".readout"))
+        wait_until(
+            lambda: abs(self.cell(SIGNAL, "difference")) < 5.0,
+            lambda: self.browser.text("#legend"),
+        )
+
+    def test_axes_keep_what_is_typed(self) -> None:
+        self.browser.keys("x")
+        self.browser.wait_for("[aria-label='left axis, to']").send_keys("7.5", Keys.TAB)
+        self.browser.find("[aria-label='title of the left axis']").send_keys("level, V")
+        self.browser.keys(Keys.ESCAPE)
+        wait_until(
+            lambda: self.browser.text(".dygraph-ylabel") == "level, V",
+            lambda: self.browser.text(".dygraph-ylabel"),
+        )
+        # Round values up to the typed end, which is none of the default range.
+        wait_until(
+            lambda: "7" in self.browser.text(".dygraph-axis-label-y").split(),
+            lambda: self.browser.text(".dygraph-axis-label-y"),
+        )
+
+    def test_saves_a_picture(self) -> None:
+        self.browser.find("#png").click()
+        path = self.browser.downloads / "scope.png"
+        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
+        self.assertEqual(path.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_theme_is_remembered(self) -> None:
+        theme = "return document.documentElement.dataset.theme"
+        first = self.browser.run(theme)
+        self.browser.keys("d")
+        second = self.browser.run(theme)
+        self.assertEqual({first, second}, {"light", "dark"})
+        self.browser.open(self.scope.url)
+        self.assertEqual(self.browser.run(theme), second)
+
+    def test_comes_back_as_it_was(self) -> None:
+        self.browser.keys("a")
+        self.browser.wait_for("#chooser-search").send_keys("signal frequency", Keys.ENTER)
+        self.browser.keys(Keys.ESCAPE)
+        self.browser.choose("#window", "2")
+        self.browser.choose("#trigger-mode", "normal")
+        self.browser.find("[aria-label='show %s']" % PROCESSED).click()
+        self.expected_errors = ["WebSocket connection"]
+        self.scope.stop()
+        self.browser.wait_for("#banner")
+        self.scope.start()
+        self.browser.wait_connected()
+        self.assertFalse(self.browser.find("#banner").is_displayed())
+        # The server shows what the page had before, which is not what it was started with.
+        wait_until(
+            lambda: self.cell("/signal/frequency", "mean") > 6.0,
+            lambda: self.browser.text("#legend"),
+        )
+        wait_until(
+            lambda: self.browser.text("#trigger-state") == "triggered",
+            lambda: self.browser.text("#trigger-state"),
+        )
+        self.assertEqual(self.browser.value("#window"), "2")
+        self.assertFalse(self.browser.find("[aria-label='show %s']" % PROCESSED).is_selected())
+        self.wait_moving()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_page")
+    rostest.rosrun("topic_scope", "page", Page)

@@ -21,7 +21,7 @@ NODES = [
     ("cw1.launch", "process_", ProcessParameters, "process"),
 ]
 #: Arguments that are not parameters of a node.
-OWN = {"terminals", "ns"}
+OWN = {"terminals", "ns", "plot", "record", "record_prefix"}
 
 Declaration = Type[ParameterSet]
 

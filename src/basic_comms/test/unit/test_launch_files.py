@@ -35,6 +35,12 @@ COMMANDS: Dict[str, List[str]] = {
     "cw1.launch ns:=/robot/arm": ["/robot/arm/signal_generator", "/robot/arm/process"],
     "cw1.launch __ns:=lab": ["/lab/signal_generator", "/lab/process"],
     "cw1.launch __ns:=lab ns:=robot": ["/lab/robot/signal_generator", "/lab/robot/process"],
+    "cw1.launch record:=true": ["/signal_generator", "/process", "/record"],
+    "cw1.launch record:=true ns:=robot": [
+        "/robot/signal_generator",
+        "/robot/process",
+        "/robot/record",
+    ],
     "fleet.launch": ["/fleet"],
     "fleet.launch count:=32 prefix:=Robot": ["/fleet"],
     "groups.launch count:=0": [],
@@ -170,6 +176,25 @@ def test_activities_2_and_3_set_the_same_parameters() -> None:
     assert values("activity2.launch") == values("activity3.launch")
     texts: Set[str] = {value for key, value in values("activity2.launch").items() if "Mess" in key}
     assert len(texts) == 3
+
+
+@pytest.mark.parametrize(
+    "prefix, path",
+    [("cw1", "/home/me/cw1"), ("runs/my first", "/home/me/runs/my first"), ("/tmp/2", "/tmp/2")],
+)
+def test_bag_goes_to_where_the_caller_is(
+    prefix: str, path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PWD", "/home/me")
+    nodes = load("cw1.launch record:=true", "record_prefix:=" + prefix).nodes
+    (record,) = [node for node in nodes if node.type == "record"]
+    assert record.args == "-o '%s'" % path
+
+
+def test_recorder_has_a_terminal_when_asked_for() -> None:
+    for node in load("cw1.launch record:=true terminals:=true").nodes:
+        assert node.launch_prefix.startswith("xterm -e")
+        assert node.output == "screen"
 
 
 def test_a_required_argument_must_be_given() -> None:

@@ -130,7 +130,24 @@ def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[Numer
 
 def lengths_in(message: Any) -> Lengths:
     """Return the function that tells how long the arrays of a message are."""
-    return lambda path: len(_value(message, path) or ())
+    return lambda path: len(value_at(message, path) or ())
+
+
+def value_at(message: Any, path: Path) -> Any:
+    """Return what stands in a message as it is: a time, say, or a whole number.
+
+    :param message: the message
+    :param path: where it stands
+    :returns: the value; None where an array is too short for it
+    """
+    for part in path:
+        if isinstance(part, str):
+            message = getattr(message, part)
+        elif part < len(message):
+            message = message[part]
+        else:
+            return None
+    return message
 
 
 def getter(path: Path) -> Callable[[Any], float]:
@@ -141,7 +158,7 @@ def getter(path: Path) -> Callable[[Any], float]:
     """
 
     def get(message: Any) -> float:
-        value = _value(message, path)
+        value = value_at(message, path)
         if value is None:
             return float("nan")
         return float(value.to_sec() if hasattr(value, "to_sec") else value)
@@ -160,18 +177,6 @@ def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
     if part not in fields:
         raise FieldError("there is no %s in %s" % (part, place))
     return fields[part]
-
-
-def _value(message: Any, path: Path) -> Any:
-    """Return what stands in a message; None where an array is too short for it."""
-    for part in path:
-        if isinstance(part, str):
-            message = getattr(message, part)
-        elif part < len(message):
-            message = message[part]
-        else:
-            return None
-    return message
 
 
 def _numbers(node: Layout, path: Path, lengths: Lengths) -> Iterator[NumericField]:

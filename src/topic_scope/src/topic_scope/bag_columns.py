@@ -1,0 +1,74 @@
+"""Which numbers of a bag's messages were asked for."""
+
+import difflib
+from typing import Any, List, Mapping, NamedTuple
+
+from topic_scope.definitions import layout_of
+from topic_scope.fields import (
+    FieldError,
+    Path,
+    expand,
+    lengths_in,
+    numeric_fields,
+    resolve,
+    split,
+    to_text,
+)
+
+
+class Column(NamedTuple):
+    """A number that the messages of a topic have.
+
+    :param topic: global name of the topic
+    :param path: where the number stands in a message
+    """
+
+    topic: str
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """The name of the field, e.g. ``/signal/signal_y``."""
+        return "%s/%s" % (self.topic, to_text(self.path))
+
+
+def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Column]:
+    """Return what a list of names stands for, each number once.
+
+    :param expressions: names in the notation of :mod:`topic_scope.fields`
+    :param first_messages: a message of each topic, by its global name
+    :raises FieldError: if there is no such number; the text names those nearest to it
+    """
+    columns: List[Column] = []
+    for expression in expressions:
+        for name in expand(expression):
+            columns += _columns(name, first_messages)
+    return list(dict.fromkeys(columns))
+
+
+def all_columns(first_messages: Mapping[str, Any]) -> List[Column]:
+    """Return all numbers that there are, as far as :func:`.numeric_fields` lists them.
+
+    :param first_messages: a message of each topic, by its global name
+    """
+    return [
+        Column(topic, field.path)
+        for topic, message in sorted(first_messages.items())
+        for field in numeric_fields(layout_of(type(message)), lengths_in(message))
+    ]
+
+
+def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
+    parts = split(name, first_messages)
+    try:
+        if parts is None:
+            raise FieldError("there is no such topic")
+        topic, rest = parts
+        message = first_messages[topic]
+        found = resolve(layout_of(type(message)), rest, lengths_in(message))
+    except FieldError as error:
+        known = [column.name for column in all_columns(first_messages)]
+        near = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or known[:3]
+        hint = "nearest to it: %s" % ", ".join(near) if near else "there are no numbers at all"
+        raise FieldError("%s: %s; %s" % (name, error, hint)) from error
+    return [Column(topic, field.path) for field in found]

@@ -1,0 +1,45 @@
+"""Write numbers from a bag to a CSV file, exactly as they were recorded."""
+
+import csv
+from typing import Any, Iterable, List, TextIO
+
+from topic_scope.bag_columns import Column
+from topic_scope.bag_reading import Sample
+from topic_scope.fields import value_at
+
+
+def write_csv(file: TextIO, columns: List[Column], samples: Iterable[Sample]) -> int:
+    """Write a row for each message: its time, s, and the numbers in it.
+
+    What is of another topic, or of an array that is too short for it, stays empty.
+
+    :param file: opened with ``newline=""``
+    :param columns: what to write
+    :param samples: the messages
+    :returns: how many messages there were
+    """
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["time"] + [column.name for column in columns])
+    count = 0
+    for sample in samples:
+        count += 1
+        cells = [_cell(column, sample) for column in columns]
+        writer.writerow([exact_seconds(sample.time)] + cells)
+    return count
+
+
+def exact_seconds(nanoseconds: int) -> str:
+    """Return a time in s, without rounding it."""
+    seconds, rest = divmod(abs(nanoseconds), 10**9)
+    return "%s%d.%09d" % ("-" if nanoseconds < 0 else "", seconds, rest)
+
+
+def _cell(column: Column, sample: Sample) -> str:
+    if column.topic != sample.topic:
+        return ""
+    value: Any = value_at(sample.message, column.path)
+    if value is None:
+        return ""
+    if hasattr(value, "to_nsec"):
+        return exact_seconds(value.to_nsec())
+    return repr(int(value) if isinstance(value, bool) else value)

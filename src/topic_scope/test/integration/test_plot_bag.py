@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""What cw1.launch records, plot_bag.py writes down as rosbag itself reads it."""
+
+import csv
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, List
+from unittest import mock
+
+import rosbag
+import rospy
+import rostest
+from helpers.hearing import Ear
+from helpers.launching import launched
+from helpers.waiting import wait_until
+from std_msgs.msg import Float32
+
+FIELDS = ["/lab/signal/signal_y", "/lab/signal/time_x", "/lab/proc_signal/data"]
+
+
+class PlotBag(unittest.TestCase):
+    """A bag of the real nodes, recorded once."""
+
+    folder: Path
+    bag: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_plot_bag")
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        with mock.patch.dict(os.environ, PWD=folder.name):
+            with launched("cw1.launch ns:=lab record:=true signal_rate:=100") as launch:
+                for topic in ("/lab/signal", "/lab/proc_signal"):
+                    launch.graph.wait_for_subscribers(topic, "/lab/record")
+                ear = Ear("/lab/proc_signal", Float32)
+                wait_until(lambda: len(ear.messages()) > 100, lambda: "there is no signal")
+        # A bag has this name only when it is complete.
+        (cls.bag,) = cls.folder.glob("cw1_*.bag")
+
+    def plot(self, *arguments: str) -> None:
+        subprocess.run(
+            ["rosrun", "topic_scope", "plot_bag.py", str(self.bag), *arguments],
+            cwd=str(self.folder),
+            check=True,
+        )
+
+    def rows(self, name: str) -> List[Dict[str, str]]:
+        with (self.folder / name).open(newline="") as file:
+            return list(csv.DictReader(file))
+
+    def read_by_rosbag(self) -> List[Dict[str, str]]:
+        """Return what the CSV file is to hold."""
+        rows = []
+        with rosbag.Bag(str(self.bag)) as bag:
+            begin = None
+            for topic, message, time in bag.read_messages():
+                begin = begin or time
+                row = dict.fromkeys(FIELDS, "")
+                for field in FIELDS:
+                    if field.startswith(topic + "/"):
+                        row[field] = repr(getattr(message, field[len(topic) + 1 :]))
+                row["time"] = "%d.%09d" % ((time - begin).secs, (time - begin).nsecs)
+                rows.append(row)
+        return rows
+
+    def test_csv_is_what_rosbag_reads(self) -> None:
+        self.plot(*FIELDS, "-o", "out.csv")
+        rows = self.rows("out.csv")
+        self.assertEqual(rows, self.read_by_rosbag())
+        self.assertGreater(len([row for row in rows if row[FIELDS[0]]]), 50)
+        self.assertGreater(len([row for row in rows if row[FIELDS[2]]]), 50)
+
+    def test_range_of_time(self) -> None:
+        self.plot("/lab/proc_signal", "-o", "part.csv", "--start", "0.2", "--end", "0.6")
+        expected = [
+            {"time": row["time"], FIELDS[2]: row[FIELDS[2]]}
+            for row in self.read_by_rosbag()
+            if row[FIELDS[2]] and 0.2 <= float(row["time"]) <= 0.6
+        ]
+        self.assertGreater(len(expected), 10)
+        self.assertEqual(self.rows("part.csv"), expected)
+
+    def test_pictures(self) -> None:
+        for name, begin in (("out.png", b"\x89PNG"), ("out.svg", b"<?xml")):
+            self.plot(*FIELDS, "-o", name)
+            content = (self.folder / name).read_bytes()
+            self.assertTrue(content.startswith(begin))
+            self.assertGreater(len(content), 5000)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("topic_scope", "plot_bag", PlotBag)

@@ -1,0 +1,84 @@
+"""Which numbers of a bag a name stands for."""
+
+from typing import List
+
+import pytest
+from basic_comms.msg import signal_msg
+from std_msgs.msg import Bool, Float64MultiArray, Header, String
+
+from topic_scope.bag_columns import all_columns, choose
+from topic_scope.fields import FieldError
+
+MESSAGES = {
+    "/signal": signal_msg(),
+    "/robot/arm": Float64MultiArray(data=[1.0, 2.0, 3.0]),
+    "/robot/header": Header(),
+    "/words": String(),
+    "/switch": Bool(),
+}
+
+
+def names(*expressions: str) -> List[str]:
+    """Return the names of the columns that are chosen."""
+    return [column.name for column in choose(list(expressions), MESSAGES)]
+
+
+def test_columns_come_in_the_order_asked_for_and_once() -> None:
+    assert names("/signal/signal_y", "/robot/header/seq", "signal/time_x", "/signal/signal_y") == [
+        "/signal/signal_y",
+        "/robot/header/seq",
+        "/signal/time_x",
+    ]
+
+
+def test_several_fields_of_one_topic() -> None:
+    assert names("/signal/time_x:signal_y") == ["/signal/time_x", "/signal/signal_y"]
+
+
+def test_topic_alone_stands_for_all_its_numbers() -> None:
+    assert names("/signal") == [
+        "/signal/amplitude",
+        "/signal/frequency",
+        "/signal/time_x",
+        "/signal/signal_y",
+    ]
+    assert names("/switch", "/robot/header") == [
+        "/switch/data",
+        "/robot/header/seq",
+        "/robot/header/stamp",
+    ]
+
+
+def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -> None:
+    assert names("/robot/arm/data") == ["/robot/arm/data[%d]" % index for index in range(3)]
+    assert names("/robot/arm/data[7]") == ["/robot/arm/data[7]"]
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        (
+            "/signal/signal_z",
+            "there is no signal_z in basic_comms/signal_msg; nearest to it: "
+            "/signal/signal_y, /signal/time_x",
+        ),
+        ("/sginal/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
+        ("/words", "there is no number in std_msgs/String; nearest to it: "),
+        ("/words/data", "there is no number in data; nearest to it: "),
+    ],
+)
+def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) -> None:
+    with pytest.raises(FieldError) as caught:
+        names("/signal/signal_y", name)
+    assert str(caught.value).startswith("%s: %s" % (name, text))
+
+
+def test_bag_without_any_number() -> None:
+    with pytest.raises(FieldError, match="there are no numbers at all"):
+        choose(["/words/data"], {"/words": String()})
+
+
+def test_all_columns_can_be_chosen_by_their_names() -> None:
+    everything = all_columns(MESSAGES)
+    assert len(everything) == 4 + 3 + 1 + 2 + 1
+    assert choose([column.name for column in everything], MESSAGES) == everything

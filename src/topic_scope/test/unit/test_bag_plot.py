@@ -1,0 +1,91 @@
+"""What is drawn of a bag."""
+
+import math
+from array import array
+from pathlib import Path
+from typing import List
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.image import imread
+from std_msgs.msg import Float64, Float64MultiArray
+
+from topic_scope.bag_columns import Column
+from topic_scope.bag_plot import Series, collect, draw, save
+from topic_scope.bag_reading import Sample
+
+SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))
+
+
+def test_each_field_gets_the_values_of_its_topic() -> None:
+    columns = [Column("/x", ("data",)), Column("/y", ("data", 1))]
+    samples = [
+        Sample(0, "/x", Float64(1.0)),
+        Sample(10**8, "/y", Float64MultiArray(data=[2.0, 3.0])),
+        Sample(2 * 10**8, "/z", Float64(9.0)),
+        Sample(3 * 10**8, "/x", Float64(4.0)),
+    ]
+    assert collect(columns, samples) == [
+        ("/x/data", array("d", [0.0, 0.3]), array("d", [1.0, 4.0])),
+        ("/y/data[1]", array("d", [0.1]), array("d", [3.0])),
+    ]
+
+
+def test_what_cannot_be_plotted_leaves_a_gap() -> None:
+    values = [math.nan, math.inf, -math.inf, 1.7e308, 2.0]
+    samples = [Sample(0, "/x", Float64MultiArray(data=[value])) for value in values]
+    samples.append(Sample(0, "/x", Float64MultiArray(data=[])))
+    (series,) = collect([Column("/x", ("data", 0))], samples)
+    assert [value for value in series.values if not math.isnan(value)] == [2.0]
+    assert len(series.values) == len(series.times) == 6
+
+
+def test_lines_legend_and_titles() -> None:
+    other = SINE._replace(name="/y/data")
+    (axes,) = draw([SINE, other]).axes
+    assert [list(line.get_xdata()) for line in axes.lines] == [[0.0, 0.1, 0.2]] * 2
+    assert list(axes.lines[0].get_ydata()) == [0.0, 1.0, 0.0]
+    names = ["/x/data", "/y/data"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == names
+    assert axes.get_xlabel() == "time [s]"
+    assert axes.get_ylabel() == "/x/data, /y/data"
+
+
+def test_forty_lines_can_be_told_apart_and_the_title_stays_short() -> None:
+    (axes,) = draw([SINE._replace(name="/topic%d/data" % index) for index in range(40)]).axes
+    assert len({(line.get_color(), line.get_linestyle()) for line in axes.lines}) == 40
+    assert len(axes.get_ylabel().splitlines()) == 2
+
+
+def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
+    point = Series("/x/data", array("d", [1.0, 2.0, 3.0]), array("d", [math.nan, 1.0, math.nan]))
+    many = Series("/y/data", array("d", range(1000)), array("d", range(1000)))
+    (axes,) = draw([point, many]).axes
+    assert [line.get_marker() for line in axes.lines] == [".", ""]
+
+
+@settings(max_examples=10)
+@given(st.lists(st.floats(), max_size=5))
+@pytest.mark.filterwarnings("error")
+def test_any_values_can_be_plotted(
+    tmp_path_factory: pytest.TempPathFactory, values: List[float]
+) -> None:
+    path = tmp_path_factory.mktemp("plots") / "x.png"
+    samples = [Sample(index, "/x", Float64(value)) for index, value in enumerate(values)]
+    save(draw(collect([Column("/x", ("data",))], samples)), str(path), "png")
+    assert imread(str(path)).shape[:2] == (675, 1350)
+
+
+def test_huge_values_of_both_signs_can_be_plotted(tmp_path: Path) -> None:
+    samples = [Sample(index, "/x", Float64((-1) ** index * 1e300)) for index in range(5)]
+    save(draw(collect([Column("/x", ("data",))], samples)), str(tmp_path / "x"), "png")
+    assert imread(str(tmp_path / "x")).min() < 0.5
+
+
+def test_svg_is_the_same_each_time_and_holds_the_names(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        save(draw([SINE]), str(tmp_path / name), "svg")
+    text = (tmp_path / "one").read_text()
+    assert text == (tmp_path / "two").read_text()
+    assert "<svg" in text and "time [s]" in text

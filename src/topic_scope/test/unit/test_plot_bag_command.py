@@ -1,0 +1,146 @@
+"""The command line: what it writes, and how it fails."""
+
+import io
+import os
+from pathlib import Path
+from typing import List
+
+import pytest
+from bags import write_bag
+from std_msgs.msg import Float64, Int32
+
+from topic_scope import plot_bag_command
+from topic_scope.bag_reading import BagReader
+
+
+@pytest.fixture
+def bag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A bag of 3 s, in the folder that the command is called in."""
+    monkeypatch.chdir(tmp_path)
+    messages = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
+    return write_bag(tmp_path / "x.bag", messages + [("/y", Int32(7), 10**9)])
+
+
+def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> None:
+    monkeypatch.setattr("sys.argv", ["plot_bag.py", *arguments])
+    plot_bag_command.main()
+
+
+def failure(
+    monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]", *arguments: str
+) -> str:
+    """Return what is said of a call that fails."""
+    before = sorted(os.listdir("."))
+    with pytest.raises(SystemExit) as caught:
+        call(monkeypatch, *arguments)
+    assert caught.value.code == 2
+    assert sorted(os.listdir(".")) == before
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "limits, times",
+    [
+        ([], [0, 1, 2, 3]),
+        (["--start", "1"], [1, 2, 3]),
+        (["--end", "2"], [0, 1, 2]),
+        (["--start", "0.5", "--end", "2.5"], [1, 2]),
+        (["--start=2", "--end=2"], [2]),
+    ],
+)
+def test_csv(
+    bag: str, monkeypatch: pytest.MonkeyPatch, limits: List[str], times: List[int]
+) -> None:
+    call(monkeypatch, bag, "/x/data", "-o", "out.csv", *limits)
+    lines = ["%d.000000000,%r" % (time, 0.1 * time) for time in times]
+    assert Path("out.csv").read_text().splitlines() == ["time,/x/data"] + lines
+    assert sorted(os.listdir(".")) == ["out.csv", "x.bag"]
+
+
+@pytest.mark.parametrize("name, begin", [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml")])
+def test_pictures(bag: str, monkeypatch: pytest.MonkeyPatch, name: str, begin: bytes) -> None:
+    call(monkeypatch, bag, "/x/data", "/y", "-o", name)
+    assert Path(name).read_bytes().startswith(begin)
+    assert sorted(os.listdir(".")) == sorted([name, "x.bag"])
+
+
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        (["/x/data", "-o", "out.pdf"], "'out.pdf' does not end in .png, .svg or .csv"),
+        (["/x/data", "-o", "out"], "'out' does not end in"),
+        (["/x/data"], "required: -o"),
+        (["-o", "out.csv"], "required: FIELD"),
+        (["/x/data", "-o", "out.csv", "--start", "soon"], "'soon' is no time"),
+        (["/x/data", "-o", "out.csv", "--start", "nan"], "'nan' is no time"),
+        (["/x/data", "-o", "out.csv", "--end", "-1"], "'-1' is no time"),
+        (
+            ["/x/date", "-o", "out.csv"],
+            "plot_bag: /x/date: there is no date in std_msgs/Float64; " "nearest to it: /x/data",
+        ),
+        (["/x//data", "-o", "out.csv"], "plot_bag: "),
+        (["/x/data", "-o", "no/out.csv"], "plot_bag: no/out.csv: No such file or directory"),
+        (
+            ["/x/data", "-o", "out.csv", "--start", "4"],
+            "plot_bag: nothing of /x was recorded in " "this time; the bag is 3.000 s long",
+        ),
+        (["/x/data", "-o", "out.png", "--start", "2", "--end", "1"], "nothing of /x"),
+    ],
+)
+def test_refusals(
+    bag: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: "pytest.CaptureFixture[str]",
+    arguments: List[str],
+    text: str,
+) -> None:
+    assert text in failure(monkeypatch, capsys, bag, *arguments)
+
+
+def test_missing_bag(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    error = failure(monkeypatch, capsys, "no.bag", "/x", "-o", "out.csv")
+    assert error == "plot_bag: no.bag: No such file or directory\n"
+
+
+def test_file_that_was_there_stays_when_the_new_one_fails(
+    bag: str, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    Path("out.csv").write_text("precious")
+    failure(monkeypatch, capsys, bag, "/x/data", "-o", "out.csv", "--start", "4")
+    assert Path("out.csv").read_text() == "precious"
+
+
+class Terminal(io.StringIO):
+    """Standard error that is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    "error, long, shown",
+    [(Terminal(), 4, True), (Terminal(), 5, False), (io.StringIO(), 4, False)],
+)
+def test_progress_is_shown_of_long_bags_on_a_terminal(
+    bag: str, monkeypatch: pytest.MonkeyPatch, error: io.StringIO, long: int, shown: bool
+) -> None:
+    monkeypatch.setattr("sys.stderr", error)
+    monkeypatch.setattr(plot_bag_command, "LONG", long)
+    call(monkeypatch, bag, "/x/data", "-o", "out.csv")
+    assert ("0 % |" in error.getvalue()) == shown
+
+
+def test_ctrl_c_ends_it_without_a_trace(
+    bag: str, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    def interrupted(*_arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(BagReader, "samples", interrupted)
+    with pytest.raises(SystemExit) as caught:
+        call(monkeypatch, bag, "/x/data", "-o", "out.csv")
+    assert caught.value.code == 130
+    assert capsys.readouterr().err == ""

@@ -8,10 +8,10 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
-from basic_comms import rospy_internals
 from basic_comms.parameter_server import UNREACHABLE, ParameterServer
 from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import ParameterError
+from basic_comms.rospy_internals import signals
 
 EXIT_OK, EXIT_REFUSED = 0, 1
 
@@ -30,7 +30,7 @@ def run(name: str, start: Callable[[], object]) -> None:
         kept alive until the end
     """
     try:
-        rospy_internals.register_signals()
+        signals.register()
         _wait_for_master(name)
         node = _start_beside(name, start)
         if not rospy.is_shutdown():

@@ -15,9 +15,9 @@ from typing import Any, Deque, List, NamedTuple, Optional, Set, Tuple
 import rosgraph
 import rospy
 
-from basic_comms import rospy_internals
 from basic_comms.parameter_kinds import is_same
 from basic_comms.parameter_server import MISSING, UNREACHABLE, NoValue, ParameterServer, Reading
+from basic_comms.rospy_internals import parameters, registration
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
@@ -97,7 +97,7 @@ class ParameterWatcher:
         #: Those who have not been told yet that the master was restarted.
         self._lost: Set[Watch] = set()
         self._reachable = True
-        if not rospy_internals.on_parameter_push(self._on_push):
+        if not parameters.on_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         self._take_over_logging()
         rospy.on_shutdown(self.close)
@@ -109,10 +109,10 @@ class ParameterWatcher:
         A subscription that is left behind is no trifle: should the node be
         started anew, the master would shut down whoever has its old port by then.
         """
-        key = rospy_internals.ROSOUT_PARAMETER
+        key = parameters.ROSOUT_PARAMETER
         self.server.subscribe([key])
         value = self.server.read([key]).values[key]
-        rospy_internals.cache_parameter(key, value if value is not MISSING else False)
+        parameters.cache(key, value if value is not MISSING else False)
 
     def subscribe(self, watch: Watch) -> None:
         """Keep the notifications of a key until :meth:`add`.
@@ -161,7 +161,7 @@ class ParameterWatcher:
         self._unsubscribe(self._keys())
 
     def _keys(self) -> List[str]:
-        return [rospy_internals.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
+        return [parameters.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
 
     def _unsubscribe(self, keys: List[str]) -> None:
         try:
@@ -233,7 +233,7 @@ class ParameterWatcher:
                 break
         if self._restarted and not self._closed:
             rospy.logwarn("the master was restarted: registering again, settings in force are kept")
-            rospy_internals.register_again()
+            registration.register_again()
             self.server.subscribe(self._keys())
             self._lost = set(self._subscribed)
             self._restarted = False

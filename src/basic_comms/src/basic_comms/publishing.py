@@ -5,7 +5,7 @@ from typing import Any, List, NamedTuple, Optional
 import genpy
 import rospy
 
-from basic_comms import rospy_internals
+from basic_comms.rospy_internals import publishers
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
 FALLBACK_QUEUE_SIZE = 100
@@ -38,13 +38,13 @@ class Publisher(rospy.Publisher):
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False) -> None:
-        self._topic: Optional[rospy_internals.OutgoingTopic] = None
-        mismatch = rospy_internals.publisher_mismatch()
+        self._topic: Optional[publishers.OutgoingTopic] = None
+        mismatch = publishers.publisher_mismatch()
         if mismatch:
             rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
             super().__init__(name, data_class, latch=latch, queue_size=FALLBACK_QUEUE_SIZE)
         else:
-            self._topic = rospy_internals.take_over_publisher(self, name, data_class, latch)
+            self._topic = publishers.take_over_publisher(self, name, data_class, latch)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, given itself or by its fields, as with ``rospy.Publisher``.

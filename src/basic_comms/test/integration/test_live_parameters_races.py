@@ -18,11 +18,12 @@ from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import Server
 from helpers.waiting import wait_until
 
-from basic_comms import contention, live_parameters, parameter_watch, rospy_internals
+from basic_comms import contention, live_parameters, parameter_watch
 from basic_comms.live_parameters import LiveParameters
 from basic_comms.parameter_server import ParameterServer, Reading
 from basic_comms.parameter_watch import Observation, ParameterWatcher, Watch
 from basic_comms.parameters import ParameterError, to_wire
+from basic_comms.rospy_internals.parameters import ROSOUT_PARAMETER
 
 
 class ServerWithMoments(ParameterServer):
@@ -417,9 +418,9 @@ class Races(unittest.TestCase):
     def test_line_of_the_log_asks_the_master_for_nothing(self) -> None:
         cache = rospy.impl.paramserver.get_param_server_cache()
         for value in (False, True, False):
-            self.user.set(rospy_internals.ROSOUT_PARAMETER, value)
+            self.user.set(ROSOUT_PARAMETER, value)
             wait_until(
-                lambda: cache.get(rospy_internals.ROSOUT_PARAMETER) is value,
+                lambda: cache.get(ROSOUT_PARAMETER) is value,
                 lambda: "%s is not in the cache" % value,
             )
 

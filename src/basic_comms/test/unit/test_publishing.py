@@ -15,8 +15,8 @@ from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header, String
 
-from basic_comms import rospy_internals
 from basic_comms.publishing import FALLBACK_QUEUE_SIZE, Publisher
+from basic_comms.rospy_internals import publishers, shutdown
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -55,9 +55,9 @@ def connect():
 @pytest.fixture
 def mismatch():
     """Forget what was found out about rospy, before and after."""
-    rospy_internals.publisher_mismatch.cache_clear()
-    yield rospy_internals.publisher_mismatch
-    rospy_internals.publisher_mismatch.cache_clear()
+    publishers.publisher_mismatch.cache_clear()
+    yield publishers.publisher_mismatch
+    publishers.publisher_mismatch.cache_clear()
 
 
 def receive(sock, data_class=String):
@@ -80,13 +80,13 @@ def test_old_rospy_can_shut_down_on_new_python(monkeypatch):
     ended = threading.Thread()
     monkeypatch.setattr(rospy.core, "signal_shutdown", lambda reason: ended.isAlive())
     monkeypatch.setattr(threading.Thread, "isAlive", None, raising=False)
-    rospy_internals.mend_shutdown()
+    shutdown.mend_shutdown()
     assert rospy.core.signal_shutdown("test") is False
 
 
 @pytest.mark.parametrize("part", ["_PUBLISHER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(mismatch, monkeypatch, part):
-    monkeypatch.setattr(rospy_internals, part, "close something_else")
+    monkeypatch.setattr(publishers, part, "close something_else")
     assert "something_else" in mismatch()
 
 
@@ -101,7 +101,7 @@ def test_absent_internals_are_recognised(mismatch, monkeypatch):
 
 
 def test_unknown_rospy_means_a_plain_publisher(publish_on, connect, monkeypatch):
-    monkeypatch.setattr(rospy_internals, "publisher_mismatch", lambda: "all is different")
+    monkeypatch.setattr(publishers, "publisher_mismatch", lambda: "all is different")
     publisher = publish_on(Publisher, String, latch=True)
     assert publisher.impl.queue_size == FALLBACK_QUEUE_SIZE
     assert publisher.impl.is_latch
@@ -186,17 +186,17 @@ def test_latched_late_joiner_that_does_not_read_delays_nobody_else(publish_on, c
 def test_two_publishers_of_one_topic_share_its_connections(publish_on, connect):
     plain = publish_on(rospy.Publisher, String, queue_size=10)
     queued = connect(plain, "/queued")
-    publishers = [publish_on(Publisher, String) for _ in range(2)]
-    direct = connect(publishers[0], "/direct")
+    ours = [publish_on(Publisher, String) for _ in range(2)]
+    direct = connect(ours[0], "/direct")
     kinds = [type(connection) for connection in plain.impl.connections]
     assert kinds == [QueuedConnection, TCPROSTransport]
     words = [str(number) for number in range(6)]
-    for word, publisher in zip(words, 3 * publishers):
+    for word, publisher in zip(words, 3 * ours):
         publisher.publish(String(word))
     plain.impl.publish(String("plain"))
     for subscriber in (queued, direct):
         assert [receive(subscriber).data for _ in range(7)] == words + ["plain"]
-    for publisher in publishers:
+    for publisher in ours:
         assert [(s.node, s.sent) for s in publisher.statistics()] == [
             ("/queued", 7),
             ("/direct", 7),

@@ -1,146 +1,27 @@
-"""The one place that uses interfaces of rospy that are not public.
+"""How rospy publishes.
 
-They are alike from rospy 1.15.9 to 1.17.0. Each section is guarded: where a version of rospy
-is built differently, it does without and says so, and a test shows red.
+One implementation object serves all publishers of a topic in a process. Its method ``publish``
+is replaced, so that what rospy sends there by itself (the last message to a late joiner of a
+latched topic, those of a plain ``rospy.Publisher``) cannot cut into a partly sent message.
 """
 
 import contextlib
 import functools
 import inspect
 import io
-import signal
 import socket
 import threading
-from typing import Any, Callable, Collection, ContextManager, Dict, List, Optional
+from typing import Any, Collection, ContextManager, Dict, List, Optional
 
 import rospy
 import rospy.core
-import rospy.impl.paramserver
 import rospy.msg
 import rospy.topics
-from rospy.impl.registration import (
-    Registration,
-    get_registration_listeners,
-    get_service_manager,
-    get_topic_manager,
-)
-from rospy.impl.tcpros_base import TCPROSTransport, TCPServer
+from rospy.impl.registration import Registration
+from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from basic_comms import delivery
-
-# --- Parameters ------------------------------------------------------------------------------
-
-
-def on_parameter_push(handle: Callable[[str, Any], bool]) -> bool:
-    """Have a function called with each parameter that the master sends.
-
-    ``rospy`` drops what it has not cached before, and what it has cached it
-    serves from then on in place of the server's value. So updates are taken
-    before they reach the cache, and the cache stays empty.
-
-    :param handle: called with key and raw value, from a thread of rospy's
-        XML-RPC server; tells whether the key is one that it follows
-    :returns: False where this rospy has no such place; changes are then
-        noticed by reading only
-    """
-    cache = rospy.impl.paramserver.get_param_server_cache()
-    if not callable(getattr(cache, "update", None)):
-        return False
-    update: Callable[[str, Any], None] = cache.update
-
-    def update_and_tell(key: str, value: Any) -> None:
-        followed = handle(key, value)
-        try:
-            update(key, value)
-        except KeyError:
-            if not followed:
-                raise  # rospy answers the master that it is not subscribed
-
-    cache.update = update_and_tell
-    return True
-
-
-#: What rospy asks the master for with each line of the log that goes to /rosout,
-#: until it has an answer that is set, and stays subscribed to after its end.
-ROSOUT_PARAMETER = "/rosout_disable_topics_generation"
-
-
-def cache_parameter(key: str, value: Any) -> None:
-    """Answer a parameter's cached reads from now on, until the master sends another value.
-
-    :param key: global name of the parameter, which somebody has to subscribe
-    :param value: its value, or the default where it is not set
-    """
-    cache = rospy.impl.paramserver.get_param_server_cache()
-    if callable(getattr(cache, "set", None)):
-        cache.set(key, value)
-
-
-# --- Signals ---------------------------------------------------------------------------------
-
-
-def register_signals() -> None:
-    """Have rospy shut the node down on SIGINT and SIGTERM, and when its terminal is closed.
-
-    ``rospy.init_node`` does the same for the first two where it is called by the main thread.
-    """
-    rospy.core.register_signals()
-    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # which is nohup's doing
-        signal.signal(signal.SIGHUP, signal.getsignal(signal.SIGTERM))
-
-
-# --- Registration ----------------------------------------------------------------------------
-
-
-def register_again() -> None:
-    """Tell the master once more of every topic and service of this node.
-
-    rospy registers each of them once, so after a restart of the master no new
-    subscriber or client would find it. Connections that exist are not touched.
-    """
-    listeners = get_registration_listeners()
-    topics, services = get_topic_manager(), get_service_manager()
-    for entries, kind in (
-        (topics.get_publications(), Registration.PUB),
-        (topics.get_subscriptions(), Registration.SUB),
-        (services.get_services(), Registration.SRV),
-    ):
-        for name, type_or_uri in entries:
-            listeners.notify_added(name, type_or_uri, kind)
-
-
-# --- Shutdown --------------------------------------------------------------------------------
-
-
-def mend_shutdown() -> None:
-    """Let nodes end without a traceback.
-
-    rospy 1.15.9 calls a method of threads that Python 3.9 no longer has. And a
-    server whose first client comes while the node ends listens on a socket that
-    is closed already.
-    """
-    if "isAlive" in rospy.core.signal_shutdown.__code__.co_names:
-        setattr(threading.Thread, "isAlive", threading.Thread.is_alive)
-    serve = TCPServer.run
-
-    def serve_until_shutdown(server: TCPServer) -> None:
-        try:
-            serve(server)
-        except OSError:
-            if not rospy.core.is_shutdown_requested():
-                raise
-
-    TCPServer.run = serve_until_shutdown
-
-
-mend_shutdown()
-
-
-# --- Publishers ------------------------------------------------------------------------------
-# One implementation object serves all publishers of a topic in a process. Its method `publish`
-# is replaced, so that what rospy sends there by itself (the last message to a late joiner of a
-# latched topic, those of a plain rospy.Publisher) cannot cut into a partly sent message.
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent enable_latch set_queue_size"

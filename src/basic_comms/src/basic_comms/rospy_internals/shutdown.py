@@ -1,0 +1,27 @@
+"""How rospy ends."""
+
+import threading
+
+import rospy.core
+from rospy.impl.tcpros_base import TCPServer
+
+
+def mend_shutdown() -> None:
+    """Let nodes end without a traceback.
+
+    rospy 1.15.9 calls a method of threads that Python 3.9 no longer has. And a
+    server whose first client comes while the node ends listens on a socket that
+    is closed already.
+    """
+    if "isAlive" in rospy.core.signal_shutdown.__code__.co_names:
+        setattr(threading.Thread, "isAlive", threading.Thread.is_alive)
+    serve = TCPServer.run
+
+    def serve_until_shutdown(server: TCPServer) -> None:
+        try:
+            serve(server)
+        except OSError:
+            if not rospy.core.is_shutdown_requested():
+                raise
+
+    TCPServer.run = serve_until_shutdown

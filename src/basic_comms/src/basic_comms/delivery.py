@@ -3,9 +3,12 @@
 A message goes out from the caller's own thread, without a queue: the shortest way there is. That
 leaves the receiver that does not read. It is waited for once, for :data:`PATIENCE`; from then on
 it counts as stalled, and a thread that exists only while there is such a receiver serves it in the
-background. It costs two messages of memory at most: the unsent rest of one, which goes out before
+background. It costs two deliveries of memory at most: the unsent rest of one, which goes out before
 anything else (a message is never torn), and the newest one, so that the last value of a slow
 stream arrives. Those in between are lost, counted and reported.
+
+A delivery is a message or several that are ready at once: they share a call of the kernel, which
+takes longer than all else that is done for a small message.
 """
 
 import select
@@ -41,19 +44,22 @@ class Link:
         self.lost = 0
         self.stalled = False
         self._socket = sock
-        self._rest: Optional[memoryview] = None  # of a message that is partly on the wire
-        self._newest: Optional[bytes] = None  # a whole message, due after the rest
+        self._rest: Optional[memoryview] = None  # of a delivery that is partly on the wire
+        self._rest_messages = 0
+        self._newest: Optional[bytes] = None  # a whole delivery, due after the rest
+        self._newest_messages = 0
         self._patient_from = 0.0
         self._reported = 0
         self._warned = False
         self._quiet_until = {True: 0.0, False: 0.0}
 
-    def count(self, size: int) -> None:
-        """Note that one more whole message has gone out.
+    def count(self, size: int, messages: int) -> None:
+        """Note that one more whole delivery has gone out.
 
         :param size: its length, bytes
+        :param messages: how many messages it holds
         """
-        self.sent += 1
+        self.sent += messages
 
     def drop(self) -> None:
         """Give the receiver up, as the other end is gone."""
@@ -73,33 +79,36 @@ class Link:
         """
         return int(self._socket.fileno())
 
-    def send(self, data: bytes) -> bool:
-        """Send a message, as far as the socket takes it at once, when nothing is held back.
+    def send(self, data: bytes, messages: int) -> bool:
+        """Send a delivery, as far as the socket takes it at once, when nothing is held back.
 
-        :param data: the message
+        :param data: the delivery
+        :param messages: how many messages it holds
         :returns: whether nothing of it is held back now, also because the receiver has gone
         """
         try:
             size = self._socket.send(data, socket.MSG_DONTWAIT)
         except BlockingIOError:
-            self._newest = data
+            self._newest, self._newest_messages = data, messages
             return False
         except OSError:
             self.drop()
             return True
         if size != len(data):
-            self._rest = memoryview(data)[size:]
+            self._rest, self._rest_messages = memoryview(data)[size:], messages
             return False
-        self.count(size)
+        self.count(size, messages)
         return True
 
-    def hold(self, data: bytes) -> None:
-        """Hold a message back for a stalled receiver, in place of an earlier one.
+    def hold(self, data: bytes, messages: int) -> None:
+        """Hold a delivery back for a stalled receiver, in place of an earlier one.
 
-        :param data: the message
+        :param data: the delivery
+        :param messages: how many messages it holds
         """
-        self.lost += self._newest is not None
-        self._newest = data
+        if self._newest is not None:
+            self.lost += self._newest_messages
+        self._newest, self._newest_messages = data, messages
 
     def flush(self) -> bool:
         """Send what is held back, as far as the socket takes it at once.
@@ -112,14 +121,14 @@ class Link:
                 if size != self._rest.nbytes:
                     self._rest = self._rest[size:]
                     return False
-                self.count(memoryview(self._rest.obj).nbytes)
+                self.count(memoryview(self._rest.obj).nbytes, self._rest_messages)
                 self._rest = None
         except BlockingIOError:
             return False
         except OSError:
             self.drop()
         data, self._newest = self._newest, None
-        if data is not None and not self.send(data):
+        if data is not None and not self.send(data, self._newest_messages):
             return False
         if self.stalled:
             self.stalled = False
@@ -160,17 +169,18 @@ class Link:
         return not stalled
 
 
-def deliver(data: bytes, links: Iterable[Link]) -> None:
-    """Send a message to every receiver; wait at most :data:`PATIENCE` for those that are full.
+def deliver(data: bytes, links: Iterable[Link], messages: int = 1) -> None:
+    """Send messages to every receiver; wait at most :data:`PATIENCE` for those that are full.
 
-    :param data: the message as it goes on the wire
+    :param data: the messages, one after the other, as they go on the wire
     :param links: where to; the caller holds their lock
+    :param messages: how many there are
     """
     full = []
     for link in links:
         if link.stalled:
-            link.hold(data)
-        elif not link.send(data):
+            link.hold(data, messages)
+        elif not link.send(data, messages):
             full.append(link)
     if full:
         _wait(full)

@@ -1,6 +1,6 @@
 """Publishers that send at once, and that a stalled subscriber cannot hold up."""
 
-from typing import Any, List, NamedTuple, Optional
+from typing import Any, List, NamedTuple, Optional, Sequence
 
 import genpy
 import rospy
@@ -57,9 +57,25 @@ class Publisher(rospy.Publisher):
             super().publish(*args, **kwds)
             return
         try:
-            self._topic.publish(args[0])
+            self._topic.publish_all(args)
         except genpy.SerializationError as error:
             raise rospy.ROSSerializationException(str(error)) from error
+
+    def publish_all(self, messages: Sequence[Any]) -> None:
+        """Send several messages in one go, which takes hardly longer than one.
+
+        :param messages: what to send, of the publisher's class, oldest first
+        :raises rospy.ROSSerializationException: as :meth:`publish`; none is sent then
+        :raises rospy.ROSException: as :meth:`publish`
+        """
+        if self._topic is None:
+            for message in messages:
+                self.publish(message)
+        elif messages:
+            try:
+                self._topic.publish_all(messages)
+            except genpy.SerializationError as error:
+                raise rospy.ROSSerializationException(str(error)) from error
 
     def statistics(self) -> List[SubscriberStatistics]:
         """Tell how the present subscribers fare.

@@ -26,8 +26,8 @@ class RecordingLink(delivery.Link):
         self.reports = []
         self.bytes = 0
 
-    def count(self, size):
-        super().count(size)
+    def count(self, size, messages):
+        super().count(size, messages)
         self.bytes += size
 
     def report(self, stalled, lost):
@@ -145,9 +145,9 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
         for step, size in steps:
             if step == "offer":
                 if link.stalled:
-                    link.hold(packet(offered, size))
+                    link.hold(packet(offered, size), 1)
                 else:
-                    link.stalled = not link.send(packet(offered, size))
+                    link.stalled = not link.send(packet(offered, size), 1)
                 offered += 1
             elif step == "flush":
                 link.flush()

@@ -1,7 +1,7 @@
 """The process node: scales, shifts and offsets the signal."""
 
 import threading
-from typing import Optional
+from typing import List, Optional
 
 import rospy
 from std_msgs.msg import Float32
@@ -14,6 +14,7 @@ from basic_comms.node_scope import NodeScope
 from basic_comms.process_parameters import ProcessParameters
 from basic_comms.publishing import Publisher
 from basic_comms.scheduling import get_scheduler
+from basic_comms.subscribing import Subscriber
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
@@ -42,26 +43,31 @@ class Process:
         self._publisher = Publisher(scope.topic("proc_signal"), Float32)
         self._repetition = get_scheduler().every(self._parameters.values.rate, self._publish_latest)
         self._parameters.start(on_change=lambda new, old: self._repetition.set_rate(new.rate))
-        self._subscriber = rospy.Subscriber(
-            scope.topic("signal"), signal_msg, self._on_signal, tcp_nodelay=True
-        )
+        self._subscriber = Subscriber(scope.topic("signal"), signal_msg, self._on_signal)
 
-    def _on_signal(self, sample: signal_msg) -> None:
+    def _on_signal(self, samples: List[signal_msg]) -> None:
         settings = self._parameters.values
+        answers = []
         with self._one_at_a_time:
-            restarts = self._conditioner.restarts
-            value = self._conditioner.process(
-                sample.amplitude, sample.frequency, sample.time_x, sample.signal_y, settings
-            )
-            restarted = self._conditioner.restarts != restarts
-        if restarted:
+            for sample in samples:
+                value = self._condition(sample, settings)
+                if value is not None:
+                    self._latest = value
+                    answers.append(Float32(value))
+        if settings.rate == 0.0:
+            self._publisher.publish_all(answers)
+
+    def _condition(self, sample: signal_msg, settings: ProcessParameters) -> Optional[float]:
+        conditioner = self._conditioner
+        restarts = conditioner.restarts
+        value = conditioner.process(
+            sample.amplitude, sample.frequency, sample.time_x, sample.signal_y, settings
+        )
+        if conditioner.restarts != restarts:
             self._warn_of_restart(sample.time_x)
         if value is None:
             self._warn_of_rejection()
-            return
-        self._latest = value
-        if settings.rate == 0.0:
-            self._publisher.publish(Float32(value))
+        return value
 
     def _publish_latest(self, _elapsed: float) -> None:
         if self._latest is not None:

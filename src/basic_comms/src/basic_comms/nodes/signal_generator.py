@@ -73,14 +73,18 @@ class SignalGenerator:
 
     def _publish(self, elapsed: float) -> None:
         settings = self._parameters.values
-        self._obey_requests(elapsed)
+        if self._wanted is not None or self._reset_wanted:
+            self._obey_requests(elapsed)
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
-        message = signal_msg(time_x=status.time_x, signal_y=settings.stop_value)
+        message = signal_msg()  # filled in afterwards, which takes genpy a fourth of the time
+        message.time_x = status.time_x
         if status.state == RUNNING:
             sample = self._source.sample(status.time_x, settings)
             message.amplitude = sample.amplitude
             message.frequency = sample.frequency
             message.signal_y = sample.value
+        else:
+            message.signal_y = settings.stop_value
         self._publisher.publish(message)
         if status.state != self._state:
             self._announce(status)

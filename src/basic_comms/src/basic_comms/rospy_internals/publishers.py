@@ -10,8 +10,9 @@ import functools
 import inspect
 import io
 import socket
+import struct
 import threading
-from typing import Any, Collection, ContextManager, Dict, List, Optional
+from typing import Any, Collection, ContextManager, Dict, List, Optional, Sequence
 
 import rospy
 import rospy.core
@@ -27,6 +28,8 @@ _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent enable_latch set_queue_size"
 )
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
+
+_LENGTH = struct.Struct("<I")
 
 _take_over_lock = threading.Lock()
 
@@ -96,6 +99,15 @@ class OutgoingTopic:
         :raises rospy.ROSException: if the topic is closed (but not while the node shuts down) or
             the node is not initialised
         """
+        self.publish_all([message], connection_override)
+
+    def publish_all(self, messages: Sequence[Any], connection_override: Any = None) -> None:
+        """Send messages, all at once.
+
+        :param messages: what to send, at least one
+        :param connection_override: as in :meth:`publish`
+        :raises rospy.ROSException: as in :meth:`publish`
+        """
         topic = self._implementation
         with self._lock:
             if topic.closed:
@@ -103,7 +115,7 @@ class OutgoingTopic:
                     return
                 raise rospy.ROSException("publish() to a closed topic")
             if topic.is_latch:
-                topic.latch = message
+                topic.latch = messages[-1]
             if topic.connections is not self._connections:
                 self._update_links()
             links: Collection[delivery.Link] = self._links.values()
@@ -113,12 +125,20 @@ class OutgoingTopic:
                 if not rospy.core.is_initialized():
                     raise rospy.ROSException("publish() before init_node()")
                 return
-            topic.seq += 1
-            buffer = io.BytesIO()
-            rospy.msg.serialize_message(buffer, topic.seq, message)
-            data = buffer.getvalue()
+            data = b"".join([self._serialize(message) for message in messages])
             topic.message_data_sent += len(data)
-            delivery.deliver(data, links)
+            delivery.deliver(data, links, len(messages))
+
+    def _serialize(self, message: Any) -> bytes:
+        """Return a message as it goes on the wire, its length before it."""
+        self._implementation.seq += 1
+        buffer = io.BytesIO()
+        if message._has_header:
+            rospy.msg.serialize_message(buffer, self._implementation.seq, message)
+            return buffer.getvalue()
+        message.serialize(buffer)
+        body = buffer.getvalue()
+        return _LENGTH.pack(len(body)) + body
 
     def links(self) -> List[delivery.Link]:
         """Tell who is subscribed now.
@@ -160,10 +180,10 @@ class _SubscriberLink(delivery.Link):
         with contextlib.suppress(OSError):
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    def count(self, size: int) -> None:
-        self.sent += 1
+    def count(self, size: int, messages: int) -> None:
+        self.sent += messages
         self._transport.stat_bytes += size
-        self._transport.stat_num_msg += 1
+        self._transport.stat_num_msg += messages
 
     def drop(self) -> None:
         self._transport.close()
@@ -188,10 +208,10 @@ class _QueuedLink(delivery.Link):
     def __init__(self, connection: Any, lock: ContextManager[Any]) -> None:
         super().__init__(connection.endpoint_id, connection, lock)
 
-    def send(self, data: bytes) -> bool:
+    def send(self, data: bytes, messages: int) -> bool:
         try:
             self._socket.write_data(data)
-            self.sent += 1
+            self.sent += messages
         except Exception:  # rospy too takes any to mean that the connection is lost
             self.drop()
         return True

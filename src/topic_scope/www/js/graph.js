@@ -6,26 +6,24 @@ import { figure } from "./numbers.js";
 
 const CHARACTER = 7.4; // width, pixels
 const LARGEST = 1.4; // times its size, where there is room
-const QUIET = /^\/(rosout(_agg)?|scope(_\d+)?|clock)$/;
 
 const shortName = (name) => name.slice(namespaceOf(name).length + 1) || name;
 
 /** What is to be placed: nodes and topics, and the ways of the messages between them. */
-function itemsOf(graph, quiet) {
-  const hides = (name) => quiet && QUIET.test(name);
-  const used = new Set(graph.edges.filter(({ from, to }) => !(hides(from) && hides(to)))
-    .map(({ topic }) => topic));
-  const nodes = graph.nodes.filter((name) => !hides(name)).map((name) => ({
+function itemsOf(graph, all) {
+  const heard = new Set(graph.edges.filter(({ to }) => to).map(({ topic }) => topic));
+  const nodes = graph.nodes.map((name) => ({
     id: `n${name}`, kind: "node", name, group: namespaceOf(name), text: shortName(name),
     width: 44 + CHARACTER * shortName(name).length, height: 42,
   }));
-  const topics = graph.topics.filter(({ name }) => !hides(name) && (used.has(name) || !quiet))
-    .map(({ name, datatype }) => ({
-      id: `t${name}`, kind: "topic", name, group: topicGroup(name, nodes), datatype,
-      text: topicText(name, topicGroup(name, nodes)),
-      width: 20 + Math.max(CHARACTER * topicText(name, topicGroup(name, nodes)).length, 6 * datatype.length),
-      height: 38,
-    }));
+  const ownerOf = (topic) => nodes.find(({ name }) => topic.startsWith(`${name}/`));
+  const topics = graph.topics.filter(({ name }) => all || heard.has(name) || !ownerOf(name))
+    .map(({ name, datatype }) => {
+      const group = ownerOf(name)?.group ?? namespaceOf(name); // private ones are beside their node
+      const text = name.slice(group.length + 1);
+      const width = 20 + Math.max(CHARACTER * text.length, 6 * datatype.length);
+      return { id: `t${name}`, kind: "topic", name, group, datatype, text, width, height: 38 };
+    });
   const known = new Set([...nodes, ...topics].map(({ id }) => id));
   const ways = new Map(); // each once, though a topic has several ways through it
   for (const { from, to, topic, rate } of graph.edges) {
@@ -35,14 +33,6 @@ function itemsOf(graph, quiet) {
   }
   return { items: [...nodes, ...topics], ways: [...ways.values()] };
 }
-
-/** A topic below a node's name belongs to the namespace of that node. */
-function topicGroup(name, nodes) {
-  const owner = nodes.find((node) => name.startsWith(`${node.name}/`));
-  return owner ? owner.group : namespaceOf(name);
-}
-
-const topicText = (name, group) => name.slice(group.length + 1);
 
 /** A smooth way from the edge of one item to the edge of another. */
 function path(a, b) {
@@ -79,11 +69,11 @@ function groupShape({ name, x, y, width, height }) {
 export class Graph {
   constructor() {
     this.sheet = byId("graph");
-    this.quiet = byId("graph-quiet");
+    this.all = byId("graph-all");
     this.latest = { nodes: [], topics: [], edges: [] };
     this.drawn = "";
     this.rates = new Map();
-    this.quiet.addEventListener("change", () => this.show(this.latest));
+    this.all.addEventListener("change", () => this.show(this.latest));
   }
 
   /**
@@ -91,7 +81,7 @@ export class Graph {
    */
   show(graph) {
     this.latest = graph;
-    const { items, ways } = itemsOf(graph, this.quiet.checked);
+    const { items, ways } = itemsOf(graph, this.all.checked);
     const shape = JSON.stringify([items, ways.map(({ from, to }) => [from, to])]);
     if (shape !== this.drawn) this.draw(items, ways);
     this.drawn = shape;

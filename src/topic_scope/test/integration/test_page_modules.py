@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""The parts of the page that only compute, called one by one in the browser."""
+
+import random
+import unittest
+from typing import Any, Dict, List
+
+import rostest
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+
+
+class Modules(unittest.TestCase):
+    """Numbers, bins, sliders and the layout of the graph."""
+
+    browser: Browser
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        scope = ScopeProcess()
+        cls.addClassCleanup(scope.stop)
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        scope.wait_until_served()
+        cls.browser.open(scope.url)
+
+    def test_ticks_are_round_and_inside(self) -> None:
+        ranges = [[0, 1], [-5, 0], [1e-6, 3e-6], [999.9, 1000.1], [-2e7, 3e7], [-0.03, 0.02]]
+        answers = self.browser.call(
+            "numbers.js", "a[0].map(([low, high]) => module.ticks(low, high, 8))", ranges
+        )
+        for (low, high), ticks in zip(ranges, answers):
+            span = high - low
+            self.assertTrue(2 <= len(ticks) <= 9, ticks)
+            for tick in ticks:
+                self.assertTrue(low - 1e-6 * span <= tick["v"] <= high + 1e-6 * span, ticks)
+                self.assertAlmostEqual(
+                    float(tick["label"].replace("−", "-")), tick["v"], delta=span * 1e-3
+                )
+            self.assertEqual(len({tick["label"] for tick in ticks}), len(ticks), ticks)
+
+    def test_figures_have_five_digits(self) -> None:
+        cases = {
+            0.0: "0.0000",
+            3.14159265: "3.1416",
+            -1234.5678: "−1234.6",
+            0.012345: "0.0123",
+            1.23e-7: "1.230e-7",
+            -4.5e9: "−4.500e+9",
+        }
+        answers = self.browser.call("numbers.js", "a[0].map((x) => module.figure(x))", list(cases))
+        self.assertEqual(answers, list(cases.values()))
+        self.assertEqual(self.browser.call("numbers.js", "module.figure(null)"), "–")
+
+    def test_typed_numbers(self) -> None:
+        texts = ["1.5", " -2,25 ", "−3", "1e3", "", "fast"]
+        answers = self.browser.call("numbers.js", "a[0].map(module.readNumber)", texts)
+        self.assertEqual(answers[:5], [1.5, -2.25, -3, 1000, None])
+        self.assertIsNone(answers[5])  # NaN, as it travels
+
+    def test_range_grows_at_once_and_shrinks_later(self) -> None:
+        steps = [[-1, 1, 0], [-1, 3, 0.1], [-0.1, 0.1, 0.2], [-0.1, 0.1, 1.0], [-0.1, 0.1, 5.0]]
+        first, grown, waiting, still, shrunk = self.browser.call(
+            "numbers.js",
+            "(() => { const range = new module.AutoRange();"
+            " return a[0].map((step) => range.update(...step)); })()",
+            steps,
+        )
+        self.assertTrue(first[0] < -1 and 1 < first[1] <= 1.5, first)
+        self.assertTrue(3 < grown[1] <= 4, grown)
+        self.assertEqual([waiting, still], [grown, grown])
+        self.assertTrue(0.1 < shrunk[1] < 0.2, shrunk)
+
+    def test_frames_are_joined_and_forgotten(self) -> None:
+        frames = [
+            {"now": 10, "bin": 1, "reset": True, "first": 5, "traces": {"f": [1, 2, 3, 4]}},
+            # The last bin is replaced, one is added, and a trace is new.
+            {"now": 11, "bin": 1, "reset": False, "first": 6, "traces": {"f": [3, 9, 5, 6]}},
+            {
+                "now": 12,
+                "bin": 1,
+                "reset": False,
+                "first": 8,
+                "traces": {"f": [7, 8], "g": [0, 0]},
+            },
+        ]
+        answers = self.browser.call(
+            "buffer.js",
+            "(() => { const buffer = new module.TraceBuffer();"
+            " const values = (field) => buffer.traces.get(field)?.slice() ?? null;"
+            " return a[0].map((frame) => { buffer.apply(frame, 1);"
+            " return [buffer.first, values('f'), values('g')]; }); })()",
+            frames,
+        )
+        self.assertEqual(answers[0], [5, [1, 2, 3, 4], None])
+        self.assertEqual(answers[1], [5, [1, 2, 3, 9, 5, 6], None])
+        # A second and two bins more are kept: the oldest bin is gone.
+        self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0]])
+
+    def test_line_through_bins_is_short(self) -> None:
+        values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
+        rows = self.browser.call(
+            "buffer.js",
+            "(() => { const buffer = new module.TraceBuffer(); buffer.apply("
+            "{now: 4, bin: 1, reset: true, first: 0, traces: {f: a[0]}}, 9);"
+            " return buffer.rows(['f'], 4); })()",
+            values,
+        )
+        self.assertEqual([row[1] for row in rows], [0, 1, 1, 2, None, None, 1.5, 0])
+        self.assertEqual([row[0] for row in rows], [-3.5, -3.5, -2.5, -2.5, -1.5, -1.5, -0.5, -0.5])
+
+    def test_travel_of_a_slider_holds_the_value(self) -> None:
+        cases: List[Dict[str, Any]] = [
+            {"kind": "float", "minimum": 0, "maximum": 1e9, "value": 2.0},
+            {"kind": "float", "minimum": -1e6, "maximum": 1e6, "value": -6.28},
+            {"kind": "float", "above": 0, "below": 1, "value": 0.5},
+            {"kind": "int", "minimum": 1, "maximum": 8, "value": 3},
+            {"kind": "float", "value": 0},
+            {"kind": "float", "minimum": 100, "maximum": 1e6, "value": 150},
+        ]
+        for case in cases:
+            travel = self.browser.call("slider.js", "module.travel(a[0], a[0].value)", case)
+            low, high = travel["low"], travel["high"]
+            self.assertTrue(low <= case["value"] <= high, (case, travel))
+            self.assertTrue(case.get("minimum", low) <= low < high <= case.get("maximum", high))
+            self.assertTrue(case.get("above", low - 1) < low and high < case.get("below", high + 1))
+            self.assertLess(high - low, 50 * max(abs(case["value"]), 1), (case, travel))
+            self.assertGreater((high - low) / travel["step"], 6, (case, travel))
+
+    def test_layers_go_forward_but_for_ways_back(self) -> None:
+        items = [{"id": name} for name in "abcd"]
+        edges = [{"from": a, "to": b} for a, b in ("ab", "bc", "ca", "ad", "cd")]
+        layers = self.browser.call(
+            "layout.js", "Object.fromEntries(module.layersOf(a[0], a[1]))", items, edges
+        )
+        self.assertEqual(layers, {"a": 0, "b": 1, "c": 2, "d": 3})
+
+    def test_nothing_overlaps_in_the_graph(self) -> None:
+        dice = random.Random(8)
+        graphs = [_random_graph(dice) for _ in range(150)]
+        layouts = self.browser.call(
+            "layout.js",
+            "a[0].map(([items, edges]) => { const made = module.layOut(items, edges);"
+            " return {...made, places: Object.fromEntries(made.places)}; })",
+            graphs,
+        )
+        for (items, edges), layout in zip(graphs, layouts):
+            boxes = {name: _box(place) for name, place in layout["places"].items()}
+            self.assertEqual(set(boxes), {item["id"] for item in items})
+            names = sorted(boxes)
+            for index, one in enumerate(names):
+                for other in names[:index]:
+                    self.assertFalse(_overlap(boxes[one], boxes[other]), (items, edges))
+            frames = {
+                group["name"]: (
+                    group["x"],
+                    group["y"],
+                    group["x"] + group["width"],
+                    group["y"] + group["height"],
+                )
+                for group in layout["groups"]
+            }
+            for item in items:
+                for name, frame in frames.items():
+                    inside = item["group"] == name or item["group"].startswith(name + "/")
+                    self.assertEqual(_overlap(boxes[item["id"]], frame), inside, (items, edges))
+            for x1, y1, x2, y2 in [*boxes.values(), *frames.values()]:
+                self.assertTrue(0 <= x1 and x2 <= layout["width"])
+                self.assertTrue(0 <= y1 and y2 <= layout["height"])
+
+
+def _random_graph(dice: random.Random) -> Any:
+    groups = ["", "/a", "/a/b", "/a/b/c", "/ab", "/z"]
+    items = [
+        {
+            "id": "i%d" % number,
+            "group": dice.choice(groups),
+            "width": dice.randint(40, 200),
+            "height": dice.randint(30, 50),
+        }
+        for number in range(dice.randint(1, 14))
+    ]
+    names = [item["id"] for item in items]
+    count = dice.randint(0, 2 * len(items))
+    edges = [{"from": dice.choice(names), "to": dice.choice(names)} for _ in range(count)]
+    return items, edges
+
+
+def _box(place: Dict[str, float]) -> Any:
+    wide, high = place["width"] / 2, place["height"] / 2
+    return place["x"] - wide, place["y"] - high, place["x"] + wide, place["y"] + high
+
+
+def _overlap(one: Any, other: Any) -> bool:
+    return bool(one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("topic_scope", "page_modules", Modules)

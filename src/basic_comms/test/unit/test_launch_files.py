@@ -183,7 +183,7 @@ def test_activities_2_and_3_set_the_same_parameters() -> None:
     [("cw1", "/home/me/cw1"), ("runs/my first", "/home/me/runs/my first"), ("/tmp/2", "/tmp/2")],
 )
 def test_bag_goes_to_where_the_caller_is(
-    prefix: str, path: str, monkeypatch: pytest.MonkeyPatch
+    prefix: str, path: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setenv("PWD", "/home/me")
     nodes = load("cw1.launch record:=true", "record_prefix:=" + prefix).nodes

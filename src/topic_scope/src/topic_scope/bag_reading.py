@@ -36,17 +36,29 @@ class BagReader:
 
     def __init__(self, path: str) -> None:
         self._path = path
-        self._bag = _open(path)
         # Some programs record names that are relative.
         self._recorded: Dict[str, List[str]] = {}
-        for name, topic in self._bag.get_type_and_topic_info().topics.items():
-            if topic.message_count:
-                self._recorded.setdefault("/" + name.lstrip("/"), []).append(name)
         #: Of the messages of each topic read so far.
         self._checksums: Dict[str, str] = {}
-        self._begin = self._first_time()
+        _look_at_begin(path)
+        try:
+            self._bag = rosbag.Bag(path)
+            # Those without messages rosbag leaves out.
+            for name in self._bag.get_type_and_topic_info().topics:
+                self._recorded.setdefault("/" + name.lstrip("/"), []).append(name)
+            if not self._recorded:
+                raise BagError("%s holds no messages" % path)
+            _, _, self._begin = next(self._bag.read_messages(raw=True))
+            end = round(self._bag.get_end_time() * 1e9)
+        except rosbag.ROSBagUnindexedException as error:
+            text = "%s has no index, as its recording was cut off; make one: rosbag reindex %s"
+            raise BagError(text % (path, path)) from error
+        except BagError:
+            raise
+        except Exception as error:  # broken bytes make rosbag raise errors of any kind
+            raise _broken(path, error) from error
         #: From the first message to the last, ns; rosbag tells it to a microsecond only.
-        self.length: int = max(0, round(self._bag.get_end_time() * 1e9) - self._begin.to_nsec())
+        self.length: int = max(0, end - self._begin.to_nsec())
 
     def __enter__(self) -> "BagReader":
         return self
@@ -113,13 +125,8 @@ class BagReader:
     def _time(self, since_begin: int) -> genpy.Time:
         return genpy.Time(0, self._begin.to_nsec() + since_begin)
 
-    def _first_time(self) -> genpy.Time:
-        for _, _, time in self._bag.read_messages(raw=True):
-            return time
-        raise BagError("%s holds no messages" % self._path)
 
-
-def _open(path: str) -> rosbag.Bag:
+def _look_at_begin(path: str) -> None:
     try:
         with open(path, "rb") as file:
             begin = file.read(len(_MAGIC))
@@ -127,13 +134,6 @@ def _open(path: str) -> rosbag.Bag:
         raise BagError("%s: %s" % (path, os.strerror(error.errno or 0))) from error
     if begin != _MAGIC:
         raise BagError("%s is no bag" % path)
-    try:
-        return rosbag.Bag(path)
-    except rosbag.ROSBagUnindexedException as error:
-        text = "%s has no index, as its recording was cut off; make one: rosbag reindex %s"
-        raise BagError(text % (path, path)) from error
-    except Exception as error:  # broken bytes make rosbag raise errors of any kind
-        raise _broken(path, error) from error
 
 
 def _broken(path: str, error: Exception) -> BagError:

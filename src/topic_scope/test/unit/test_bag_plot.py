@@ -59,7 +59,8 @@ def test_forty_lines_can_be_told_apart_and_the_title_stays_short() -> None:
 
 
 def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
-    point = Series("/x/data", array("d", [1.0, 2.0, 3.0]), array("d", [math.nan, 1.0, math.nan]))
+    values = array("d", [math.nan] * 50 + [1.0] + [math.nan] * 50)
+    point = Series("/x/data", array("d", range(101)), values)
     many = Series("/y/data", array("d", range(1000)), array("d", range(1000)))
     (axes,) = draw([point, many]).axes
     assert [line.get_marker() for line in axes.lines] == [".", ""]
@@ -69,7 +70,7 @@ def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
 @given(st.lists(st.floats(), max_size=5))
 @pytest.mark.filterwarnings("error")
 def test_any_values_can_be_plotted(
-    tmp_path_factory: pytest.TempPathFactory, values: List[float]
+    tmp_path_factory: "pytest.TempPathFactory", values: List[float]
 ) -> None:
     path = tmp_path_factory.mktemp("plots") / "x.png"
     samples = [Sample(index, "/x", Float64(value)) for index, value in enumerate(values)]

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import List
 
+import genpy
 import pytest
 import rosbag
 from bags import BEGIN, write_bag
@@ -17,7 +18,7 @@ times = st.lists(st.integers(0, 10**10), min_size=1, max_size=20).map(lambda lis
 
 @given(times, st.integers(0, 10**10), st.none() | st.integers(0, 10**10))
 def test_messages_of_a_range_come_in_order_with_exact_times(
-    tmp_path_factory: pytest.TempPathFactory, times: List[int], start: int, end: int
+    tmp_path_factory: "pytest.TempPathFactory", times: List[int], start: int, end: int
 ) -> None:
     path = tmp_path_factory.mktemp("bags") / "x.bag"
     write_bag(path, [("/x", Float64(time), time) for time in times])
@@ -104,6 +105,26 @@ def test_bag_that_ends_early_or_has_wrong_bytes(tmp_path: Path, part: float) -> 
             list(bag.samples(bag.topics))
     except BagError as error:  # of any other error the test dies
         assert "wrong.bag" in str(error)
+
+
+def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w", compression=rosbag.Compression.BZ2) as bag:
+        for number in range(1000):
+            bag.write("/x", Int32(number), genpy.Time(1, number))
+    content = path.read_bytes()
+    place = content.index(b"BZh") + 200
+    path.write_bytes(content[:place] + b"\xff" * 64 + content[place + 64 :])
+    assert "x.bag is broken (" in refusal(path)
+
+
+def test_message_that_is_too_short_for_its_type(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        bag.write("/x", Int32(1), genpy.Time(1, 0))
+        raw = (Int32._type, b"\0\0", Int32._md5sum, Int32)
+        bag.write("/x", raw, genpy.Time(1, 1), raw=True)
+    assert "x.bag is broken (" in refusal(path)
 
 
 def test_topic_that_changes_its_type(tmp_path: Path) -> None:

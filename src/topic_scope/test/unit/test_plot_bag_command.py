@@ -14,20 +14,20 @@ from topic_scope.bag_reading import BagReader
 
 
 @pytest.fixture
-def bag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
     """A bag of 3 s, in the folder that the command is called in."""
     monkeypatch.chdir(tmp_path)
     messages = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
     return write_bag(tmp_path / "x.bag", messages + [("/y", Int32(7), 10**9)])
 
 
-def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> None:
+def call(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> None:
     monkeypatch.setattr("sys.argv", ["plot_bag.py", *arguments])
     plot_bag_command.main()
 
 
 def failure(
-    monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]", *arguments: str
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]", *arguments: str
 ) -> str:
     """Return what is said of a call that fails."""
     before = sorted(os.listdir("."))
@@ -49,7 +49,7 @@ def failure(
     ],
 )
 def test_csv(
-    bag: str, monkeypatch: pytest.MonkeyPatch, limits: List[str], times: List[int]
+    bag: str, monkeypatch: "pytest.MonkeyPatch", limits: List[str], times: List[int]
 ) -> None:
     call(monkeypatch, bag, "/x/data", "-o", "out.csv", *limits)
     lines = ["%d.000000000,%r" % (time, 0.1 * time) for time in times]
@@ -58,7 +58,7 @@ def test_csv(
 
 
 @pytest.mark.parametrize("name, begin", [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml")])
-def test_pictures(bag: str, monkeypatch: pytest.MonkeyPatch, name: str, begin: bytes) -> None:
+def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin: bytes) -> None:
     call(monkeypatch, bag, "/x/data", "/y", "-o", name)
     assert Path(name).read_bytes().startswith(begin)
     assert sorted(os.listdir(".")) == sorted([name, "x.bag"])
@@ -89,7 +89,7 @@ def test_pictures(bag: str, monkeypatch: pytest.MonkeyPatch, name: str, begin: b
 )
 def test_refusals(
     bag: str,
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
     arguments: List[str],
     text: str,
@@ -98,7 +98,7 @@ def test_refusals(
 
 
 def test_missing_bag(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     monkeypatch.chdir(tmp_path)
     error = failure(monkeypatch, capsys, "no.bag", "/x", "-o", "out.csv")
@@ -106,7 +106,7 @@ def test_missing_bag(
 
 
 def test_file_that_was_there_stays_when_the_new_one_fails(
-    bag: str, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     Path("out.csv").write_text("precious")
     failure(monkeypatch, capsys, bag, "/x/data", "-o", "out.csv", "--start", "4")
@@ -125,7 +125,7 @@ class Terminal(io.StringIO):
     [(Terminal(), 4, True), (Terminal(), 5, False), (io.StringIO(), 4, False)],
 )
 def test_progress_is_shown_of_long_bags_on_a_terminal(
-    bag: str, monkeypatch: pytest.MonkeyPatch, error: io.StringIO, long: int, shown: bool
+    bag: str, monkeypatch: "pytest.MonkeyPatch", error: io.StringIO, long: int, shown: bool
 ) -> None:
     monkeypatch.setattr("sys.stderr", error)
     monkeypatch.setattr(plot_bag_command, "LONG", long)
@@ -134,7 +134,7 @@ def test_progress_is_shown_of_long_bags_on_a_terminal(
 
 
 def test_ctrl_c_ends_it_without_a_trace(
-    bag: str, monkeypatch: pytest.MonkeyPatch, capsys: "pytest.CaptureFixture[str]"
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     def interrupted(*_arguments: object) -> None:
         raise KeyboardInterrupt

@@ -7,6 +7,7 @@ import rosgraph
 import rospy
 from basic_comms.parameter_server import UNREACHABLE
 
+from topic_scope.layouts import Layouts
 from topic_scope.taps import Taps
 
 #: Time between two looks at the graph, s.
@@ -41,10 +42,12 @@ class MasterWatch:
     """Asks the master once a second, and opens the taps that are wanted.
 
     :param taps: the taps
+    :param layouts: looked up here, where it may take its time
     """
 
-    def __init__(self, taps: Taps) -> None:
+    def __init__(self, taps: Taps, layouts: Layouts) -> None:
         self._taps = taps
+        self._layouts = layouts
         self._master = rosgraph.Master(rospy.get_name())
         self._bell = threading.Event()
 
@@ -66,6 +69,8 @@ class MasterWatch:
                 self._taps.adjust()
                 publishers, subscribers, services = self._master.getSystemState()
                 types = dict(self._master.getTopicTypes())
+                for datatype in set(types.values()):
+                    self._layouts.installed(datatype)
                 on_state(GraphState(publishers, subscribers, services, types))
             except UNREACHABLE + (rosgraph.MasterException, rospy.ROSException) as error:
                 rospy.logdebug("the master does not answer: %s", error)

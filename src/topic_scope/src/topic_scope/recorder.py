@@ -1,6 +1,6 @@
 """Records the fields that are looked at: from names to samples."""
 
-from typing import Collection, Dict, List, Mapping, NamedTuple, Optional
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
 
@@ -10,6 +10,9 @@ from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
 from topic_scope.ring import Ring, Samples
 from topic_scope.taps import Batch, Taps
+
+#: Most fields that are listed, and most topics that are listened to just to learn their type.
+LISTED, UNKNOWN = 5000, 50
 
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
@@ -23,6 +26,26 @@ class Choice(NamedTuple):
 
     field: str
     datatype: str
+
+
+class _Longest:
+    """How many elements the arrays of a topic have had at most, so that the list stands still."""
+
+    def __init__(self) -> None:
+        self._known: Dict[fields.Path, int] = {}
+        self._latest: fields.Lengths = fields.one_element
+
+    def look(self, layout: Record, message: bytes) -> None:
+        """Take the lengths from a message."""
+        self._latest = decoding.lengths_in(layout, message)
+
+    def __call__(self, path: fields.Path) -> int:
+        try:
+            latest = self._latest(path)
+        except fields.FieldError:  # the topic has got another type
+            latest = 1
+        self._known[path] = max(latest, self._known.get(path, 0))
+        return self._known[path]
 
 
 class _Trace:
@@ -57,15 +80,17 @@ class Recorder:
     All methods belong to one thread.
 
     :param taps: where the messages come in
+    :param layouts: knows the messages
     :param history: how long samples are kept, and a field that nobody looks at any more, s
     """
 
-    def __init__(self, taps: Taps, history: float) -> None:
+    def __init__(self, taps: Taps, layouts: Layouts, history: float) -> None:
+        self.history = history
         self._taps = taps
-        self._history = history
-        self._layouts = Layouts()
+        self._layouts = layouts
         self._types: Mapping[str, str] = {}
-        self._lengths: Dict[str, fields.Lengths] = {}
+        self._lengths: Dict[str, "_Longest"] = {}
+        self._choices: Dict[Tuple[str, str], List[Choice]] = {}
         self._traces: Dict[str, Dict[str, _Trace]] = {}
         self._topics: Dict[str, str] = {}
 
@@ -78,17 +103,25 @@ class Recorder:
 
     def choices(self) -> List[Choice]:
         """List the fields that can be chosen now."""
-        found = []
-        for topic, datatype in sorted(self._types.items()):
+        # What nobody looks at stays as it is: listing it again would cost more than all else.
+        known, self._choices = self._choices, {}
+        for topic, datatype in sorted(self._types.items(), key=_rank):
             layout = self._layouts.installed(datatype)
-            lengths = self._lengths.get(topic, fields.one_element)
-            for field in fields.numeric_fields(layout, lengths) if layout else ():
-                found.append(Choice(_name(topic, field.path), field.datatype))
-        return found
+            if layout is None:
+                continue
+            if topic in self._traces or (topic, datatype) not in known:
+                lengths = self._lengths.get(topic, fields.one_element)
+                listed = fields.numeric_fields(layout, lengths)
+                known[topic, datatype] = [
+                    Choice(_name(topic, field.path), field.datatype) for field in listed
+                ]
+            self._choices[topic, datatype] = known[topic, datatype]
+        return [choice for listed in self._choices.values() for choice in listed][:LISTED]
 
-    def unknown_topics(self) -> List[str]:
-        """List the topics of whose type nothing is known until a message comes."""
-        return [topic for topic, kind in self._types.items() if not self._layouts.installed(kind)]
+    def _unknown(self) -> List[str]:
+        """List topics whose type is not installed: their first message will tell what it is."""
+        types = self._types.items()
+        return [topic for topic, name in types if not self._layouts.installed(name)][:UNKNOWN]
 
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
@@ -120,18 +153,18 @@ class Recorder:
                 traces = self._traces.setdefault(topic, {})
                 if name not in traces:
                     path = fields.to_path(name[len(topic) + 1 :])
-                    traces[name] = _Trace(path, self._history)
+                    traces[name] = _Trace(path, self.history)
                 traces[name].used_at = now
         for topic in list(self._traces):
             kept = {
                 name: trace
                 for name, trace in self._traces[topic].items()
-                if trace.used_at >= now - self._history
+                if trace.used_at >= now - self.history
             }
             self._traces[topic] = kept
             if not kept:
                 del self._traces[topic]
-        self._taps.want(list(self._traces))
+        self._taps.want(list(self._traces) + self._unknown())
 
     def update(self) -> float:
         """Take in what has come.
@@ -144,7 +177,7 @@ class Recorder:
                 layout = self._layouts.received(batch.header)
                 if layout is None:
                     continue
-                self._lengths[topic] = decoding.lengths_in(layout, batch.messages[-1])
+                self._lengths.setdefault(topic, _Longest()).look(layout, batch.messages[-1])
                 for trace in self._traces.get(topic, {}).values():
                     trace.add(layout, batch)
         return now
@@ -162,6 +195,12 @@ class Recorder:
     def topic_of(self, name: str) -> str:
         """Return the topic of a field, empty where it is not known."""
         return self._topics.get(name, "")
+
+
+def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
+    """Return what topics are sorted by: what nodes tell of their parameters comes last."""
+    topic, datatype = item
+    return datatype.startswith("dynamic_reconfigure/"), topic
 
 
 def _name(topic: str, path: fields.Path) -> str:

@@ -2,12 +2,15 @@
 
 from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
 
-import numpy
+import rospy
 import tornado.ioloop
 
 from topic_scope import protocol
-from topic_scope.csv_rows import Column, header, rows
+from topic_scope.background import Background
+from topic_scope.controls import Controls
+from topic_scope.export import parts
 from topic_scope.fields import FieldError
+from topic_scope.graph_feed import GraphFeed
 from topic_scope.master_watch import GraphState, MasterWatch
 from topic_scope.options import Options
 from topic_scope.page import Page
@@ -20,8 +23,6 @@ from topic_scope.web import Socket
 FRAME_S = 0.025
 #: Time between two measurements of the traces, s.
 STATISTICS_S = 0.25
-#: A file is made in parts of this length, s; frames are sent in between.
-EXPORT_S = 0.25
 
 
 class Server:
@@ -29,54 +30,53 @@ class Server:
 
     :param recorder: has the samples
     :param options: the command line
+    :param watch: follows the graph
     """
 
-    def __init__(self, recorder: Recorder, options: Options) -> None:
+    def __init__(self, recorder: Recorder, options: Options, watch: MasterWatch) -> None:
         self.sockets: List[Socket] = []
-        self._recorder = recorder
-        self._options = options
-        self._watch: Optional[MasterWatch] = None
+        self._recorder, self._options, self._watch = recorder, options, watch
+        self._state: Optional[GraphState] = None
         self._initial: List[str] = list(options.fields)
         self._choices: List[Choice] = []
         self._statistics_at = 0.0
-
-    def start(self, watch: MasterWatch) -> None:
-        """Begin to send frames.
-
-        :param watch: is told when there is something to look at
-        """
-        self._watch = watch
+        loop = tornado.ioloop.IOLoop.current()
+        self._controls = Controls(loop.add_callback, loop.call_later, self._tell)
+        self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
+        if options.is_local:
+            self._controls.listen()
+        watch.start(lambda state: loop.add_callback(self._on_graph, state))
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
     # --- From the graph ----------------------------------------------------------------------
 
-    def on_graph(self, state: GraphState) -> None:
-        """Take note of what is on the graph."""
+    def _on_graph(self, state: GraphState) -> None:
+        is_first, self._state = self._state is None, state
         self._recorder.set_topics(state.published_types)
+        initial = self._expanded(self._options.fields)
+        has_changed, self._initial = initial != self._initial, initial
         choices = self._recorder.choices()
+        for page in self._pages():
+            if is_first:
+                self._welcome(page)
+            elif has_changed and page.chosen is None:
+                page.put(self._hello())
+            self._select(page)
         if choices != self._choices:
             self._choices = choices
-            for each in self._pages():
-                each.put(self._fields())
-        initial = self._expanded(self._options.fields)
-        if initial != self._initial:
-            self._initial = initial
-            for each in self._pages():
-                if each.chosen is None:
-                    each.put(self._hello())
-        for each in self._pages():
-            self._select(each)
+            self._tell(self._fields())
         self._record()
+        self._controls.on_services([name for name, nodes in state.services if nodes])
+        self._graph.on_state(state, any(page.wants_graph for page in self._pages()))
 
     # --- From pages --------------------------------------------------------------------------
 
     def open(self, connection: Socket) -> Page:
-        """Welcome a page."""
+        """Welcome a page, as soon as it is known what there is on the graph."""
         page = Page(self._options.window)
         self.sockets.append(connection)
-        page.put(self._hello())
-        page.put(self._fields())
-        self._select(page)
+        if self._state is not None:
+            self._welcome(page)
         return page
 
     def close(self, connection: Socket) -> None:
@@ -84,25 +84,14 @@ class Server:
         if connection in self.sockets:
             self.sockets.remove(connection)
 
-    async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
-        """Return the rows of a CSV file, bit by bit.
+    def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
+        """Return the parts of a CSV file.
 
         :param names: names of the fields
         :param start: begin of the time span, s
         :param end: end of the time span, s
         """
-        now = self._recorder.update()
-        begin, end = max(start, now - self._options.history), min(end, now)
-        yield header(names)
-        while begin <= end:
-            stop = begin + EXPORT_S
-            last = min(end, float(numpy.nextafter(stop, begin)))
-            columns = [
-                Column(self._recorder.topic_of(name), self._recorder.samples(name, begin, last))
-                for name in names
-            ]
-            yield "".join(rows(columns))
-            begin = stop
+        return parts(self._recorder, self._expanded(names), start, end)
 
     def handle(self, page: Page, request: protocol.Request) -> None:
         """Do what a page asks for.
@@ -115,36 +104,51 @@ class Server:
             self._select(page)
             page.view.restart()
             self._record()
-            if self._watch is not None:
-                self._watch.ring()
+            self._watch.ring()
         elif isinstance(request, protocol.View):
             page.view.show(request)
         elif isinstance(request, protocol.Trigger):
             page.trigger = TriggerWatch(request, self._recorder.update())
+        elif isinstance(request, protocol.Graph):
+            page.wants_graph = request.on
+            graph = self._graph.message()
+            if request.on and graph is not None:
+                page.put(graph)
+                self._watch.ring()
+        else:
+            self._control(page, request)
 
-    # -----------------------------------------------------------------------------------------
+    def _control(self, page: Page, request: protocol.Request) -> None:
+        if not self._options.is_local:
+            raise protocol.RequestError("this scope is open to the network, and so is read-only")
+        try:
+            if isinstance(request, protocol.Set):
+                self._controls.set(request.node, request.name, request.value, page.note)
+            elif isinstance(request, protocol.Call):
+                self._controls.call(request.service, request.data, page.note)
+        except ValueError as error:
+            raise protocol.RequestError(str(error)) from None
+
+    # --- To pages ----------------------------------------------------------------------------
 
     def _pages(self) -> List[Page]:
         return [connection.page for connection in self.sockets if connection.page is not None]
 
-    def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
-        found: List[str] = []
-        for name in names:
-            try:
-                found += [field for field in self._recorder.expand(name) if field not in found]
-            except FieldError as error:
-                if page is not None:
-                    page.note({"type": "error", "text": "%s: %s" % (name, error)})
-        return found[: protocol.TRACES]
+    def _tell(self, message: Dict[str, Any], *about: str) -> None:
+        if self._state is not None:
+            for page in self._pages():
+                page.put(message, *about)
 
-    def _select(self, page: Page) -> None:
-        names = self._initial if page.chosen is None else self._expanded(page.chosen)
-        if list(names) != list(page.view.fields):
-            page.view.select(list(names))
+    def _tell_graph(self, message: Dict[str, Any]) -> None:
+        for page in self._pages():
+            if page.wants_graph:
+                page.put(message)
 
-    def _record(self) -> None:
-        names = set(self._initial).union(*(each.view.fields for each in self._pages()))
-        self._recorder.want(names, self._recorder.update())
+    def _welcome(self, page: Page) -> None:
+        page.put(self._hello())
+        page.put(self._fields())
+        page.put(self._controls.message())
+        self._select(page)
 
     def _hello(self) -> Dict[str, Any]:
         return {
@@ -158,28 +162,46 @@ class Server:
     def _fields(self) -> Dict[str, Any]:
         return {"type": "fields", "fields": [choice._asdict() for choice in self._choices]}
 
+    def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for; tell a page of those that stand for none."""
+        found: List[str] = []
+        for name in names:
+            try:
+                found += [field for field in self._recorder.expand(name) if field not in found]
+            except FieldError as error:
+                if page is not None:
+                    page.note({"type": "error", "text": "%s: %s" % (name, error)})
+        return found[: protocol.TRACES]
+
+    def _select(self, page: Page) -> None:
+        names = self._initial if page.chosen is None else self._expanded(page.chosen)
+        if list(names) != list(page.view.fields):
+            page.view.select(list(names))
+            if page.chosen is not None and list(names) != list(page.chosen):
+                page.put({"type": "selected", "fields": list(names)})
+
+    def _record(self) -> None:
+        names = set(self._initial).union(*(page.view.fields for page in self._pages()))
+        self._recorder.want(names, self._recorder.update())
+
     def _send_frames(self) -> None:
         now = self._recorder.update()
-        with_statistics = now >= self._statistics_at + STATISTICS_S
-        if with_statistics:
+        measures = now >= self._statistics_at + STATISTICS_S
+        if measures:
             self._statistics_at = now
+        samples = self._recorder.samples
         for connection in list(self.sockets):
             page = connection.page
-            if page is None:
+            if page is None or self._state is None:
                 continue
-            crossing = page.trigger.update(now, page.view.window, self._recorder.samples)
+            crossing = page.trigger.update(now, page.view.window, samples)
             if crossing is not None:
                 page.put(crossing)
             if not connection.is_ready:
                 continue  # the next frame holds what this one would have
-            if with_statistics:
-                page.put(self._statistics(page, now))
-            messages = page.take()
-            frame = page.view.frame(now, self._recorder.samples)
-            connection.send(messages + ([frame] if frame is not None else []))
-
-    def _statistics(self, page: Page, now: float) -> Dict[str, Any]:
-        start, end = page.view.span(now)
-        samples = self._recorder.samples
-        traces = {field: measure(*samples(field, start, end)) for field in page.view.fields}
-        return {"type": "stats", "traces": traces}
+            if measures:
+                span = page.view.span(now)
+                traces = {name: measure(*samples(name, *span)) for name in page.view.fields}
+                page.put({"type": "stats", "traces": traces})
+            frame = page.view.frame(now, samples)
+            connection.send(page.take() + ([frame] if frame is not None else []))

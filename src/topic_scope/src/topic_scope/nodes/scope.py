@@ -18,6 +18,7 @@ import tornado.ioloop
 from basic_comms.node_main import run
 
 from topic_scope import options, web
+from topic_scope.layouts import Layouts
 from topic_scope.master_watch import MasterWatch
 from topic_scope.options import Options
 from topic_scope.recorder import Recorder
@@ -38,9 +39,6 @@ class Scope:
     def __init__(self, chosen: Options, sockets: List[socket.socket]) -> None:
         self._options = chosen
         self._sockets = sockets
-        taps = Taps(Clock())
-        self._server = Server(Recorder(taps, chosen.history), chosen)
-        self._watch = MasterWatch(taps)
         self._running = threading.Event()
         threading.Thread(target=self._serve, name="web", daemon=True).start()
         self._running.wait()
@@ -56,14 +54,14 @@ class Scope:
             loop = tornado.ioloop.IOLoop.current()
             folder = os.path.join(roslib.packages.get_pkg_dir("topic_scope"), "www")
             names = ["localhost", self._options.address, socket.gethostname(), socket.getfqdn()]
-            application = web.application(self._server, folder, [name.lower() for name in names])
+            layouts = Layouts()
+            taps = Taps(Clock())
+            recorder = Recorder(taps, layouts, self._options.history)
+            server = Server(recorder, self._options, MasterWatch(taps, layouts))
+            application = web.application(server, folder, [name.lower() for name in names])
             tornado.httpserver.HTTPServer(
                 application, max_header_size=16384, max_body_size=4096
             ).add_sockets(self._sockets)
-            self._server.start(self._watch)
-            self._watch.start(
-                lambda seen: loop.add_callback(self._server.on_graph, seen),
-            )
             loop.add_callback(self._running.set)
             loop.start()
         except Exception:

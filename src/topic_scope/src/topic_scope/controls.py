@@ -1,0 +1,164 @@
+"""The panels of all nodes that describe their parameters, kept in step with them."""
+
+import time
+from collections import deque
+from functools import partial
+from typing import Any, Callable, Collection, Deque, Dict, List, Tuple
+
+import rospy
+from basic_comms.description import SERVICE
+from basic_comms.parameter_watch import Observation, Watch, get_watcher
+from rosgraph_msgs.msg import Log
+from std_srvs.srv import Trigger
+
+from topic_scope import services
+from topic_scope.background import Background
+from topic_scope.panels import DescriptionError, Panel
+from topic_scope.settings import Answer, Settings, value_message
+
+#: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
+PANELS = 64
+#: A node that did not answer is asked again after this time, s.
+RETRY_S = 5.0
+#: Warnings of nodes that are kept, to find in them why a value was refused.
+_WARNINGS = 200
+_END = "/" + SERVICE
+
+
+class ServerWatch(Watch):
+    """Passes on what stands on the parameter server below a namespace.
+
+    :param key: the namespace
+    :param tell: called with the values, from the thread of the watcher
+    """
+
+    def __init__(self, key: str, tell: Callable[[Any], None]) -> None:
+        super().__init__(key)
+        self._tell = tell
+
+    def observe(self, seen: Observation) -> bool:
+        self._tell(seen.value)
+        return True
+
+
+class Controls:
+    """Knows the panels; all methods belong to the thread of the web.
+
+    :param deliver: hands a function to that thread
+    :param later: hands a function to it after some seconds
+    :param tell: tells all pages: a message, and what it is about
+    """
+
+    def __init__(
+        self,
+        deliver: Callable[[Callable[[], None]], None],
+        later: Callable[[float, Callable[[], None]], Any],
+        tell: Callable[..., None],
+    ) -> None:
+        self._deliver, self._tell = deliver, tell
+        self._background = Background(deliver)
+        self._panels: Dict[str, Panel] = {}
+        self._watches: Dict[str, ServerWatch] = {}
+        self._failed: Dict[str, float] = {}
+        self._warnings: Deque[Tuple[float, str]] = deque(maxlen=_WARNINGS)
+        self._settings = Settings(
+            self._background, later, _write, _describe, self._warned, self._tell_values
+        )
+
+    def listen(self) -> None:
+        """Hear what nodes say of values that they refuse."""
+        rospy.Subscriber("/rosout_agg", Log, self._on_log)
+
+    def message(self) -> Dict[str, Any]:
+        """Return all panels."""
+        panels = [self._panels[node].message() for node in sorted(self._panels)]
+        return {"type": "panels", "panels": panels}
+
+    def on_services(self, names: Collection[str]) -> None:
+        """Take note of the services on the graph."""
+        nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))[:PANELS]
+        gone = set(self._panels) - set(nodes)
+        for node in gone:
+            del self._panels[node]
+            leave = partial(get_watcher().remove, self._watches.pop(node))
+            self._background.run(("leave", node), leave, lambda _: None)
+        if gone:
+            self._tell(self.message())
+        self._failed = {node: until for node, until in self._failed.items() if node in nodes}
+        for node in nodes:
+            if node not in self._panels and time.monotonic() > self._failed.get(node, 0.0):
+                inspect = partial(self._inspect, node, list(names))
+                self._background.run(node, inspect, partial(self._on_inspected, node))
+
+    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, ServerWatch]:
+        own = [name for name in names if name.startswith(node + "/") and name != node + _END]
+        kinds = {name: services.kind_of(name) for name in own}
+        watch = ServerWatch(node, lambda raw: self._deliver(partial(self._on_values, node, raw)))
+        get_watcher().add(watch)  # first: no change after the description is missed
+        try:
+            offered = {name: kind for name, kind in kinds.items() if kind}
+            return Panel(node, _describe(node), offered), watch
+        except Exception:
+            get_watcher().remove(watch)
+            raise
+
+    def _on_inspected(self, node: str, result: Any) -> None:
+        if isinstance(result, Exception):
+            self._failed[node] = time.monotonic() + RETRY_S
+            if isinstance(result, DescriptionError):
+                rospy.logwarn_throttle(60.0, "no panel for %s: %s" % (node, result))
+            return
+        self._panels[node], self._watches[node] = result
+        self._tell(self.message())
+
+    def _on_values(self, node: str, raw: Any) -> None:
+        panel = self._panels.get(node)
+        if panel is not None and isinstance(raw, dict):
+            self._tell_values(panel, panel.follow(raw))
+
+    def _tell_values(self, panel: Panel, names: List[str]) -> None:
+        for name in names:
+            self._tell(value_message(panel, name), panel.node, name)
+
+    def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
+        """Set a parameter; the page is told if the node refuses the value.
+
+        :param node: namespace of the parameter
+        :param name: its name in there
+        :param value: as the page has it
+        :param answer: tells the page
+        :raises ValueError: if there is no such parameter on a panel
+        """
+        panel = self._panels.get(node)
+        if panel is None or name not in panel.entries:
+            raise ValueError("there is no parameter %s/%s" % (node, name))
+        self._settings.set(panel, name, value, answer)
+
+    def call(self, service: str, data: Any, answer: Answer) -> None:
+        """Call a service that has a button.
+
+        :param service: its name
+        :param data: for SetBool, the truth value
+        :param answer: is told what it answers
+        :raises ValueError: if there is no such button, or the data do not fit
+        """
+        for panel in self._panels.values():
+            if service in panel.services:
+                services.call(self._background, service, panel.services[service], data, answer)
+                return
+        raise ValueError("there is no service %s to call" % service)
+
+    def _on_log(self, line: Log) -> None:
+        if line.level >= Log.WARN:
+            self._warnings.append((time.monotonic(), line.msg))
+
+    def _warned(self, since: float) -> List[str]:
+        return [text for heard, text in list(self._warnings) if heard >= since]
+
+
+def _write(values: Any) -> None:
+    get_watcher().server.write(values)
+
+
+def _describe(node: str) -> str:
+    return str(rospy.ServiceProxy(node + _END, Trigger)().message)

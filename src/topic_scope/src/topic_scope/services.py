@@ -1,0 +1,54 @@
+"""The services that get a button: SetBool and Trigger."""
+
+from typing import Any, Callable, Dict, List
+
+import rospy
+import rosservice
+from std_srvs.srv import SetBool, Trigger
+
+from topic_scope.background import Background
+
+_CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
+
+
+def kind_of(service: str) -> str:
+    """Return SetBool or Trigger, nothing for a service of another type; waits for its node.
+
+    :param service: its name
+    """
+    try:
+        package, _, kind = str(rosservice.get_service_type(service)).partition("/")
+    except rosservice.ROSServiceIOException:
+        return ""
+    return kind if package == "std_srvs" and kind in _CLASSES else ""
+
+
+def call(
+    background: Background,
+    service: str,
+    kind: str,
+    data: Any,
+    answer: Callable[[Dict[str, Any]], None],
+) -> None:
+    """Call a service, without waiting for it.
+
+    :param background: where to wait for it
+    :param service: its name
+    :param kind: its kind
+    :param data: for SetBool, the truth value
+    :param answer: is told what it answers
+    :raises ValueError: if the data do not fit the kind
+    """
+    if kind == "SetBool" and data is None:
+        raise ValueError("%s takes true or false" % service)
+    arguments: List[Any] = [data] if kind == "SetBool" else []
+
+    def told(result: Any) -> None:
+        failed = isinstance(result, Exception)
+        success = not failed and bool(result.success)
+        text = str(result) if failed else result.message
+        answer({"type": "called", "service": service, "success": success, "message": text})
+
+    proxy = rospy.ServiceProxy(service, _CLASSES[kind])
+    if not background.run(("call", service), lambda: proxy(*arguments), told):
+        told(RuntimeError("an earlier call has not been answered yet"))

@@ -17,7 +17,7 @@ import rospy
 
 from basic_comms.parameter_kinds import is_same
 from basic_comms.parameter_server import MISSING, UNREACHABLE, NoValue, ParameterServer, Reading
-from basic_comms.rospy_internals import parameters, registration
+from basic_comms.rospy_internals import parameters, registration, shutdown
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
@@ -100,7 +100,7 @@ class ParameterWatcher:
         if not parameters.on_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         self._take_over_logging()
-        rospy.on_shutdown(self.close)
+        shutdown.at_shutdown(self.close)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
     def _take_over_logging(self) -> None:
@@ -110,7 +110,7 @@ class ParameterWatcher:
         started anew, the master would shut down whoever has its old port by then.
         """
         key = parameters.ROSOUT_PARAMETER
-        self.server.subscribe([key])
+        self._subscribe([key])
         value = self.server.read([key]).values[key]
         parameters.cache(key, value if value is not MISSING else False)
 
@@ -126,7 +126,7 @@ class ParameterWatcher:
         with self._lock:
             if watch not in self._subscribed:
                 self._subscribed = self._subscribed + [watch]
-        self.server.subscribe([watch.key])
+        self._subscribe([watch.key])
 
     def add(self, watch: Watch) -> None:
         """Follow a key from now on; the first observation comes at once.
@@ -162,6 +162,11 @@ class ParameterWatcher:
 
     def _keys(self) -> List[str]:
         return [parameters.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
+
+    def _subscribe(self, keys: List[str]) -> None:
+        self.server.subscribe(keys)
+        if self._closed:
+            self._unsubscribe(keys)  # close() may have come before it, in another thread
 
     def _unsubscribe(self, keys: List[str]) -> None:
         try:
@@ -234,7 +239,7 @@ class ParameterWatcher:
         if self._restarted and not self._closed:
             rospy.logwarn("the master was restarted: registering again, settings in force are kept")
             registration.register_again()
-            self.server.subscribe(self._keys())
+            self._subscribe(self._keys())
             self._lost = set(self._subscribed)
             self._restarted = False
         self._pass_on(reading, read_at)

@@ -2,7 +2,7 @@
 
 import socketserver
 import threading
-from typing import Any
+from typing import Any, List
 from xmlrpc.client import ServerProxy
 from xmlrpc.server import SimpleXMLRPCServer
 
@@ -17,12 +17,15 @@ class SlowMaster:
     :param master_uri: URI of the real master
     :param method: name of the call that has to wait, e.g. registerService
     :param ending: how one of its arguments ends, e.g. /set_logger_level
+
+    :ivar calls: the names of all calls that have been answered
     """
 
     def __init__(self, master_uri: str, method: str, ending: str) -> None:
         self._master_uri = master_uri
         self._method = method
         self._ending = ending
+        self.calls: List[str] = []
         self.reached = threading.Event()
         self.go_on = threading.Event()
         self._server = _Server(("localhost", 0), logRequests=False, allow_none=True)
@@ -46,4 +49,6 @@ class SlowMaster:
         if method == self._method and any(text.endswith(self._ending) for text in texts):
             self.reached.set()
             self.go_on.wait()
-        return getattr(ServerProxy(self._master_uri), method)(*arguments)
+        answer = getattr(ServerProxy(self._master_uri), method)(*arguments)
+        self.calls.append(method)
+        return answer

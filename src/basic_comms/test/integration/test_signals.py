@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
+import rosgraph
 import roslib.packages
 import rostest
 from helpers.graph import Graph
@@ -27,6 +28,7 @@ class Signals(unittest.TestCase):
 
     def node(self, program: str, **environment: str) -> "subprocess.Popen[bytes]":
         """Start a node; it is killed at the end of the test if it is still there."""
+        self.name = program.partition(".")[0]
         path = roslib.packages.find_node("basic_comms", program)[0]
         process = subprocess.Popen([path], env={**os.environ, **environment}, stderr=self.log)
 
@@ -45,6 +47,8 @@ class Signals(unittest.TestCase):
     def assert_ended(self, process: "subprocess.Popen[bytes]") -> None:
         self.assertEqual(process.wait(END_TIMEOUT), 0)
         self.assertEqual(self.graph.nodes(), set())
+        with self.assertRaises(rosgraph.MasterError):  # parameters that it subscribed to count too
+            rosgraph.Master("/test").lookupNode("/" + self.name)
 
     def test_at_the_end_of_init_node(self) -> None:
         self.interrupt_registration("listener.py", "registerService", "/set_logger_level")
@@ -58,8 +62,22 @@ class Signals(unittest.TestCase):
     def test_while_a_service_is_registered(self) -> None:
         self.interrupt_registration("signal_generator.py", "registerService", "/enable")
 
-    def interrupt_registration(self, program: str, method: str, ending: str) -> None:
-        """Send each signal while the master keeps a node waiting in one call."""
+    # What the master does for the start after the end has tidied up is taken back as well.
+
+    def test_while_the_first_parameter_is_subscribed(self) -> None:
+        self.interrupt_registration("process.py", "subscribeParam", "/process", "unregisterService")
+
+    def test_while_a_member_of_a_fleet_subscribes_its_parameters(self) -> None:
+        member = "/Group1/process"
+        self.interrupt_registration("fleet", "subscribeParam", member, "unsubscribeParam")
+
+    def interrupt_registration(
+        self, program: str, method: str, ending: str, then: str = ""
+    ) -> None:
+        """Send each signal while the master keeps a node waiting in one call.
+
+        :param then: the call that the end of the node makes before that one is answered, if any
+        """
         for number in (signal.SIGINT, signal.SIGTERM):
             master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
             self.addCleanup(master.close)
@@ -67,6 +85,7 @@ class Signals(unittest.TestCase):
             self.assertTrue(master.reached.wait(TIMEOUT))
             process.send_signal(number)
             wait_until(lambda: taken_in(process.pid, number), lambda: "the signal is still pending")
+            wait_until(lambda: not then or then in master.calls, lambda: str(master.calls))
             master.go_on.set()
             self.assert_ended(process)
 

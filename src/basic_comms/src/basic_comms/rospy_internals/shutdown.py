@@ -1,7 +1,9 @@
 """How rospy ends."""
 
 import threading
+from typing import Callable
 
+import rospy
 import rospy.core
 from rospy.impl.tcpros_base import TCPServer
 
@@ -25,3 +27,15 @@ def mend_shutdown() -> None:
                 raise
 
     TCPServer.run = serve_until_shutdown
+
+
+def at_shutdown(function: Callable[[], None]) -> None:
+    """Have a function called when the node ends: at once, and maybe twice, where that has begun.
+
+    rospy calls only what it was given before, and drops what it is given meanwhile.
+
+    :param function: what to call
+    """
+    rospy.on_shutdown(function)
+    if rospy.core.is_shutdown_requested():
+        function()

@@ -22,6 +22,11 @@ class Ear:
         with self._lock:
             return list(self._heard)
 
+    def count(self) -> int:
+        """Return how many messages have been heard so far."""
+        with self._lock:
+            return len(self._heard)
+
     def forget(self) -> None:
         """Start over."""
         with self._lock:

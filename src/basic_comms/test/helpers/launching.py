@@ -13,6 +13,10 @@ from helpers.graph import Graph
 from helpers.waiting import wait_until
 
 
+#: A launch file with every node of basic_comms; see there for its args.
+EVERY_NODE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "every_node.launch")
+
+
 def launch_file(name: str) -> str:
     """Return the path of a launch file of basic_comms, e.g. features/remap.launch."""
     return os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", name)

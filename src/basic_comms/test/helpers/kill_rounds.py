@@ -1,0 +1,114 @@
+"""Kill a node without warning, again and again, and see how its respawned successor comes back.
+
+Of the roslaunch tags only ``respawn="true"`` is needed. The rounds know nothing of the nodes'
+topics: a stream is a function that counts what has been heard so far.
+"""
+
+import os
+import signal
+import time
+from typing import Any, Callable, Dict, List, NamedTuple, Tuple
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+
+from helpers.launching import Launched
+from helpers.waiting import wait_until
+
+#: Counts what has been heard so far of something that a node publishes or causes.
+Stream = Callable[[], int]
+#: Publications, subscriptions and services of a graph, each as name and node.
+Registrations = List[List[Tuple[str, str]]]
+
+
+class Round(NamedTuple):
+    """How a node came back after it was killed.
+
+    :param absent: from the kill to the end of the successor's init_node, s
+    :param silent: from then until its streams are heard again, s
+    """
+
+    absent: float
+    silent: float
+
+
+def kill_rounds(launch: Launched, node: str, streams: List[Stream], count: int) -> List[Round]:
+    """Kill a node as ``kill -9`` does and wait for its return, a number of times.
+
+    :param launch: what is running, the node among it
+    :param node: global name of the node
+    :param streams: all that should be heard while the node is there
+    :param count: how many times
+    :returns: how each round went
+    :raises AssertionError: where a stream does not resume in good time, another node's process
+        has changed, or the master lists anything twice, or else than before
+    """
+    return [_kill_once(launch, node, streams) for _ in range(count)]
+
+
+def _kill_once(launch: Launched, node: str, streams: List[Stream]) -> Round:
+    before, registered = launch.processes(), registrations()
+    killed_at = time.monotonic()
+    os.kill(before[node].pid, signal.SIGKILL)
+    launch.wait_for_new_process(node, before[node])
+    wait_until(lambda: _is_back(launch, node), lambda: node + " did not come back")
+    back_at = time.monotonic()
+    heard = [stream() for stream in streams]
+    wait_until(
+        lambda: all(stream() > count for stream, count in zip(streams, heard)),
+        lambda: "of %s heard %s, then %s" % (node, heard, [stream() for stream in streams]),
+    )
+    resumed_at = time.monotonic()
+    _assert_others_went_on(launch, node, before)
+    wait_until(
+        lambda: registrations() == registered,
+        lambda: "registered was %s, now %s" % (registered, registrations()),
+    )
+    assert_alive(launch, node)
+    return Round(back_at - killed_at, resumed_at - back_at)
+
+
+def registrations() -> Registrations:
+    """Return what is registered with the master, sorted; a name listed twice is there twice."""
+    state: Any = rosgraph.Master("/kill_rounds").getSystemState()
+    return [sorted((name, node) for name, nodes in part for node in nodes) for part in state]
+
+
+def assert_alive(launch: Launched, node: str) -> None:
+    """Check that everything the master says of a node leads to its present process.
+
+    :raises AssertionError: where it does not
+    """
+    master = rosgraph.Master("/kill_rounds")
+    pid = launch.processes()[node].pid
+    with ServerProxy(master.lookupNode(node)) as slave:
+        answer: Any = slave.getPid("/kill_rounds")
+        port = _port(slave)
+    assert answer[2] == pid, "%s answers from process %s, not %d" % (node, answer, pid)
+    for service, owner in registrations()[2]:
+        if owner == node:
+            uri = master.lookupService(service)
+            assert uri.endswith(":%d" % port), "%s is at %s, not port %d" % (service, uri, port)
+
+
+def _port(slave: ServerProxy) -> int:
+    """Ask a node for the port of its topics and services; every node publishes /rosout."""
+    answer: Any = slave.requestTopic("/kill_rounds", "/rosout", [["TCPROS"]])
+    return int(answer[2][2])
+
+
+def _is_back(launch: Launched, node: str) -> bool:
+    """Tell whether the node that the master knows is the new process, and has started."""
+    try:
+        known = launch.graph.pid(node)
+    except (OSError, rosgraph.MasterError):
+        return False  # what is registered is the killed one, or nothing
+    return known == launch.processes()[node].pid and launch.graph.initialised(node)
+
+
+def _assert_others_went_on(launch: Launched, node: str, before: Dict[str, Any]) -> None:
+    after = launch.processes()
+    for other, process in before.items():
+        if other != node:
+            now = after.get(other)
+            assert now == process, "%s was %s and is %s" % (other, process, now)

@@ -1,0 +1,65 @@
+"""What the kernel tells of a process: its memory, threads, descriptors and listening sockets."""
+
+import os
+import socket
+import struct
+from typing import NamedTuple, Set, Tuple
+
+_LISTENING = "0A"
+
+
+class Usage(NamedTuple):
+    """What a process holds at a moment.
+
+    :param threads: how many
+    :param descriptors: how many are open
+    :param memory: resident set, bytes
+    """
+
+    threads: int
+    descriptors: int
+    memory: int
+
+
+def usage(pid: int) -> Usage:
+    """Tell what a process holds now.
+
+    :raises OSError: when there is no such process
+    """
+    with open("/proc/%d/statm" % pid) as statm:
+        pages = int(statm.read().split()[1])
+    return Usage(
+        threads=len(os.listdir("/proc/%d/task" % pid)),
+        descriptors=len(os.listdir("/proc/%d/fd" % pid)),
+        memory=pages * os.sysconf("SC_PAGE_SIZE"),
+    )
+
+
+def listening(pid: int) -> Set[Tuple[str, int]]:
+    """Return address and port of each TCP socket on which a process listens.
+
+    :raises OSError: when there is no such process
+    """
+    mine = {_link("/proc/%d/fd/%s" % (pid, name)) for name in os.listdir("/proc/%d/fd" % pid)}
+    found = set()
+    for table in ("tcp", "tcp6"):
+        with open("/proc/%d/net/%s" % (pid, table)) as lines:
+            for words in map(str.split, lines.readlines()[1:]):
+                if words[3] == _LISTENING and "socket:[%s]" % words[9] in mine:
+                    address, _, port = words[1].partition(":")
+                    found.add((_readable(address), int(port, 16)))
+    return found
+
+
+def _link(path: str) -> str:
+    try:
+        return os.readlink(path)
+    except OSError:
+        return ""  # closed meanwhile
+
+
+def _readable(address: str) -> str:
+    """Turn an address of /proc/net, 32 bit words in the machine's order, into the usual form."""
+    words = [int(address[start : start + 8], 16) for start in range(0, len(address), 8)]
+    packed = struct.pack("=%dI" % len(words), *words)
+    return socket.inet_ntop(socket.AF_INET if len(words) == 1 else socket.AF_INET6, packed)

@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Ctrl-C at any moment of a node's life ends it cleanly; moments drawn with a fixed seed."""
+
+import unittest
+
+import rosgraph
+import rostest
+from helpers.graph import Graph
+from helpers.interrupt_rounds import interrupt_rounds
+
+PROGRAMS = ("talker.py", "listener.py", "signal_generator.py", "process.py", "fleet")
+ROUNDS = 15
+
+
+class Interrupts(unittest.TestCase):
+    """Nodes that are interrupted after up to a second."""
+
+    def test_any_moment(self) -> None:
+        graph = Graph()
+        ends = interrupt_rounds(PROGRAMS, ROUNDS, seed=7)
+        self.assertEqual([end for end in ends if not end.clean and not end.early], [])
+        self.assertGreater(sum(end.clean for end in ends), ROUNDS // 2)
+        self.assertEqual(graph.nodes(), set())
+        self.assert_no_name_is_known()
+        print("longest end: %.2f s" % max(end.seconds for end in ends))
+
+    def assert_no_name_is_known(self) -> None:
+        """Check that the master has forgotten them all, subscriptions of parameters included."""
+        for program in PROGRAMS:
+            with self.subTest(program=program), self.assertRaises(rosgraph.MasterError):
+                rosgraph.Master("/test").lookupNode("/" + program.partition(".")[0])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "interrupts", Interrupts)

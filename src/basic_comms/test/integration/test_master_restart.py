@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Nodes that talk to each other go on without a master, and tell a new one all that they told."""
+
+from typing import Any
+
+import rosgraph
+import rostest
+from helpers.parameter_rig import Master, ParameterCase, Process, Server
+from helpers.tcpros import Tap
+from helpers.waiting import wait_until
+from roslib.packages import find_node
+from std_msgs.msg import Float32
+
+from basic_comms.msg import signal_msg
+
+RATE = 100.0  # Hz
+
+
+class RestartedMaster(ParameterCase):
+    """The chain of talker and listener, and the one of signal generator and process."""
+
+    def setUp(self) -> None:
+        self.master = Master()
+        self.addCleanup(lambda: self.master.kill())
+        self.server = Server(self.master.uri)
+
+    def start(self, name: str, *arguments: str) -> Process:
+        node = Process(
+            find_node("basic_comms", name + ".py")[0],
+            arguments,
+            {"ROS_MASTER_URI": self.master.uri},
+        )
+        self.addCleanup(node.end)
+        return node
+
+    def registrations(self) -> Any:
+        """Return what is registered, sorted, and all parameters."""
+        state = self.server.master.getSystemState("/test")[2]
+        return [sorted((name, sorted(nodes)) for name, nodes in part) for part in state]
+
+    def parameters(self) -> Any:
+        """Return all parameters of the nodes."""
+        nodes = ("talker", "signal_generator", "process")
+        return {name: self.server.get("/" + name) for name in nodes}
+
+    def tap(self, node: str, topic: str, kind: Any) -> Tap:
+        tap = Tap(rosgraph.Master("/test", self.master.uri).lookupNode(node), topic, kind)
+        self.addCleanup(tap.close)
+        return tap
+
+    def test_connections_stay_and_registrations_come_back(self) -> None:
+        nodes = [self.start(name) for name in ("listener", "talker", "process")]
+        nodes.append(self.start("signal_generator", "_rate:=%s" % RATE, "_amplitude:=3.0"))
+        listener = nodes[0]
+        listener.wait_for_log("I heard")
+        signal = self.tap_when_up("/signal_generator", "/signal", signal_msg)
+        answers = self.tap_when_up("/process", "/proc_signal", Float32)
+        self.server.set("/signal_generator/offset", 0.5)
+        latest = self.wait_for_offset(signal)
+        registered, parameters = self.registrations(), self.parameters()
+
+        self.master.kill()
+        for node in nodes:
+            node.wait_for_log("WARN", "the master does not answer")
+        self.master.start()
+        self.server = Server(self.master.uri)
+        wait_until(
+            lambda: self.registrations() == registered,
+            lambda: "registered was %s, now %s" % (registered, self.registrations()),
+        )
+        wait_until(
+            lambda: self.parameters() == parameters,
+            lambda: "parameters were %s, now %s" % (parameters, self.parameters()),
+        )
+        self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
+        for node in nodes:
+            for words in ("the master does not answer", "the master was restarted"):
+                self.assertEqual(len(node.logged(words)), 1, node.logged(words))
+            self.assertEqual(node.logged("Traceback"), [])
+        self.assert_unbroken(signal, latest)
+        answers.read()
+
+        heard = len(listener.logged("I heard"))
+        wait_until(lambda: len(listener.logged("I heard")) > heard, lambda: "the listener is deaf")
+        newcomer = self.start("listener", "__name:=newcomer")
+        newcomer.wait_for_log("I heard", "/talker")
+        self.tap("/signal_generator", "/signal", signal_msg).read()
+
+    def tap_when_up(self, node: str, topic: str, kind: Any) -> Tap:
+        wait_until(
+            lambda: [topic, [node]] in self.server.master.getSystemState("/test")[2][0]
+            and node + "/set_logger_level" in self.server.services(),
+            lambda: node + " did not come up",
+        )
+        return self.tap(node, topic, kind)
+
+    def wait_for_offset(self, signal: Tap) -> float:
+        """Read on until a change of the offset shows; return the time of that sample."""
+        sample = wait_until(
+            lambda: next((s for s in [signal.read()] if s.signal_y > 3.4), None),
+            lambda: "the offset does not show",
+        )
+        return float(sample.time_x)
+
+    def assert_unbroken(self, signal: Tap, latest: float) -> None:
+        """Check that the connection of before has brought each sample of the signal until now."""
+        now = self.tap("/signal_generator", "/signal", signal_msg).read().time_x
+        self.assertGreater(now, latest)
+        while latest < now:
+            latest, before = signal.read().time_x, latest
+            self.assertAlmostEqual(latest - before, 1.0 / RATE, 6)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "master_restart", RestartedMaster)

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""A node that is killed without warning and started again by roslaunch is as good as before."""
+
+import statistics
+import unittest
+from typing import List
+
+import rospy
+import rostest
+from helpers.hearing import Ear
+from helpers.kill_rounds import Stream, kill_rounds
+from helpers.launching import EVERY_NODE, Launched, launched
+from rosgraph_msgs.msg import Log
+
+from basic_comms.msg import signal_msg
+
+#: How often each node is killed here.
+ROUNDS = 3
+
+
+class Respawn(unittest.TestCase):
+    """Each test kills one node while all are running."""
+
+    launch: Launched
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_respawn")
+        running = launched(EVERY_NODE + " respawn:=true")
+        cls.launch = running.__enter__()
+        cls.addClassCleanup(running.__exit__, None, None, None)
+        cls.launch.wait_until_up()
+
+    def stream(self, topic: str) -> Stream:
+        """Count what is heard on a topic from now on."""
+        return self.ear(topic, rospy.AnyMsg).count
+
+    def ear(self, topic: str, kind: type) -> Ear:
+        ear = Ear(topic, kind)
+        self.addCleanup(ear.close)
+        ear.wait_for(lambda message: True)
+        return ear
+
+    def kill(self, node: str, *streams: Stream) -> None:
+        rounds = kill_rounds(self.launch, node, list(streams), ROUNDS)
+        silent = [each.silent for each in rounds]
+        print("%s: silent for up to %.0f ms after its return" % (node, 1000.0 * max(silent)))
+        self.assertLess(statistics.median(silent), 2.0)
+
+    def assert_no_sample_lost(self, samples: List[signal_msg]) -> None:
+        """Check that samples are numbered by their times without a gap."""
+        steps = [later.time_x - one.time_x for one, later in zip(samples, samples[1:])]
+        self.assertGreater(len(steps), 100)
+        self.assertEqual({round(200.0 * step, 3) for step in steps}, {1.0})
+
+    def test_talker(self) -> None:
+        self.kill("/talker", self.stream("chatter"), self.heard_by_the_listener())
+
+    def test_listener(self) -> None:
+        chatter = self.stream("chatter")
+        self.kill("/listener", chatter, self.heard_by_the_listener())
+
+    def heard_by_the_listener(self) -> Stream:
+        log = self.ear("/rosout", Log)
+
+        def count() -> int:
+            return sum("I heard" in line.msg for line in log.messages())
+
+        return count
+
+    def test_signal_generator(self) -> None:
+        self.kill("/signal_generator", self.stream("signal"), self.stream("proc_signal"))
+
+    def test_process(self) -> None:
+        signal = self.ear("signal", signal_msg)
+        self.kill("/process", self.stream("proc_signal"))
+        self.assert_no_sample_lost(signal.messages())
+
+    def test_fleet(self) -> None:
+        signal = self.ear("signal", signal_msg)
+        groups = [self.stream("Group%d/proc_signal" % number) for number in (1, 2)]
+        self.kill("/fleet", *groups)
+        self.assert_no_sample_lost(signal.messages())
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "respawn", Respawn)

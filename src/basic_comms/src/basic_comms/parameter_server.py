@@ -6,12 +6,16 @@ any number of keys in one request. It uses the Master and Parameter Server APIs
 only: http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%20API.
 """
 
+import contextlib
 import http.client
 import threading
 import xmlrpc.client
-from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence
+from typing import Tuple, Union
 
 _SUCCESS = 1
+#: Most keys in one request of many; the master's other clients are served between two.
+_TOGETHER = 500
 
 #: What a request raises where the master does not answer or is not one.
 UNREACHABLE = (OSError, http.client.HTTPException, xmlrpc.client.Error)
@@ -68,6 +72,23 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
 
+class _Advance:
+    """What has been read in advance, and what is still to be written and subscribed.
+
+    :param readings: of all keys, at least one
+    """
+
+    def __init__(self, readings: Sequence[Reading]) -> None:
+        self._last = readings[-1]
+        self._values = {key: value for part in readings for key, value in part.values.items()}
+        self.writes: Dict[str, Any] = {}
+        self.subscriptions: List[str] = []
+
+    def read(self, keys: Sequence[str]) -> Reading:
+        """Return keys as they were."""
+        return self._last._replace(values={key: self._values[key] for key in keys})
+
+
 class ParameterServer:
     """The parameter server as one node sees it; methods may be called from any thread.
 
@@ -85,6 +106,7 @@ class ParameterServer:
         self._node_uri = node_uri
         self._proxy = self._connect(timeout)
         self._lock = threading.Lock()
+        self._advance: Optional[_Advance] = None
 
     def _connect(self, timeout: float) -> xmlrpc.client.ServerProxy:
         return xmlrpc.client.ServerProxy(self._master_uri, transport=_Transport(timeout))
@@ -97,6 +119,8 @@ class ParameterServer:
             namespace, UNREADABLE stands for what the master cannot send
         :raises UNREACHABLE: if the master does not answer
         """
+        if self._advance is not None:
+            return self._advance.read(keys)
         calls: List[Tuple[Any, ...]] = [("lookupNode", self._node_name), ("getPid",)]
         try:
             node, pid, *answers = self._request(calls + [("getParam", key) for key in keys])
@@ -128,6 +152,9 @@ class ParameterServer:
         :param values: raw value by global name
         :raises UNREACHABLE: if the master does not answer
         """
+        if self._advance is not None:
+            self._advance.writes.update(values)
+            return
         self._request([("setParam", key, value) for key, value in values.items()])
 
     def subscribe(self, keys: Iterable[str]) -> None:
@@ -136,7 +163,31 @@ class ParameterServer:
         :param keys: global names of parameters or namespaces
         :raises UNREACHABLE: if the master does not answer
         """
+        if self._advance is not None:
+            self._advance.subscriptions += keys
+            return
         self._request([("subscribeParam", self._node_uri, key) for key in keys])
+
+    @contextlib.contextmanager
+    def in_advance(self, keys: Sequence[str]) -> Iterator[None]:
+        """Read keys now, and put off what is written and subscribed meanwhile until the end.
+
+        For the start of something with thousands of namespaces, which would take as many requests.
+        Meanwhile these keys alone can be read.
+
+        :param keys: global names of all that will be read
+        :raises UNREACHABLE: if the master does not answer
+        """
+        readings = [self.read(part) for part in _parts(keys)]
+        self._advance = advance = _Advance(readings)
+        try:
+            yield
+        finally:
+            self._advance = None
+        for part in _parts(list(advance.writes)):
+            self.write({key: advance.writes[key] for key in part})
+        for part in _parts(advance.subscriptions):
+            self.subscribe(part)
 
     def unsubscribe(self, keys: Iterable[str], timeout: float = 0.5) -> None:
         """Take subscriptions back, over a connection of its own.
@@ -148,6 +199,11 @@ class ParameterServer:
         :param timeout: longest wait for an answer, s
         :raises UNREACHABLE: if the master does not answer
         """
+        keys = list(keys)
+        if self._advance is not None:
+            for key in keys:
+                self._advance.subscriptions.remove(key)
+            return
         with self._connect(timeout) as master:
             calls = xmlrpc.client.MultiCall(master)
             for key in keys:
@@ -163,6 +219,11 @@ class ParameterServer:
                 getattr(batch, method)(self._node_name, *arguments)
             answers = batch()
             return [answers[i] for i in range(len(calls))]
+
+
+def _parts(keys: Sequence[str]) -> List[Sequence[str]]:
+    """Divide keys among requests; there is always at least one."""
+    return [keys[i : i + _TOGETHER] for i in range(0, len(keys), _TOGETHER)] or [keys]
 
 
 def _value(answer: Tuple[int, str, Any]) -> Any:

@@ -1,6 +1,6 @@
 """Publishers that send at once, and that a stalled subscriber cannot hold up."""
 
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import Any, List, NamedTuple, Sequence
 
 import genpy
 import rospy
@@ -38,13 +38,11 @@ class Publisher(rospy.Publisher):
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False) -> None:
-        self._topic: Optional[publishers.OutgoingTopic] = None
         mismatch = publishers.publisher_mismatch()
         if mismatch:
             rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
-            super().__init__(name, data_class, latch=latch, queue_size=FALLBACK_QUEUE_SIZE)
-        else:
-            self._topic = publishers.take_over_publisher(self, name, data_class, latch)
+        self._sends_at_once = not mismatch and publishers.send_at_once(name, data_class, latch)
+        super().__init__(name, data_class, latch=latch, queue_size=FALLBACK_QUEUE_SIZE)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, given itself or by its fields, as with ``rospy.Publisher``.
@@ -53,13 +51,10 @@ class Publisher(rospy.Publisher):
         :raises rospy.ROSException: if the publisher is unregistered or the node not initialised;
             never because the node is shutting down
         """
-        if self._topic is None or kwds or len(args) != 1 or type(args[0]) is not self.data_class:
+        if self._sends_at_once and not kwds and len(args) == 1 and type(args[0]) is self.data_class:
+            self.publish_all(args)
+        else:
             super().publish(*args, **kwds)
-            return
-        try:
-            self._topic.publish_all(args)
-        except genpy.SerializationError as error:
-            raise rospy.ROSSerializationException(str(error)) from error
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send several messages in one go, which takes hardly longer than one.
@@ -68,12 +63,15 @@ class Publisher(rospy.Publisher):
         :raises rospy.ROSSerializationException: as :meth:`publish`; none is sent then
         :raises rospy.ROSException: as :meth:`publish`
         """
-        if self._topic is None:
+        if not self._sends_at_once:
             for message in messages:
                 self.publish(message)
-        elif messages:
+            return
+        if self.impl is None:
+            raise rospy.ROSException("publish() to an unregistered publisher")
+        if messages:
             try:
-                self._topic.publish_all(messages)
+                self.impl.publish_all(messages)
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
 
@@ -82,7 +80,7 @@ class Publisher(rospy.Publisher):
 
         :returns: one entry per subscriber; none where rospy's own queues are in use
         """
-        links = self._topic.links() if self._topic is not None else []
+        links = self.impl.links() if self._sends_at_once else []
         return [
             SubscriberStatistics(link.name, link.sent, link.lost, link.stalled) for link in links
         ]

@@ -6,8 +6,9 @@ server does not follow ``rosparam set``, clamps silently and lets NaN through.
 Lists are left out, because the interface has none.
 """
 
+import functools
 import sys
-from typing import TYPE_CHECKING, Any, Dict
+from typing import TYPE_CHECKING, Any, Dict, Type
 
 import rospy
 
@@ -62,7 +63,7 @@ class ReconfigureInterface:
         self._descriptions = rospy.Publisher(
             parameters.key + "/parameter_descriptions", ConfigDescription, latch=True, queue_size=1
         )
-        self._descriptions.publish(_description(values))
+        self._descriptions.publish(_description(type(values)))  # type: ignore[arg-type]
         self._updates = rospy.Publisher(
             parameters.key + "/parameter_updates", Config, latch=True, queue_size=1
         )
@@ -93,8 +94,9 @@ def _offered(values: ParameterSet) -> Dict[str, Any]:
     return {k: v for k, v in values.as_dict().items() if not isinstance(v, tuple)}
 
 
-def _description(values: ParameterSet) -> "ConfigDescription":
-    declared = {k: p for k, p in values.declared.items() if not isinstance(p, ListParameter)}
+@functools.lru_cache(maxsize=None)
+def _description(kind: Type[ParameterSet]) -> "ConfigDescription":
+    declared = {k: p for k, p in kind.declared.items() if not isinstance(p, ListParameter)}
     described = [
         ParamDescription(name, _TYPES[item.type_name], 0, _help(item), _edit_method(item))
         for name, item in declared.items()

@@ -2,6 +2,7 @@
 """A fleet of three groups looks like three pairs of nodes; one member's parameter is bad."""
 
 import unittest
+import xmlrpc.client
 
 import rosgraph
 import rospy
@@ -46,6 +47,15 @@ class FleetOfThree(unittest.TestCase):
             process = self.graph.parameter(group + "/process")
             self.assertEqual(set(generator), set(SignalParameters.declared))
             self.assertEqual(set(process), set(ProcessParameters.declared))
+
+    def test_members_hear_each_other_without_connections(self) -> None:
+        ear = Ear("/Robot1/proc_signal", Float32)
+        ear.wait_for(lambda answer: True)
+        ear.close()
+        with xmlrpc.client.ServerProxy(rosgraph.Master("/test_fleet").lookupNode("/fleet")) as node:
+            connections = node.getBusInfo("/test_fleet")[2]
+        incoming = [topic for _, _, direction, _, topic, *_ in connections if direction == "i"]
+        self.assertEqual(incoming, [])
 
     def test_a_refused_member_stays_down_alone(self) -> None:
         self.assertNotIn("/Robot2/proc_signal", self.graph.topics())

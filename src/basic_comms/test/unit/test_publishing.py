@@ -8,7 +8,6 @@ import warnings
 
 import pytest
 import rospy
-import rospy.exceptions
 import rospy.topics
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
@@ -183,36 +182,29 @@ def test_latched_late_joiner_that_does_not_read_delays_nobody_else(publish_on, c
     assert [receive(stalled).data for _ in range(2)] == [long, "news"]
 
 
-def test_two_publishers_of_one_topic_share_its_connections(publish_on, connect):
-    plain = publish_on(rospy.Publisher, String, queue_size=10)
-    queued = connect(plain, "/queued")
+def test_publishers_of_one_topic_share_its_connections(publish_on, connect):
     ours = [publish_on(Publisher, String) for _ in range(2)]
-    direct = connect(ours[0], "/direct")
-    kinds = [type(connection) for connection in plain.impl.connections]
-    assert kinds == [QueuedConnection, TCPROSTransport]
+    plain = publish_on(rospy.Publisher, String, queue_size=10)
+    subscriber = connect(plain)
+    assert [type(connection) for connection in plain.impl.connections] == [TCPROSTransport]
     words = [str(number) for number in range(6)]
     for word, publisher in zip(words, 3 * ours):
         publisher.publish(String(word))
     plain.impl.publish(String("plain"))
-    for subscriber in (queued, direct):
-        assert [receive(subscriber).data for _ in range(7)] == words + ["plain"]
+    assert [receive(subscriber).data for _ in range(7)] == words + ["plain"]
     for publisher in ours:
-        assert [(s.node, s.sent) for s in publisher.statistics()] == [
-            ("/queued", 7),
-            ("/direct", 7),
-        ]
+        assert [(s.node, s.sent) for s in publisher.statistics()] == [("/subscriber", 7)]
 
 
-def test_queued_subscriber_that_has_gone_is_forgotten_too(publish_on, connect, monkeypatch):
-    def fail(connection, data):
-        raise rospy.exceptions.TransportTerminated("gone")
-
-    connect(publish_on(rospy.Publisher, String, queue_size=10))
-    publisher = publish_on(Publisher, String)
-    monkeypatch.setattr(QueuedConnection, "write_data", fail)
-    publisher.publish(String("news"))
-    assert publisher.statistics() == []
-    assert publisher.get_num_connections() == 0
+def test_where_there_is_a_plain_publisher_its_queue_is_used(publish_on, connect):
+    plain = publish_on(rospy.Publisher, String, queue_size=10)
+    subscriber = connect(plain)
+    ours = publish_on(Publisher, String)
+    assert ours.impl is plain.impl
+    assert isinstance(ours.impl.connections[0], QueuedConnection)
+    ours.impl.publish(String("news"))
+    assert receive(subscriber).data == "news"
+    assert ours.statistics() == []
 
 
 def test_subscriber_that_has_gone_is_forgotten(publish_on, connect):

@@ -14,7 +14,7 @@ from rospy.exceptions import TransportException, TransportTerminated
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
-from std_msgs.msg import String
+from std_msgs.msg import Float32, String
 
 from basic_comms.publishing import Publisher
 from basic_comms.rospy_internals import subscribers
@@ -208,3 +208,72 @@ def test_batch_that_is_published_arrives_whole_and_is_counted():
         assert theirs.recv(len(expected) + 1) == expected
         assert [(s.sent, s.lost) for s in publisher.statistics()] == [(2, 0)]
         transport.close()
+
+
+@pytest.fixture
+def together():
+    """A publisher and a subscriber of the same topic in the same process."""
+    with contextlib.ExitStack() as stack:
+        batches = []
+        subscriber = Subscriber(TOPIC, String, batches.append)
+        stack.callback(subscriber.unregister)
+        publisher = Publisher(TOPIC, String, latch=True)
+        stack.callback(publisher.unregister)
+        yield publisher, subscriber, batches
+
+
+def test_subscriber_of_the_same_process_hears_without_a_connection(together, monkeypatch):
+    publisher, subscriber, batches = together
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
+    assert subscriber.impl.has_connection("http://here")
+    assert not subscriber.impl.has_connection("http://elsewhere")
+    sent = [String("one"), String("two")]
+    publisher.publish_all(sent)
+    publisher.publish(String("three"))
+    assert [[message.data for message in batch] for batch in batches] == [["one", "two"], ["three"]]
+    assert batches[0][0] is not sent[0], "each side has a message of its own"
+    assert batches[0][0]._connection_header["topic"] == TOPIC
+
+
+def test_numbers_are_rounded_as_for_any_other_subscriber():
+    with contextlib.ExitStack() as stack:
+        heard = []
+        stack.callback(Subscriber(TOPIC, Float32, heard.extend).unregister)
+        publisher = Publisher(TOPIC, Float32)
+        stack.callback(publisher.unregister)
+        publisher.publish(Float32(0.1))
+        assert [message.data for message in heard] == [struct.unpack("<f", b"\xcd\xcc\xcc=")[0]]
+
+
+def test_late_subscriber_of_the_same_process_gets_the_latched_message(together):
+    publisher, _, batches = together
+    publisher.publish(String("last"))
+    late = []
+    second = Subscriber(TOPIC, String, late.extend)
+    assert [message.data for message in late] == ["last"]
+    assert len(batches) == 1
+    second.unregister()
+
+
+def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
+    publisher, subscriber, batches = together
+
+    def answer(messages):
+        if messages[0].data != "answer":
+            other = threading.Thread(target=publisher.publish, args=(String("answer"),))
+            other.start()
+            other.join(TIME_OUT)
+
+    subscribers.receive_in_batches(TOPIC, String, answer)
+    publisher.publish(String("question"))
+    assert [message.data for batch in batches for message in batch] == ["question", "answer"]
+
+
+def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
+    publisher, subscriber, batches = together
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
+    publisher.unregister()
+    assert not subscriber.impl.has_connection("http://here")
+    plain = rospy.Publisher(TOPIC, String, queue_size=10)
+    assert not subscriber.impl.has_connection("http://here"), "a plain one needs a connection"
+    plain.unregister()

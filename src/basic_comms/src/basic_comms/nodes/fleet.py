@@ -10,7 +10,10 @@ from basic_comms.node_main import run
 from basic_comms.node_scope import NodeScope
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
+from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import IntParameter, ParameterError, ParameterSet, StringParameter
+from basic_comms.rospy_internals import parameters
+from basic_comms.rospy_internals.registration import registering_together
 
 
 class FleetParameters(ParameterSet):
@@ -34,6 +37,8 @@ class Fleet:
 
     def __init__(self) -> None:
         _allow_many_connections()
+        # Or rospy sends the names of all topics with each line of the log.
+        parameters.cache(parameters.ROSOUT_PARAMETER, True)
         self._parameters = LiveParameters(FleetParameters)
         values = self._parameters.values
         groups = [
@@ -41,10 +46,16 @@ class Fleet:
             for number in range(1, values.count + 1)
         ]
         self._members: List[object] = []
-        for group in groups:
-            # The process first, so that it hears the generator's first sample.
-            self._start(Process, NodeScope.hosted(group, "process"))
-            self._start(SignalGenerator, NodeScope.hosted(group, "signal_generator"))
+        # The process first, so that it hears the generator's first sample.
+        scopes = [
+            (member, NodeScope.hosted(group, name))
+            for group in groups
+            for member, name in ((Process, "process"), (SignalGenerator, "signal_generator"))
+        ]
+        with registering_together():
+            with get_watcher().starting_together([scope.parameters for _, scope in scopes]):
+                for member, scope in scopes:
+                    self._start(member, scope)
         rospy.loginfo("%d members of %d groups run", len(self._members), len(groups))
         self._parameters.start()
 

@@ -5,5 +5,7 @@ is built differently, it does without and says so, and a test shows red.
 """
 
 from basic_comms.rospy_internals.shutdown import mend_shutdown
+from basic_comms.rospy_internals.subscribers import ask_for_statistics_once
 
+ask_for_statistics_once()
 mend_shutdown()

@@ -1,8 +1,8 @@
 """How rospy publishes.
 
-One implementation object serves all publishers of a topic in a process. Its method ``publish``
-is replaced, so that what rospy sends there by itself (the last message to a late joiner of a
-latched topic, those of a plain ``rospy.Publisher``) cannot cut into a partly sent message.
+One implementation object serves all publishers of a topic in a process; rospy itself sends through
+it the last message to a late joiner of a latched topic. The one here sends without a queue, and
+hands messages to subscribers of the same process without a connection.
 """
 
 import contextlib
@@ -11,27 +11,23 @@ import inspect
 import io
 import socket
 import struct
-import threading
-from typing import Any, Collection, ContextManager, Dict, List, Optional, Sequence
+from typing import Any, ContextManager, Dict, List, Optional, Sequence
 
 import rospy
 import rospy.core
 import rospy.msg
 import rospy.topics
-from rospy.impl.registration import Registration
+from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from basic_comms import delivery
+from basic_comms.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
 
-_PUBLISHER_ATTRIBUTES = (
-    "publock closed connections is_latch latch seq message_data_sent enable_latch set_queue_size"
-)
+_PUBLISHER_ATTRIBUTES = "publock closed connections is_latch latch seq message_data_sent"
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
 
 _LENGTH = struct.Struct("<I")
-
-_take_over_lock = threading.Lock()
 
 
 @functools.lru_cache(maxsize=None)
@@ -50,91 +46,107 @@ def publisher_mismatch() -> str:
         if list(inspect.signature(topic.publish).parameters) != ["message", "connection_override"]:
             return "publish has other parameters"
         topic.close()
+        return subscriber_mismatch()
     except Exception as error:  # whatever an unknown rospy may raise
         return repr(error)
-    return ""
 
 
-def take_over_publisher(
-    publisher: rospy.Publisher, name: str, data_class: type, latch: bool
-) -> "OutgoingTopic":
-    """Register a publisher with rospy, but send its messages through :mod:`basic_comms.delivery`.
+def send_at_once(name: str, data_class: type, latch: bool) -> bool:
+    """Have a topic's messages sent through :mod:`basic_comms.delivery`.
 
-    :param publisher: object under construction; this stands in for ``rospy.Publisher.__init__``,
-        which insists on a queue
+    To be called before the topic is advertised.
+
     :param name: topic
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :returns: the topic to publish on
+    :returns: whether that is possible; not where there is a plain ``rospy.Publisher`` already
     """
-    super(rospy.Publisher, publisher).__init__(name, data_class, Registration.PUB)
-    implementation = publisher.impl
-    implementation.set_queue_size(None)
+    manager = get_topic_manager()
+    resolved_name = rospy.resolve_name(name)
+    with manager.lock:
+        topic = manager.get_publisher_impl(resolved_name)
+        if topic is None:
+            topic = OutgoingTopic(resolved_name, data_class)
+            manager._add(topic, manager.pubs, Registration.PUB)
+    if not isinstance(topic, OutgoingTopic):
+        return False
     if latch:
-        implementation.enable_latch()
-    with _take_over_lock:
-        owner = getattr(implementation.publish, "__self__", None)
-        return owner if isinstance(owner, OutgoingTopic) else OutgoingTopic(implementation)
+        topic.enable_latch()
+    return True
 
 
-class OutgoingTopic:
-    """A published topic whose messages go through :mod:`basic_comms.delivery`.
+class OutgoingTopic(rospy.topics._PublisherImpl):
+    """A published topic without a queue; one of rospy's implementation objects.
 
-    :param implementation: rospy's object for the topic
+    :param name: topic, resolved
+    :param data_class: message class
     """
 
-    def __init__(self, implementation: Any) -> None:
-        self._implementation = implementation
-        self._lock: ContextManager[Any] = implementation.publock  # rospy forgets it on closing
-        self._connections: Optional[List[Any]] = None
+    def __init__(self, name: str, data_class: type) -> None:
+        super().__init__(name, data_class)
+        self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
+        self._known_connections: Optional[List[Any]] = None
         self._links: Dict[Any, delivery.Link] = {}
-        with self._lock:
-            implementation.publish = self.publish
+
+    def set_queue_size(self, queue_size: Optional[int]) -> None:
+        """Do without a queue, whatever another publisher of the topic asks for."""
 
     def publish(self, message: Any, connection_override: Any = None) -> None:
-        """Send a message. Stands in for rospy's method of this name.
+        """Send a message.
 
         :param message: what to send
         :param connection_override: the one connection to send it to, if not all
         :raises rospy.ROSException: if the topic is closed (but not while the node shuts down) or
             the node is not initialised
         """
-        self.publish_all([message], connection_override)
+        if connection_override is None:
+            self.publish_all((message,))
+            return
+        with self._lock:
+            self._update_links()
+            link = self._links.get(connection_override)
+            if link is not None:
+                delivery.deliver(self._serialize(message), [link])
 
-    def publish_all(self, messages: Sequence[Any], connection_override: Any = None) -> None:
+    def publish_all(self, messages: Sequence[Any]) -> None:
         """Send messages, all at once.
 
         :param messages: what to send, at least one
-        :param connection_override: as in :meth:`publish`
         :raises rospy.ROSException: as in :meth:`publish`
         """
-        topic = self._implementation
         with self._lock:
-            if topic.closed:
+            if self.closed:
                 if rospy.core.is_shutdown_requested():  # topics close before is_shutdown() is true
                     return
                 raise rospy.ROSException("publish() to a closed topic")
-            if topic.is_latch:
-                topic.latch = messages[-1]
-            if topic.connections is not self._connections:
+            if self.is_latch:
+                self.latch = messages[-1]
+            if self.connections is not self._known_connections:
                 self._update_links()
-            links: Collection[delivery.Link] = self._links.values()
-            if connection_override is not None:
-                links = [self._links[key] for key in self._links if key is connection_override]
-            if not links:
+            listener = self._listener()
+            if not self._links and listener is None:
                 if not rospy.core.is_initialized():
                     raise rospy.ROSException("publish() before init_node()")
                 return
-            data = b"".join([self._serialize(message) for message in messages])
-            topic.message_data_sent += len(data)
-            delivery.deliver(data, links, len(messages))
+            packets = [self._serialize(message) for message in messages]
+            if self._links:
+                data = b"".join(packets)
+                self.message_data_sent += len(data)
+                delivery.deliver(data, self._links.values(), len(packets))
+        if listener is not None:  # without the lock: it may publish on other topics
+            listener.receive_here([packet[_LENGTH.size :] for packet in packets])
+
+    def _listener(self) -> Optional[IncomingTopic]:
+        """Return the subscribers in this process, if they are spared a connection."""
+        topic = get_topic_manager().get_subscriber_impl(self.resolved_name)
+        return topic if isinstance(topic, IncomingTopic) and topic.hears(self) else None
 
     def _serialize(self, message: Any) -> bytes:
         """Return a message as it goes on the wire, its length before it."""
-        self._implementation.seq += 1
+        self.seq += 1
         buffer = io.BytesIO()
         if message._has_header:
-            rospy.msg.serialize_message(buffer, self._implementation.seq, message)
+            rospy.msg.serialize_message(buffer, self.seq, message)
             return buffer.getvalue()
         message.serialize(buffer)
         body = buffer.getvalue()
@@ -151,16 +163,13 @@ class OutgoingTopic:
 
     def _update_links(self) -> None:
         # rospy replaces the list on every change: while it is the same, nothing has changed.
-        self._connections = self._implementation.connections
+        self._known_connections = self.connections
         links: Dict[Any, delivery.Link] = {}
-        for connection in self._implementation.connections:
+        for connection in self.connections:
             if connection in self._links:
                 links[connection] = self._links[connection]
-            elif not isinstance(connection, TCPROSTransport):
-                links[connection] = _QueuedLink(connection, self._lock)
             elif connection.socket is not None:
-                topic = self._implementation.resolved_name
-                links[connection] = _SubscriberLink(connection, self._lock, topic)
+                links[connection] = _SubscriberLink(connection, self._lock, self.resolved_name)
         self._links = links
 
 
@@ -196,22 +205,3 @@ class _SubscriberLink(delivery.Link):
             rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
         else:
             rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)
-
-
-class _QueuedLink(delivery.Link):
-    """A connection from before the take-over, for which rospy goes on keeping a queue.
-
-    :param connection: rospy's object for it
-    :param lock: the topic's lock
-    """
-
-    def __init__(self, connection: Any, lock: ContextManager[Any]) -> None:
-        super().__init__(connection.endpoint_id, connection, lock)
-
-    def send(self, data: bytes, messages: int) -> bool:
-        try:
-            self._socket.write_data(data)
-            self.sent += messages
-        except Exception:  # rospy too takes any to mean that the connection is lost
-            self.drop()
-        return True

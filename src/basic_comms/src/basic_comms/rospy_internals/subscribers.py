@@ -2,9 +2,11 @@
 
 One implementation object serves all subscribers of a topic in a process, and each publisher's
 connection has a thread that reads from it, through a chain of buffers made for every case. Here a
-short way stands in: what one read brings is unpacked at once and handed over together.
+short way stands in: what one read brings is unpacked at once and handed over together. What is
+published in the same process comes without a connection, in the thread that publishes.
 """
 
+import copy
 import functools
 import inspect
 import struct
@@ -82,7 +84,17 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
             topic.add_batch_callback(callback)
         else:
             return False
+    publisher = manager.get_publisher_impl(resolved_name)
+    if topic.hears(publisher) and publisher.latch is not None:
+        callback([copy.deepcopy(publisher.latch)])
     return True
+
+
+def ask_for_statistics_once() -> None:
+    """Have rospy ask the master once in a process, not with each topic, for /enable_statistics."""
+    logger = getattr(rospy.topics, "SubscriberStatisticsLogger", None)
+    if logger is not None:
+        logger.is_enabled = functools.lru_cache(maxsize=None)(logger.is_enabled)
 
 
 class IncomingTopic(rospy.topics._SubscriberImpl):
@@ -92,9 +104,15 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
     :param data_class: message class
     """
 
-    def __init__(self, name: str, data_class: type) -> None:
+    def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
         self._batch_callbacks: List[BatchCallback] = []
+        self._header_here = {
+            "callerid": rospy.get_name(),
+            "topic": name,
+            "type": data_class._type,
+            "md5sum": data_class._md5sum,
+        }
 
     def add_batch_callback(self, callback: BatchCallback) -> None:
         """Have one more function called.
@@ -117,6 +135,42 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
             except Exception:  # as rospy does it: one callback's defect ends nothing else
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
+
+    def receive_here(self, bodies: List[bytes]) -> None:
+        """Hand messages over that are published in this process.
+
+        :param bodies: messages as they go on the wire, without their lengths; so each side has a
+            copy of its own, and numbers are rounded as for any other subscriber
+        """
+        messages = []
+        for body in bodies:
+            message = self.data_class()
+            message.deserialize(body)
+            message._connection_header = self._header_here
+            messages.append(message)
+        self.receive_callback(messages, None)
+
+    def hears(self, publisher: Any) -> bool:
+        """Tell whether a publisher's messages come through :meth:`receive_here`.
+
+        :param publisher: implementation object of the topic's publishers in this process
+        """
+        return (
+            hasattr(publisher, "publish_all")
+            and publisher.data_class is self.data_class
+            and not self.statistics_logger  # which rospy feeds with what it knows of a connection
+        )
+
+    def has_connection(self, endpoint_id: str) -> bool:
+        """Tell whether there is no need to connect to a publisher.
+
+        :param endpoint_id: URI of the publishing node
+        """
+        if endpoint_id == rospy.get_node_uri():
+            publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
+            if self.hears(publisher):
+                return True
+        return bool(super().has_connection(endpoint_id))
 
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.

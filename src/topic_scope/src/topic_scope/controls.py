@@ -67,7 +67,7 @@ class Controls:
 
     def listen(self) -> None:
         """Hear what nodes say of values that they refuse."""
-        rospy.Subscriber("/rosout_agg", Log, self._on_log)
+        rospy.Subscriber("/rosout", Log, self._on_log)
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""

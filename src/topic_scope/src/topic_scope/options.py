@@ -11,6 +11,9 @@ from typing import List, NamedTuple, Sequence
 
 from topic_scope.fields import FieldError, expand
 
+#: Addresses that stand for all of a machine's.
+_ALL = ("", "0.0.0.0", "::")
+
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
 
 
@@ -40,7 +43,8 @@ class Options(NamedTuple):
     @property
     def url(self) -> str:
         """Where the page is, as seen from this machine."""
-        host = "localhost" if self.is_local or self.address in ("0.0.0.0", "::") else self.address
+        is_here = self.is_local or self.address in _ALL
+        host = "localhost" if is_here else self.address
         return "http://%s:%d" % ("[%s]" % host if ":" in host else host, self.port)
 
 
@@ -62,7 +66,7 @@ def parse(arguments: Sequence[str]) -> Options:
     :raises SystemExit: if it cannot be understood, with the status 2
     """
     parser = _parser()
-    read = parser.parse_args(_as_options(arguments))
+    read = parser.parse_intermixed_args(_as_options(arguments))
     names: List[str] = []
     for argument in read.fields:
         for word in argument.split():  # a launch file hands them over in one

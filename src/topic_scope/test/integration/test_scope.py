@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""What pages are told of the signals: every sample counts, and early ones for late pages too."""
+
+import csv
+import io
+import math
+import time
+from typing import List, Tuple
+
+import genpy.dynamic
+import rospy
+import rostest
+from helpers.waiting import wait_until
+from std_msgs.msg import Float32, Float64, Float64MultiArray
+from wire.client import fetch
+from wire.scope_test import ScopeTest
+
+PEAK = 1e6
+
+
+class Signals(ScopeTest):
+    """A scope that watches the course's signals from the start."""
+
+    ARGUMENTS = ["/signal/signal_y", "/proc_signal"]
+
+    def samples(self, *fields: str) -> List[Tuple[float, List[str]]]:
+        """Return time and cells of each row of the CSV."""
+        query = "&".join("field=" + field for field in fields)
+        status, text = fetch("%s/data.csv?%s" % (self.scope.url, query))
+        self.assertEqual(status, 200, text)
+        head, *rows = csv.reader(io.StringIO(text))
+        self.assertEqual(head, ["time", *fields])
+        return [(float(row[0]), row[1:]) for row in rows]
+
+    def publish(self, publisher: rospy.Publisher, values: List[float]) -> None:
+        for value in values:
+            publisher.publish(value)
+            time.sleep(0.002)
+
+    def test_says_hello_and_what_can_be_chosen(self) -> None:
+        page = self.page()
+        hello = page.wait_for("hello")
+        self.assertEqual(hello["fields"], ["/signal/signal_y", "/proc_signal/data"])
+        self.assertFalse(hello["readonly"])
+        listed = page.wait_for("fields")["fields"]
+        self.assertIn({"field": "/signal/time_x", "datatype": "float64"}, listed)
+        self.assertIn(
+            {
+                "field": "/signal_generator/parameter_updates/doubles[0]/value",
+                "datatype": "float64",
+            },
+            listed,
+        )
+
+    def test_every_sample_is_in_a_frame_and_in_the_csv(self) -> None:
+        field = "/every/data"
+        page = self.page(field)
+        publisher = self.publisher("/every", Float32, page)
+        sent = [math.sin(index / 50.0) for index in range(500)]
+        sent[333] = PEAK
+        self.publish(publisher, sent)
+        wait_until(lambda: len(self.samples(field)) == len(sent), lambda: len(self.samples(field)))
+        rows = self.samples(field)
+        for (_, (text,)), value in zip(rows, sent):
+            self.assertAlmostEqual(float(text), value, delta=abs(value) * 1e-7)
+        wait_until(lambda: float(rows[-1][1][0]) in page.values(field), lambda: page.bins)
+        # Bin by bin, what is on the screen is what the samples say.
+        bins = {}
+        for moment, (text,) in rows:
+            bins.setdefault(math.floor(moment / page.width), []).append(float(text))
+        for index, values in bins.items():
+            self.assertEqual(page.bins[field][index], [min(values), max(values)])
+        self.assertEqual(page.values(field).count(PEAK), 1)
+
+    def test_a_late_page_gets_the_history(self) -> None:
+        first = self.page("/late/data")
+        publisher = self.publisher("/late", Float64, first)
+        self.publish(publisher, [1.0, PEAK, -PEAK, 2.0])
+        wait_until(lambda: PEAK in first.values("/late/data"), lambda: first.bins)
+        second = self.page("/late/data")
+        frame = second.wait_for("frame", lambda frame: bool(frame["traces"].get("/late/data")))
+        self.assertTrue(frame["reset"])
+        seen = [value for value in frame["traces"]["/late/data"] if value is not None]
+        self.assertEqual((max(seen), min(seen)), (PEAK, -PEAK))
+
+    def test_what_is_not_finite_travels_as_null(self) -> None:
+        page = self.page("/finite/data")
+        publisher = self.publisher("/finite", Float64, page)
+        self.publish(publisher, [math.nan, math.inf, -math.inf, 5.0])
+        wait_until(lambda: page.values("/finite/data"), lambda: page.bins)
+        self.assertEqual(set(page.values("/finite/data")), {5.0})
+        cells = [row[0] for _, row in self.samples("/finite/data")]
+        self.assertEqual(cells, ["nan", "inf", "-inf", "5.0"])
+
+    def test_fields_of_one_message_share_a_row(self) -> None:
+        page = self.page()
+        wait_until(lambda: len(page.values("/signal/signal_y")) > 50, lambda: page.bins)
+        page.send("select", fields=["/signal/signal_y:time_x", "/proc_signal/data"])
+        wait_until(lambda: len(page.values("/signal/time_x")) > 50, lambda: page.bins)
+        rows = self.samples("/signal/signal_y", "/signal/time_x", "/proc_signal/data")
+        both = [row for _, row in rows if row[1]]
+        self.assertTrue(both)
+        for level, moment, other in both:
+            # The documented signal: 2 sin(2 pi t).
+            expected = 2.0 * math.sin(2.0 * math.pi * float(moment))
+            self.assertAlmostEqual(float(level), expected, delta=1e-5)
+            self.assertEqual(other, "")
+        self.assertEqual([moment for moment, _ in rows], sorted(moment for moment, _ in rows))
+
+    def test_measures_and_triggers(self) -> None:
+        page = self.page("/signal/signal_y")
+        page.send("view", window=3.0, width=500, end=None)
+        found = page.wait_for(
+            "stats",
+            lambda stats: abs((stats["traces"]["/signal/signal_y"]["frequency"] or 0) - 1.0) < 0.01,
+        )["traces"]["/signal/signal_y"]
+        self.assertAlmostEqual(found["rate"], 100.0, delta=10.0)
+        self.assertAlmostEqual(found["max"], 2.0, delta=0.01)
+        page.send("trigger", mode="single", field="/signal/signal_y", level=0.5, edge="falling")
+        page.wait_for("trigger", lambda message: message["state"] == "armed")
+        crossing = page.wait_for("trigger", lambda message: message["state"] == "triggered")["time"]
+        rows = [(moment, float(row[0])) for moment, row in self.samples("/signal/signal_y")]
+        (before, high), (after, low) = next(
+            (one, other) for one, other in zip(rows, rows[1:]) if one[0] <= crossing < other[0]
+        )
+        self.assertGreater(high, 0.5)
+        self.assertLessEqual(low, 0.5)
+        expected = before + (high - 0.5) / (high - low) * (after - before)
+        self.assertAlmostEqual(crossing, expected, delta=1e-6)
+        # Held: the span around it is sent once, and then no frame comes any more.
+        page.send("view", window=1.0, width=125, end=crossing - 0.5)
+        held = page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.008)
+        first = math.floor((crossing - 1.5) / 0.008)
+        self.assertAlmostEqual(held["first"], first, delta=1)
+        count = len(page.messages("stats"))
+        wait_until(lambda: len(page.messages("stats")) > count + 2, lambda: "no more stats")
+        self.assertEqual(page.messages("frame")[-1], held)
+
+    def test_a_type_that_is_not_installed(self) -> None:
+        text = "string name\nfloat64[] levels\nInner[2] inner\n" + "=" * 80
+        text += "\nMSG: nowhere/Inner\ntime stamp\nbool on\n"
+        kinds = genpy.dynamic.generate_dynamic("nowhere/Outer", text)
+        publisher = rospy.Publisher("/nowhere", kinds["nowhere/Outer"], queue_size=10, latch=True)
+        self.addCleanup(publisher.unregister)
+        message = kinds["nowhere/Outer"](name="x", levels=[1.5, 2.5])
+        message.inner = [kinds["nowhere/Inner"](stamp=rospy.Time(7, 5), on=on) for on in (0, 1)]
+        publisher.publish(message)
+        page = self.page()
+        listed = page.wait_for("fields", lambda fields: "nowhere/levels" in str(fields))["fields"]
+        names = [choice["field"] for choice in listed if choice["field"].startswith("/nowhere/")]
+        self.assertEqual(
+            names,
+            ["/nowhere/levels[0]", "/nowhere/levels[1]"]
+            + ["/nowhere/inner[%d]/%s" % (n, name) for n in (0, 1) for name in ("stamp", "on")],
+        )
+        page.send("select", fields=["/nowhere/levels[1]", "/nowhere/inner[1]/on"])
+        selected = ["/nowhere/levels[1]", "/nowhere/inner[1]/on"]
+        page.wait_for("frame", lambda frame: list(frame["traces"]) == selected)
+
+        def arrived() -> bool:
+            publisher.publish(message)
+            return 2.5 in page.values(selected[0]) and 1.0 in page.values(selected[1])
+
+        wait_until(arrived, lambda: page.bins)
+
+    def test_a_topic_that_appears_later_and_changes_its_type(self) -> None:
+        page = self.page("/changing", "/changing/missing")
+        publisher = self.publisher("/changing", Float32, page)
+        wait_until(
+            lambda: publisher.publish(3.0) or 3.0 in page.values("/changing/data"),
+            lambda: page.bins,
+        )
+        publisher.unregister()
+        publisher = self.publisher("/changing", Float64MultiArray, page)
+        page.send("select", fields=["/changing/data[1]"])
+        message = Float64MultiArray(data=[4.0, 5.0])
+        wait_until(
+            lambda: publisher.publish(message) or 5.0 in page.values("/changing/data[1]"),
+            lambda: page.bins,
+        )
+
+    def test_a_field_that_is_not_there_is_said_to_be_missing(self) -> None:
+        page = self.page("/signal/nothing")
+        self.assertIn("no nothing in", page.wait_for("error")["text"])
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_scope")
+    rostest.rosrun("topic_scope", "scope", Signals)

@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Panels: what nodes say of themselves, values that are set and refused, services, the graph."""
+
+from typing import Any
+
+import rosnode
+import rospy
+import rostest
+from helpers.waiting import wait_until
+from std_srvs.srv import Trigger
+from wire.client import Client
+from wire.scope_test import ScopeTest
+
+NODE = "/signal_generator"
+
+
+class Controls(ScopeTest):
+    """A scope beside the course's nodes; each test leaves their parameters as they were."""
+
+    def panelled(self) -> Client:
+        """Return a page that has the panels of both nodes."""
+        page = self.page()
+
+        def is_complete(message: Any) -> bool:
+            return {"/process", NODE} <= {panel["node"] for panel in message["panels"]}
+
+        self.panels = {
+            panel["node"]: panel for panel in page.wait_for("panels", is_complete)["panels"]
+        }
+        return page
+
+    def set(self, page: Client, name: str, value: Any) -> None:
+        page.send("set", node=NODE, name=name, value=value)
+
+    def restore(self, name: str) -> None:
+        """Put a parameter back with the end of the test."""
+        self.addCleanup(rospy.set_param, "%s/%s" % (NODE, name), rospy.get_param(NODE + "/" + name))
+
+    def test_a_panel_shows_what_the_node_says(self) -> None:
+        self.panelled()
+        shown = {entry["name"]: entry for entry in self.panels[NODE]["parameters"]}
+        self.assertEqual(
+            {key: shown["rate"][key] for key in ("kind", "unit", "above", "maximum", "minimum")},
+            {"kind": "float", "unit": "Hz", "above": 0.0, "maximum": 10000.0, "minimum": None},
+        )
+        self.assertEqual(shown["waveform"]["kind"], "enum")
+        self.assertIn("square", shown["waveform"]["choices"])
+        self.assertIs(shown["autostart"]["value"], True)
+        self.assertEqual(shown["seed"]["kind"], "int")
+        self.assertTrue(shown["amplitude"]["help"])
+        services = self.panels[NODE]["services"]
+        self.assertIn({"name": NODE + "/enable", "kind": "SetBool"}, services)
+        self.assertIn({"name": NODE + "/reset", "kind": "Trigger"}, services)
+        self.assertNotIn("describe", str(services))
+
+    def test_a_value_comes_into_force_and_all_pages_know(self) -> None:
+        one, other = self.panelled(), self.panelled()
+        self.restore("amplitude")
+        one.send("select", fields=["/signal/amplitude"])
+        self.set(one, "amplitude", 3.25)
+        for page in (one, other):
+            page.wait_for(
+                "value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.25)
+            )
+        self.assertEqual(rospy.get_param(NODE + "/amplitude"), 3.25)
+        wait_until(lambda: 3.25 in one.values("/signal/amplitude"), lambda: one.bins)
+        self.assertEqual(one.messages("refused"), [])
+
+    def test_a_value_out_of_range_is_refused_and_never_written(self) -> None:
+        page = self.panelled()
+        self.set(page, "rate", -1)
+        refused = page.wait_for("refused")
+        self.assertEqual((refused["node"], refused["name"], refused["value"]), (NODE, "rate", -1))
+        self.assertIn("allowed is a number in (0, 10000]", refused["text"])
+        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("rate", 100.0))
+        self.set(page, "waveform", "wavy")
+        page.wait_for("refused", lambda told: "one of sine, square" in told["text"])
+        self.set(page, "autostart", 1)
+        page.wait_for("refused", lambda told: "true or false" in told["text"])
+
+    def test_the_node_has_the_last_word(self) -> None:
+        """A value that is in range, but not with the others: only the node knows."""
+        page, other = self.panelled(), self.panelled()
+        before = rospy.get_param(NODE + "/multisine_amplitudes")
+        self.set(page, "multisine_amplitudes", "[1.0, 2.0, 3.0]")
+        refused = page.wait_for("refused")
+        self.assertIn("three lists of one length", refused["text"])
+        wait_until(
+            lambda: page.messages("value")[-1]["value"] == "[1.0, 0.5]",
+            lambda: page.messages("value"),
+        )
+        self.assertEqual(rospy.get_param(NODE + "/multisine_amplitudes"), before)
+        self.assertEqual(other.messages("refused"), [])
+
+    def test_the_last_of_many_values_wins(self) -> None:
+        page = self.panelled()
+        self.restore("offset")
+        for index in range(101):
+            self.set(page, "offset", index / 100.0)
+        wait_until(
+            lambda: rospy.get_param(NODE + "/offset") == 1.0,
+            lambda: rospy.get_param(NODE + "/offset"),
+        )
+        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("offset", 1.0))
+        self.assertEqual(page.messages("refused"), [])
+
+    def test_a_change_by_anybody_is_shown(self) -> None:
+        page = self.panelled()
+        self.restore("phase")
+        rospy.set_param(NODE + "/phase", 0.75)
+        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("phase", 0.75))
+        page.forget()
+        rospy.set_param(NODE + "/phase", "nonsense")  # the node puts it back
+        wait_until(lambda: rospy.get_param(NODE + "/phase") == 0.75, lambda: "not put back")
+        self.assertNotIn("nonsense", str(page.messages("value")))
+
+    def test_services_are_called(self) -> None:
+        page = self.panelled()
+        page.send("call", service=NODE + "/reset")
+        called = page.wait_for("called")
+        self.assertEqual((called["service"], called["success"]), (NODE + "/reset", True))
+        self.assertIn("start at 0", called["message"])
+        page.send("call", service=NODE + "/enable", data=False)
+        page.wait_for("called", lambda told: told["service"] == NODE + "/enable")
+        page.forget()
+        page.send("call", service=NODE + "/enable", data=True)
+        self.assertTrue(page.wait_for("called")["success"])
+
+    def test_only_what_has_a_button_can_be_called_or_set(self) -> None:
+        page = self.panelled()
+        requests = [
+            ("call", {"service": "/signal_generator/set_logger_level"}),
+            ("call", {"service": "/rosout/get_loggers"}),
+            ("call", {"service": NODE + "/enable"}),
+            ("set", {"node": NODE, "name": "undeclared", "value": 1}),
+            ("set", {"node": "/", "name": "run_id", "value": 1}),
+        ]
+        for kind, content in requests:
+            page.forget()
+            page.send(kind, **content)
+            page.wait_for("error")
+
+    def test_the_graph_has_nodes_edges_and_rates(self) -> None:
+        page = self.panelled()
+        page.send("graph", on=True)
+        expected = {"from": NODE, "to": "/process", "topic": "/signal"}
+
+        def has_rate(graph: Any) -> bool:
+            rates = [edge["rate"] for edge in graph["edges"] if expected.items() <= edge.items()]
+            return len(rates) == 1 and rates[0] is not None and 80.0 < rates[0] < 120.0
+
+        graph = page.wait_for("graph", has_rate)
+        self.assertLessEqual({NODE, "/process"}, set(graph["nodes"]))
+        self.assertIn({"name": "/signal", "datatype": "basic_comms/signal_msg"}, graph["topics"])
+        own = "/scope_" + self.scope.url.rpartition(":")[2]
+        self.assertIn(own, rosnode.get_node_names())
+        self.assertNotIn(own, graph["nodes"])
+        page.send("graph", on=False)
+        page.send("foo")  # answered after that
+        page.wait_for("error")
+        page.forget()
+        self.restore("phase")
+        rospy.set_param(NODE + "/phase", 0.5)
+        page.wait_for("value")
+        self.assertEqual(page.messages("graph"), [])
+
+    def test_a_node_that_ends_takes_its_panel_along(self) -> None:
+        page = self.panelled()
+        service = rospy.Service("/guest/describe", Trigger, _describe_guest)
+        page.wait_for(
+            "panels", lambda told: "/guest" in [panel["node"] for panel in told["panels"]]
+        )
+        page.forget()
+        service.shutdown("ended by the test")
+        page.wait_for(
+            "panels", lambda told: "/guest" not in [panel["node"] for panel in told["panels"]]
+        )
+
+    def test_a_description_that_makes_no_sense_is_no_panel(self) -> None:
+        page = self.panelled()
+        service = rospy.Service(
+            "/babbler/describe", Trigger, lambda _: (True, "[!!python/object/new:os.system [id]]")
+        )
+        self.addCleanup(service.shutdown)
+        guest = rospy.Service("/later/describe", Trigger, _describe_guest)
+        self.addCleanup(guest.shutdown)
+        page.wait_for(
+            "panels", lambda told: "/later" in [panel["node"] for panel in told["panels"]]
+        )
+        self.assertNotIn("babbler", str(page.messages("panels")))
+
+
+def _describe_guest(_request: Any) -> Any:
+    return True, "- {name: a, value: 1, type: int, unit: '', range: '[0, 5]', help: ''}"
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_scope_controls")
+    rostest.rosrun("topic_scope", "scope_controls", Controls)

@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Who is let in, what garbage does, and that a page that does not read costs nobody anything."""
+
+import base64
+import http.client
+import json
+import os
+import socket
+import time
+import urllib.parse
+from typing import Any, Dict
+
+import rospy
+import rostest
+from helpers.waiting import wait_until
+from tornado.httpclient import HTTPClientError
+from wire.client import Client, fetch
+from wire.scope_test import ScopeTest
+
+FIELDS = ["/signal/%s" % name for name in ("signal_y", "time_x", "amplitude", "frequency")]
+
+
+class Guards(ScopeTest):
+    """A scope of this machine's own."""
+
+    ARGUMENTS = FIELDS
+
+    def test_a_page_of_another_site_is_refused(self) -> None:
+        for headers in (
+            {"Origin": "http://example.com"},
+            {"Origin": self.scope.url + "0"},
+            {"Origin": "null"},
+            {"Origin": "http://rebound.example.com:80", "Host": "rebound.example.com:80"},
+        ):
+            with self.assertRaises(HTTPClientError) as caught:
+                Client(self.scope.url, headers)
+            self.assertEqual(caught.exception.code, 403, headers)
+        self.page(headers={"Origin": self.scope.url})
+
+    def test_names_of_others_are_refused_everywhere(self) -> None:
+        for path in ("/", "/static/index.html", "/dygraphs/dygraph.min.js", "/data.csv?field=/a/x"):
+            self.assertEqual(fetch(self.scope.url + path)[0], 200, path)
+            self.assertEqual(fetch(self.scope.url + path, {"Host": "example.com"})[0], 403, path)
+
+    def test_a_page_is_told_to_be_strict(self) -> None:
+        connection = http.client.HTTPConnection(self.scope.url.partition("//")[2])
+        self.addCleanup(connection.close)
+        connection.request("GET", "/")
+        answer = connection.getresponse()
+        self.assertIn("frame-ancestors 'none'", answer.headers["Content-Security-Policy"])
+        self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+
+    def test_nothing_outside_of_the_folders_is_served(self) -> None:
+        for folder in ("/static/", "/dygraphs/", "/"):
+            for way in (
+                "../package.xml",
+                "..%2fpackage.xml",
+                "%2e%2e/package.xml",
+                "/etc/passwd",
+                "..\\package.xml",
+                "js/../../package.xml",
+                "../" * 12 + "etc/passwd",
+            ):
+                status, text = fetch(self.scope.url + folder + way)
+                self.assertIn(status, (400, 403, 404), folder + way)
+                self.assertNotIn("<package", text)
+                self.assertNotIn("root:", text)
+
+    def test_bad_exports_are_refused(self) -> None:
+        for query in (
+            "field=../x",
+            "field=" + "&field=".join("/a/x%d" % n for n in range(40)),
+            "field=/a/x&start=nan",
+            "field=/a/x&end=soon",
+            "field=" + "a" * 400,
+        ):
+            self.assertEqual(fetch("%s/data.csv?%s" % (self.scope.url, query))[0], 400, query)
+
+    def test_garbage_is_answered_and_the_page_stays(self) -> None:
+        page = self.page()
+        for text in (
+            "",
+            "{",
+            "[]",
+            "null",
+            "\x00",
+            b"\xff\x00",
+            '{"type": "view"}',
+            "[" * 60000,
+            '{"type": "set", "node": 1}',
+            '{"type": "view", "window": 1e999, "width": 5}',
+        ):
+            page.forget()
+            page.send_text(text)
+            page.wait_for("error")
+            page.wait_for("frame")
+        self.assertFalse(page.is_closed)
+
+    def test_a_request_that_is_too_long_ends_that_page_only(self) -> None:
+        page, other = self.page(), self.page()
+        page.send_text("x" * 1000000)
+        wait_until(lambda: page.is_closed, lambda: "it is still open")
+        other.forget()
+        other.wait_for("frame")
+
+    def test_there_is_a_limit_to_pages(self) -> None:
+        pages = [self.page() for _ in range(32)]
+        with self.assertRaises(HTTPClientError) as caught:
+            Client(self.scope.url)
+        self.assertEqual(caught.exception.code, 503)
+        pages[0].close()
+
+        def is_let_in() -> bool:
+            try:
+                self.page()
+                return True
+            except HTTPClientError:
+                return False
+
+        wait_until(is_let_in, lambda: "the place of a page that has gone is not free")
+
+    def test_a_page_that_does_not_read_gets_no_backlog(self) -> None:
+        """It asks for large frames all the time, and takes none."""
+        fast, slow = self.page(), NotReading(self.scope.url)
+        self.addCleanup(slow.close)
+        before = self.memory()
+        for _ in range(150):
+            slow.send(type="view", window=60.0, width=4000, end=None)
+            time.sleep(0.02)
+        fast.forget()
+        fast.wait_for("frame")
+        self.assertLess(self.memory() - before, 20e6)
+        # What it can read now is what the system kept for it, and then the present.
+        asked_at = time.time()
+        old = 0
+        for message in slow.messages():
+            if message["type"] == "frame":
+                if message["now"] > asked_at:
+                    break
+                old += 1
+        self.assertLess(old, 75)
+
+    def memory(self) -> int:
+        """Return how much memory the scope holds, bytes."""
+        with open("/proc/%d/statm" % self.scope._process.pid) as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class ReadOnly(ScopeTest):
+    """A scope that is open to the network."""
+
+    ARGUMENTS = ["/signal/signal_y", "--address", "0.0.0.0"]
+
+    def test_watches_and_sets_nothing(self) -> None:
+        page = self.page()
+        self.assertTrue(page.wait_for("hello")["readonly"])
+        page.wait_for("panels", lambda told: "/signal_generator" in str(told["panels"]))
+        wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
+        before = rospy.get_param("/signal_generator/amplitude")
+        for request in (
+            {"type": "set", "node": "/signal_generator", "name": "amplitude", "value": 7.0},
+            {"type": "call", "service": "/signal_generator/enable", "data": False},
+        ):
+            page.forget()
+            page.send_text(json.dumps(request))
+            self.assertIn("read-only", page.wait_for("error")["text"])
+        self.assertEqual(page.messages("called"), [])
+        self.assertEqual(rospy.get_param("/signal_generator/amplitude"), before)
+
+    def test_is_reached_by_address_but_not_by_a_strange_name(self) -> None:
+        port = urllib.parse.urlsplit(self.scope.url).port
+        address = "http://%s:%s/" % (socket.gethostbyname(socket.gethostname()), port)
+        self.assertEqual(fetch(address)[0], 200)
+        self.assertEqual(fetch(address, {"Host": "example.com"})[0], 403)
+
+
+class NotReading:
+    """A page that sends, and reads only when it is told to."""
+
+    def __init__(self, url: str) -> None:
+        parts = urllib.parse.urlsplit(url)
+        self._socket = socket.socket()
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
+        self._socket.settimeout(30.0)
+        self._socket.connect((parts.hostname, parts.port))
+        key = base64.b64encode(bytes(16)).decode()
+        head = "GET /ws HTTP/1.1\r\nHost: %s\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        head += "Sec-WebSocket-Key: %s\r\nSec-WebSocket-Version: 13\r\n\r\n"
+        self._socket.sendall((head % (parts.netloc, key)).encode())
+        self._file = self._socket.makefile("rb")
+        while self._file.readline().strip():
+            pass
+
+    def send(self, **request: Any) -> None:
+        data = json.dumps(request).encode()
+        self._socket.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
+
+    def messages(self) -> Any:
+        """Yield what comes, as it is read."""
+        while True:
+            first, length = self._file.read(2)
+            if length == 126:
+                length = int.from_bytes(self._file.read(2), "big")
+            elif length == 127:
+                length = int.from_bytes(self._file.read(8), "big")
+            data = self._file.read(length)
+            if first == 0x81:
+                message: Dict[str, Any] = json.loads(data)
+                yield message
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_scope_guards")
+    rostest.rosrun("topic_scope", "scope_guards", "test_scope_guards")

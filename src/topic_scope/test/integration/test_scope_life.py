@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""How the scope starts and ends, and what it does when the master does not stay."""
+
+import os
+import signal
+import socket
+import subprocess
+import unittest
+import xmlrpc.client
+from typing import Any, Dict, List
+
+import roslib.packages
+import rosunit
+from helpers.waiting import wait_until
+from wire.client import Client, fetch
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return int(probe.getsockname()[1])
+
+
+class Life(unittest.TestCase):
+    """Each test has a master of its own."""
+
+    def setUp(self) -> None:
+        self.master_uri = "http://localhost:%d" % free_port()
+        self.master = self.start_master()
+        self.port = free_port()
+        self.url = "http://localhost:%d" % self.port
+
+    def start_master(self) -> "subprocess.Popen[str]":
+        port = self.master_uri.rpartition(":")[2]
+        master = self.start("rosmaster", "--core", "-p", port)
+        proxy = xmlrpc.client.ServerProxy(self.master_uri)
+
+        def answers() -> bool:
+            try:
+                return bool(proxy.getPid("/test")[0] == 1)
+            except OSError:
+                return False
+
+        wait_until(answers, lambda: "the master does not answer")
+        return master
+
+    def start(self, *command: str, **variables: str) -> "subprocess.Popen[str]":
+        environment: Dict[str, str] = {**os.environ, "ROS_MASTER_URI": self.master_uri}
+        process = subprocess.Popen(
+            list(command),
+            env={**environment, **variables},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+        )
+        self.addCleanup(self.end, process)
+        return process
+
+    def end(self, process: "subprocess.Popen[str]", number: int = signal.SIGINT) -> str:
+        """End a process; return what it has said."""
+        if process.poll() is None:
+            process.send_signal(number)
+        text = process.communicate(timeout=30.0)[0] if process.stdout else ""
+        process.stdout = None
+        return text
+
+    def start_node(self, package: str, name: str, *arguments: str) -> "subprocess.Popen[str]":
+        return self.start(roslib.packages.find_node(package, name)[0], *arguments)
+
+    def start_scope(self, *arguments: str) -> "subprocess.Popen[str]":
+        scope = self.start_node("topic_scope", "scope.py", "--port", str(self.port), *arguments)
+
+        def is_served() -> bool:
+            try:
+                return fetch(self.url)[0] == 200
+            except OSError:
+                return False
+
+        wait_until(is_served, lambda: "no page at %s" % self.url)
+        return scope
+
+    def page(self, *fields: str) -> Client:
+        client = Client(self.url)
+        self.addCleanup(client.close)
+        client.wait_for("hello")
+        client.send("select", fields=list(fields))
+        return client
+
+    def test_says_where_it_is_and_ends_cleanly(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            scope = self.start_scope()
+            page = self.page("/a/x")
+            page.wait_for("frame")
+            text = self.end(scope, number)
+            self.assertEqual(scope.returncode, 0, text)
+            self.assertIn(self.url, text)
+            self.assertNotIn("Traceback", text)
+            wait_until(lambda: page.is_closed, lambda: "the page is still connected")
+
+    def test_a_port_that_is_taken_is_told_with_what_to_do(self) -> None:
+        self.start_scope()
+        second = self.start_node("topic_scope", "scope.py", "_port:=%d" % self.port)
+        text = self.end_of(second)
+        self.assertEqual(second.returncode, 1, text)
+        self.assertIn("port %d is taken" % self.port, text)
+        self.assertIn("--port", text)
+        self.assertNotIn("Traceback", text)
+
+    def test_an_address_of_somebody_else_is_refused(self) -> None:
+        scope = self.start_node("topic_scope", "scope.py", "--address", "192.0.2.1")
+        text = self.end_of(scope)
+        self.assertEqual(scope.returncode, 1, text)
+        self.assertIn("192.0.2.1", text)
+        self.assertNotIn("Traceback", text)
+
+    def end_of(self, process: "subprocess.Popen[str]") -> str:
+        """Return what a process that ends by itself has said."""
+        text: Any = process.communicate(timeout=30.0)[0]
+        process.stdout = None
+        return str(text)
+
+    def test_listens_on_this_machine_only_unless_told_otherwise(self) -> None:
+        self.start_scope()
+        self.assertEqual(self.listening(), ["127.0.0.1"])
+
+    def listening(self) -> List[str]:
+        """Return the addresses that the scope's port is open at."""
+        found = []
+        for name in ("/proc/net/tcp", "/proc/net/tcp6"):
+            with open(name) as table:
+                for line in table.read().splitlines()[1:]:
+                    address, _, port = line.split()[1].rpartition(":")
+                    if int(port, 16) == self.port and line.split()[3] == "0A":
+                        data = bytes.fromhex(address)[::-1]
+                        found.append(socket.inet_ntop(socket.AF_INET, data[-4:]))
+        return found
+
+    def test_survives_a_restart_of_the_master(self) -> None:
+        self.start_node("basic_comms", "signal_generator.py", "_rate:=50")
+        self.start_scope("/signal/signal_y")
+        page = self.page("/signal/signal_y", "/proc_signal/data")
+        wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
+        self.end(self.master)
+        page.forget()
+        page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
+        self.start_master()
+        # What comes only now is found, and its parameters too.
+        self.start_node("basic_comms", "process.py")
+        wait_until(lambda: page.values("/proc_signal/data"), lambda: page.bins)
+        page.wait_for("panels", lambda told: "/process" in str(told["panels"]))
+        page.forget()
+        page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
+        page.send("set", node="/process", name="offset", value=5.0)
+        wait_until(
+            lambda: max(page.values("/proc_signal/data")) > 5.0,
+            lambda: (page.messages("refused"), page.messages("error")),
+        )
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("topic_scope", "scope_life", Life)

@@ -1,0 +1,52 @@
+"""The command line."""
+
+import pytest
+
+from topic_scope.options import is_loopback, parse
+
+
+def test_the_defaults_are_of_this_machine() -> None:
+    options = parse([])
+    assert (options.address, options.port, options.fields) == ("127.0.0.1", 8080, ())
+    assert options.is_local and options.url == "http://localhost:8080"
+
+
+def test_fields_are_expanded_wherever_they_stand() -> None:
+    options = parse(["/a/x:y", "--port", "8091", "b /c", "__name:=scope", "_port:=8092"])
+    assert options.fields == ("/a/x", "/a/y", "/b", "/c")
+    assert options.port == 8092
+
+
+@pytest.mark.parametrize("address", ["0.0.0.0", "10.0.0.7", "::", "lab-7", ""])
+def test_any_other_address_is_open(address: str) -> None:
+    options = parse(["_address:=" + address])
+    assert options.address == address and not options.is_local
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1", "127.0.0.2", "::1", "localhost"])
+def test_addresses_of_this_machine_are_not(address: str) -> None:
+    assert is_loopback(address)
+
+
+def test_an_address_with_colons_is_put_in_brackets() -> None:
+    assert parse(["--address", "fe80::1"]).url == "http://[fe80::1]:8080"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--port", "0"],
+        ["--port", "65536"],
+        ["--port", "web"],
+        ["--history", "-1"],
+        ["--window", "nan"],
+        ["../x"],
+        ["--opener"],
+        ["_port:=x"],
+    ],
+)
+def test_what_makes_no_sense_is_refused(arguments: list, capsys: pytest.CaptureFixture) -> None:
+    with pytest.raises(SystemExit) as caught:
+        parse(arguments)
+    assert caught.value.code == 2
+    assert "usage" in capsys.readouterr().err

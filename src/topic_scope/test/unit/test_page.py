@@ -1,0 +1,34 @@
+"""What waits for a page stays bounded, and is in the right order."""
+
+from topic_scope.page import Page
+
+
+def test_news_replaces_what_was_not_read() -> None:
+    page = Page(10.0)
+    for index in range(1000):
+        page.put({"type": "value", "value": index}, "/node", "a")
+        page.put({"type": "value", "value": -index}, "/node", "b")
+        page.put({"type": "stats", "index": index})
+    assert page.take() == [
+        {"type": "value", "value": 999},
+        {"type": "value", "value": -999},
+        {"type": "stats", "index": 999},
+    ]
+    assert page.take() == []
+
+
+def test_what_is_said_once_comes_first_and_is_limited() -> None:
+    page = Page(10.0)
+    page.put({"type": "value"})
+    for index in range(1000):
+        page.note({"type": "error", "text": str(index)})
+    messages = page.take()
+    assert messages[-1] == {"type": "value"}
+    assert [message["text"] for message in messages[:-1]] == [str(n) for n in range(950, 1000)]
+
+
+def test_a_bad_request_is_answered_and_not_handled() -> None:
+    page = Page(10.0)
+    handled = []
+    page.obey("{", lambda *request: handled.append(request))
+    assert handled == [] and page.take()[0]["type"] == "error"

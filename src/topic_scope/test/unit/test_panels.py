@@ -1,0 +1,159 @@
+"""Panels are what the nodes' own declarations say, and judge values as the nodes do."""
+
+from typing import Any
+
+import pytest
+import yaml
+from basic_comms.description import as_yaml
+from basic_comms.parameter_kinds import ParameterError
+from basic_comms.parameters import (
+    BoolParameter,
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterSet,
+    StringParameter,
+    describe,
+)
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope.panels import DescriptionError, Panel, refusal_in, values_in
+
+NODE = "/lab/gauge"
+
+
+class Gauge(ParameterSet):
+    """A parameter of every kind, and every kind of end."""
+
+    level = FloatParameter(1.0, above=0.0, maximum=1e10, unit="V", help="a level")
+    slope = FloatParameter(0.5, minimum=-1.0, below=1.0, help="a slope")
+    free = FloatParameter(0.5, help="any number")
+    count = IntParameter(3, minimum=0, help="a count")
+    on = BoolParameter(False, help="a switch")
+    title = StringParameter("gauge", help="a title: any text")
+    shape = EnumParameter("round", choices=("round", "flat"), help="a shape")
+    marks = ListParameter([1.0, 2.0], element=FloatParameter(0.0, help=""), help="marks")
+
+
+def panel(**values: Any) -> Panel:
+    services = {NODE + "/reset": "Trigger"}
+    return Panel(NODE, as_yaml(describe(Gauge(**values))), services)
+
+
+def shown(name: str) -> Any:
+    entries = {entry["name"]: entry for entry in panel().message()["parameters"]}
+    return entries[name]
+
+
+def test_a_panel_says_what_was_declared() -> None:
+    message = panel().message()
+    assert message["node"] == NODE
+    assert message["services"] == [{"name": NODE + "/reset", "kind": "Trigger"}]
+    names = [entry["name"] for entry in message["parameters"]]
+    assert names == list(Gauge.declared)
+    assert shown("level") == {
+        "name": "level",
+        "kind": "float",
+        "unit": "V",
+        "help": "a level",
+        "value": 1.0,
+        "minimum": None,
+        "maximum": 1e10,
+        "above": 0.0,
+        "below": None,
+        "choices": [],
+    }
+    assert (shown("slope")["minimum"], shown("slope")["below"]) == (-1.0, 1.0)
+    assert [shown("free")[end] for end in ("minimum", "maximum", "above", "below")] == [None] * 4
+    assert shown("count")["maximum"] == 2**31 - 1
+    assert shown("shape")["choices"] == ["round", "flat"]
+    assert [shown(name)["kind"] for name in ("on", "title", "marks")] == [
+        "bool",
+        "string",
+        "string",
+    ]
+    assert shown("marks")["value"] == "[1.0, 2.0]"
+
+
+VALUES = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=8)
+    | st.sampled_from(["round", "1e3", "-0.5"])
+    | st.floats(-2.0, 2.0)
+)
+
+
+@given(st.sampled_from([name for name in Gauge.declared if name != "marks"]), VALUES)
+def test_values_are_judged_as_the_node_does(name: str, value: Any) -> None:
+    try:
+        expected: Any = getattr(Gauge(**{name: value}), name)
+    except ParameterError as error:
+        with pytest.raises(ParameterError) as caught:
+            panel().judge(name, value)
+        assert str(caught.value) == str(error).replace(name, "%s/%s" % (NODE, name), 1)
+        return
+    result = panel().judge(name, value)
+    assert result == expected and type(result) is type(expected)
+
+
+@pytest.mark.parametrize("value, expected", [("[1, 2.5]", (1, 2.5)), ([3.0], (3.0,)), ("[]", ())])
+def test_a_list_is_written_as_yaml(value: Any, expected: Any) -> None:
+    assert panel().judge("marks", value) == expected
+
+
+@pytest.mark.parametrize("value", ["1.0", "[1", "{a: 1}", 5, "!!python/object/new:list [[1]]"])
+def test_what_is_no_list_is_refused(value: Any) -> None:
+    with pytest.raises(ParameterError, match="a list such as"):
+        panel().judge("marks", value)
+
+
+def test_follows_what_is_allowed_only() -> None:
+    followed = panel()
+    raw = {"level": -1, "count": 5, "on": True, "shape": "wavy", "marks": [4.0], "other": 1}
+    assert sorted(followed.follow(raw)) == ["count", "marks", "on"]
+    assert followed.follow(raw) == []
+    assert followed.values["level"] == 1.0
+    assert followed.shown_value("marks") == "[4.0]"
+
+
+def test_values_in_force_are_read() -> None:
+    assert values_in(as_yaml(describe(Gauge(level=2))))["level"] == 2.0
+
+
+GOOD = {"name": "a", "value": 1, "type": "int", "unit": "", "range": "[0, 5]", "help": ""}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{",
+        "a: 1",
+        "[1]",
+        "[!!python/object/new:os.system [id]]",
+        yaml.safe_dump([{**GOOD, "type": "complex"}]),
+        yaml.safe_dump([{**GOOD, "range": "0 to 5"}]),
+        yaml.safe_dump([{**GOOD, "value": 7}]),
+        yaml.safe_dump([{**GOOD, "type": "enum"}]),
+        yaml.safe_dump([{"name": "a"}]),
+    ],
+)
+def test_a_description_that_makes_no_sense_is_refused(text: str) -> None:
+    with pytest.raises(DescriptionError):
+        Panel(NODE, text, {})
+
+
+def test_a_refusal_is_found_by_the_name_of_the_parameter() -> None:
+    lines = [
+        "parameter /lab/gauge/level: 1 is refused",
+        "parameter /lab/gauge/level_max: 2 is refused",
+        "parameter /lab/gauge/low, /lab/gauge/level: 3 is refused",
+        "parameter /lab/gauge2/level: 4 is refused",
+    ]
+    assert refusal_in(lines, NODE, "level") == lines[2]
+    assert refusal_in(lines[:2], NODE, "level") == lines[0]
+    assert refusal_in(lines[:1], NODE, "lev") is None

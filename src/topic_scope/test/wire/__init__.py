@@ -1,0 +1,1 @@
+"""What tests of the server's interface share; a .test file puts the folder above on PYTHONPATH."""

@@ -1,0 +1,133 @@
+"""A page's end of the WebSocket, and files over HTTP, for tests."""
+
+import asyncio
+import json
+import threading
+import time
+import urllib.error
+import urllib.request
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import tornado.httpclient
+import tornado.ioloop
+import tornado.websocket
+from helpers.waiting import TIMEOUT, wait_until
+
+Message = Dict[str, Any]
+
+
+class Client:
+    """A page that keeps all that it is told, and puts frames together as a page does.
+
+    :param url: where the scope is
+    :param headers: more headers of the request
+    :raises Exception: if the scope refuses the connection
+    """
+
+    def __init__(self, url: str, headers: Optional[Dict[str, str]] = None) -> None:
+        self.bins: Dict[str, Dict[int, List[Optional[float]]]] = {}
+        self.width = 0.0
+        self._messages: List[Message] = []
+        self._lock = threading.Lock()
+        self._ready = threading.Event()
+        self._failure: Optional[BaseException] = None
+        self._closed = False
+        self._request = tornado.httpclient.HTTPRequest(
+            url.replace("http", "ws", 1) + "/ws", headers=headers or {}, connect_timeout=TIMEOUT
+        )
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+        self._ready.wait(TIMEOUT)
+        if self._failure is not None:
+            raise self._failure
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(asyncio.new_event_loop())
+        self._loop = tornado.ioloop.IOLoop.current()
+        try:
+            self._loop.run_sync(self._read)
+        except BaseException as error:
+            self._failure = error
+        self._ready.set()
+
+    async def _read(self) -> None:
+        self._connection = await tornado.websocket.websocket_connect(self._request)
+        self._ready.set()
+        while True:
+            text = await self._connection.read_message()
+            if text is None:
+                self._closed = True
+                return
+            with self._lock:
+                self._take(json.loads(text, parse_constant=_refuse))
+
+    def _take(self, message: Message) -> None:
+        message["heard"] = time.monotonic()
+        self._messages.append(message)
+        if message["type"] == "frame":
+            if message["reset"]:
+                self.bins = {}
+            self.width = message["bin"]
+            for field, values in message["traces"].items():
+                bins = self.bins.setdefault(field, {})
+                for index in range(len(values) // 2):
+                    bins[message["first"] + index] = values[2 * index : 2 * index + 2]
+
+    def send(self, kind: str, **content: Any) -> None:
+        """Send a request."""
+        self.send_text(json.dumps({"type": kind, **content}))
+
+    def send_text(self, text: Any) -> None:
+        """Send anything."""
+        binary = isinstance(text, bytes)
+        self._loop.add_callback(lambda: self._connection.write_message(text, binary=binary))
+
+    def messages(self, kind: str) -> List[Message]:
+        """Return what has come so far of one kind, oldest first."""
+        with self._lock:
+            return [message for message in self._messages if message["type"] == kind]
+
+    def forget(self) -> None:
+        """Forget what has come so far, but not what is on the screen."""
+        with self._lock:
+            self._messages.clear()
+
+    def wait_for(self, kind: str, condition: Callable[[Message], bool] = lambda _: True) -> Message:
+        """Return the first message that meets a condition, come already or yet to come."""
+        return wait_until(
+            lambda: [message for message in self.messages(kind) if condition(message)][:1],
+            lambda: "of %s came %s" % (kind, str(self.messages(kind)[-3:])[:2000]),
+        )[0]
+
+    def values(self, field: str) -> List[float]:
+        """Return all extremes of a field that are on the screen, by time."""
+        with self._lock:
+            bins = dict(self.bins.get(field, {}))
+        return [value for _, pair in sorted(bins.items()) for value in pair if value is not None]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the scope has ended the connection."""
+        return self._closed
+
+    def close(self) -> None:
+        """End the connection."""
+        self._loop.add_callback(lambda: self._connection.close())
+        self._thread.join(TIMEOUT)
+
+
+def fetch(url: str, headers: Optional[Dict[str, str]] = None) -> Tuple[int, str]:
+    """Return status and text of an answer.
+
+    :param url: where; sent as it is, with .. too
+    :param headers: headers of the request
+    """
+    try:
+        with urllib.request.urlopen(urllib.request.Request(url, headers=headers or {})) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError("%s is no JSON" % constant)

@@ -1,0 +1,49 @@
+"""A test with a scope of its own."""
+
+import unittest
+from typing import Any, ClassVar, List
+
+import rospy
+from browsing.scope_process import ScopeProcess
+from helpers.waiting import wait_until
+
+from wire.client import Client
+
+
+class ScopeTest(unittest.TestCase):
+    """Has a scope, and pages of it that are closed with the test."""
+
+    #: What its command line says besides the port.
+    ARGUMENTS: ClassVar[List[str]] = []
+    scope: ClassVar[ScopeProcess]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.scope = ScopeProcess(*cls.ARGUMENTS)
+        cls.scope.wait_until_served()
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.scope.stop()
+
+    def page(self, *fields: str, **arguments: Any) -> Client:
+        """Open a page.
+
+        :param fields: what it selects; nothing to leave that to the scope
+        """
+        client = Client(self.scope.url, **arguments)
+        self.addCleanup(client.close)
+        client.wait_for("hello")
+        if fields:
+            client.send("select", fields=list(fields))
+        return client
+
+    def publisher(self, topic: str, message_class: Any, page: Client) -> rospy.Publisher:
+        """Return a publisher that the scope listens to, for a field that a page has selected."""
+        publisher = rospy.Publisher(topic, message_class, queue_size=1000)
+        self.addCleanup(publisher.unregister)
+        wait_until(
+            publisher.get_num_connections,
+            lambda: "nobody listens to %s; errors: %s" % (topic, page.messages("error")),
+        )
+        return publisher

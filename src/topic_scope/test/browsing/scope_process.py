@@ -24,6 +24,11 @@ class ScopeProcess:
         self.url = "http://localhost:" + port
         self.start()
 
+    @property
+    def pid(self) -> int:
+        """Its process id."""
+        return self._process.pid
+
     def start(self) -> None:
         """Start it; the page waits for it by itself."""
         self._process = subprocess.Popen(self._command)

@@ -104,7 +104,11 @@ export class Legend {
   showStats(traces) {
     for (const [field, { cells }] of this.rows) {
       const measured = traces[field] || {};
-      for (const [key] of MEASURED) say(cells.get(key), figure(measured[key]));
+      const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
+      for (const [key] of MEASURED) {
+        const rounding = Math.abs(measured[key]) < largest * 1e-9; // of sums that should be 0
+        say(cells.get(key), figure(rounding ? 0 : measured[key]));
+      }
     }
   }
 

@@ -109,7 +109,8 @@ export class AutoRange {
   update(low, high, now) {
     if (!(low <= high)) return this.range || [-1, 1];
     const [from, to] = this.range || [Infinity, -Infinity];
-    const fits = low >= from && high <= to;
+    const edge = 0.015 * (high - low);
+    const fits = low - edge >= from && high + edge <= to;
     if (!fits || (high - low) * 2.5 > to - from) this.roomy = null;
     else if (this.roomy === null) this.roomy = now;
     if (fits && (this.roomy === null || now - this.roomy < SHRINK_AFTER_S)) return this.range;

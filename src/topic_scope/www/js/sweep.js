@@ -2,6 +2,8 @@
 
 import { TraceBuffer } from "./buffer.js";
 
+const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only when a frame says so
+
 /** Takes frames and triggers; tells what is to be drawn. */
 export class Sweep {
   /**
@@ -33,7 +35,7 @@ export class Sweep {
    */
   onFrame(frame) {
     const { window, trigger, end } = this.state.values;
-    this.live.apply(frame, window);
+    this.live.apply(frame, window + SPARE_S);
     this.ahead = frame.now - performance.now() / 1000;
     if (!this.pending.length || frame.now < this.pending[0] + window / 2) return;
     const time = this.pending.shift();

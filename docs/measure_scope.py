@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Measure how fast the page of the oscilloscope is: 10 traces at 1 kHz, 5 s of them in view.
+
+    ./ci/exec docs/measure_scope.py
+
+It prints the frames a second that Chromium without a screen draws, the time from publish() to the
+pixel, and what the scope takes of processor and memory. The first trace carries the time at which
+it was published. A frame counts as seen at the second animation frame after it arrived: the first
+one draws, and the second one begins when that has been handed over.
+"""
+
+import multiprocessing
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import List
+
+import numpy
+import rosgraph
+
+WORKSPACE = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(WORKSPACE / "src" / "topic_scope" / "test"))
+
+from browsing.browser import Browser  # noqa: E402
+from browsing.scope_process import ScopeProcess  # noqa: E402
+from browsing.waiting import wait_until  # noqa: E402
+
+TRACES, RATE_HZ = 10, 1000.0
+SETTLE_S, MEASURE_S = 7.0, 20.0
+TOPICS = ["/rig/s%d" % number for number in range(TRACES)]
+
+#: Notes for each frame how old its newest sample is when it arrives and when it can be seen, and
+#: when the page draws it, ms.
+WATCH = """
+const Socket = WebSocket;
+window.WebSocket = class extends Socket {
+  constructor(url) {
+    super(url);
+    window.ages = [];
+    this.addEventListener("message", (event) => {
+      const message = JSON.parse(event.data);
+      const newest = message.type === "frame" && message.traces["/rig/s0/data"].at(-1);
+      if (!newest) return;
+      const age = () => Date.now() - newest * 1000;
+      const arrived = age();
+      requestAnimationFrame((drawn) =>
+        requestAnimationFrame(() => window.ages.push([arrived, age(), drawn])));
+    });
+  }
+};
+"""
+
+
+def publish() -> None:
+    """Publish all topics at their rate, without drift; a process of its own."""
+    import rospy
+    from std_msgs.msg import Float64
+
+    rospy.init_node("rig")
+    publishers = [
+        rospy.Publisher(topic, Float64, queue_size=None, tcp_nodelay=True) for topic in TOPICS
+    ]
+    start, count = time.time(), 0
+    while not rospy.is_shutdown():
+        count += 1
+        time.sleep(max(0.0, start + count / RATE_HZ - time.time()))
+        now = time.time()
+        for number, publisher in enumerate(publishers):
+            publisher.publish(now if number == 0 else number + numpy.sin(6.0 * now + number))
+
+
+def processor_time(pid: int) -> float:
+    """Return how long a process has run, s."""
+    fields = Path("/proc/%d/stat" % pid).read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def memory_mb(pid: int) -> float:
+    """Return the resident memory of a process, MB."""
+    lines = Path("/proc/%d/status" % pid).read_text().splitlines()
+    return next(int(line.split()[1]) / 1000.0 for line in lines if line.startswith("VmRSS"))
+
+
+def report(browser: Browser, pid: int) -> None:
+    """Measure and print."""
+    time.sleep(SETTLE_S)
+    browser.run("window.ages = []")
+    begin, used = time.monotonic(), processor_time(pid)
+    time.sleep(MEASURE_S)
+    ages: List[List[float]] = browser.run("return window.ages")
+    seconds = time.monotonic() - begin
+    share = (processor_time(pid) - used) / seconds
+    arrived, seen, drawn = numpy.transpose(ages)
+    print("frames a second:            %5.1f" % (len(set(drawn)) / seconds))
+    print("publish to page, ms:        %5.1f median, %5.1f p95" % _middle_and_high(arrived))
+    print("publish to pixel, ms:       %5.1f median, %5.1f p95" % _middle_and_high(seen))
+    print("processor of the scope:     %5.0f %% of a core" % (100.0 * share))
+    print("memory of the scope:        %5.0f MB" % memory_mb(pid))
+
+
+def _middle_and_high(values: "numpy.ndarray[numpy.float64]") -> "tuple[float, float]":
+    return float(numpy.median(values)), float(numpy.percentile(values, 95))
+
+
+def main() -> None:
+    """Run everything on a master of its own."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        port = probe.getsockname()[1]
+    os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % port
+    master = subprocess.Popen(["roscore", "-p", str(port)], stdout=sys.stderr)
+    wait_until(rosgraph.is_master_online, lambda: "no master")
+    rig = multiprocessing.Process(target=publish)
+    rig.start()
+    scope = ScopeProcess(*[topic + "/data" for topic in TOPICS], "--window", "5")
+    browser = Browser()
+    try:
+        browser.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WATCH})
+        scope.wait_until_served()
+        browser.open(scope.url)
+        report(browser, scope.pid)
+    finally:
+        browser.close()
+        scope.stop()
+        rig.terminate()
+        rig.join()
+        master.terminate()
+        master.wait()
+
+
+if __name__ == "__main__":
+    main()

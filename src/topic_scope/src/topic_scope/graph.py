@@ -60,16 +60,23 @@ def message(state: GraphState, rates: Rates, without: str) -> Dict[str, Any]:
     hidden = (LOG_NODE, without)
     published = _pairs(state.publishers, hidden)
     subscribed = _pairs(state.subscribers, hidden)
-    targets: Dict[str, List[str]] = {}
+    sources = {topic for topic, _ in published}
+    targets: Dict[str, List[Optional[str]]] = {}
     for topic, node in subscribed:
         targets.setdefault(topic, []).append(node)
     services = _pairs(state.services, hidden)
     nodes = {node for nodes in (published, subscribed, services) for _, node in nodes}
-    topics = {topic for topic, _ in published} | {topic for topic, _ in subscribed}
-    edges = [
+    topics = sources | set(targets)
+    # A topic with one end only has an edge with one end.
+    edges: List[Dict[str, Any]] = [
         {"from": source, "to": target, "topic": topic, "rate": rates.of(source, topic)}
         for topic, source in published
-        for target in targets.get(topic, ())
+        for target in targets.get(topic, [None])
+    ]
+    edges += [
+        {"from": None, "to": node, "topic": topic, "rate": None}
+        for topic, node in subscribed
+        if topic not in sources
     ]
     return {
         "type": "graph",

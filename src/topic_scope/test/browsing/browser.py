@@ -17,7 +17,7 @@ WIDTH, HEIGHT = 1280, 720
 
 #: What is painted: grid and traces.
 _PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
-_TEXT = "return [...document.querySelectorAll(arguments[0])].map((e) => e.innerText).join(' ')"
+_TEXT = "return [...document.querySelectorAll(arguments[0])].map((e) => e.innerText ?? e.textContent).join(' ')"
 
 
 class Browser:

@@ -45,7 +45,7 @@ class Page(PageTest):
 
     def samples(self) -> List[Tuple[float, List[str]]]:
         """Return the rows of the CSV that the page links to."""
-        self.browser.run("arguments[0].focus()", self.browser.find("#csv"))
+        self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
         with urlopen(str(self.browser.find("#csv").get_property("href"))) as answer:
             head, *rows = csv.reader(io.TextIOWrapper(answer, "utf-8"))
         self.assertEqual(head[0], "time")
@@ -145,6 +145,18 @@ class Page(PageTest):
             float(handle.get_attribute("aria-valuenow")), first + 0.025, delta=1e-6
         )
         self.assertIn("Δt 1.4750 s", self.browser.text(".readout"))
+        # They stay where they are on the screen when the axis counts from the trigger.
+        self.browser.choose("#window", "1")
+        for _ in range(2):
+            self.browser.find("#cursors").click()
+        handle = self.browser.wait_for(".cursor[aria-label^='cursor A']")
+        style = handle.get_attribute("style")
+        for _ in range(3):
+            self.browser.choose("#trigger-mode", "single")
+            wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold")
+            self.assertEqual(handle.get_attribute("style"), style)
+            self.browser.choose("#trigger-mode", "off")
+            wait_until(lambda: self.browser.text("#run") == "Pause", lambda: "it holds")
         wait_until(
             lambda: abs(self.cell(SIGNAL, "difference")) < 5.0,
             lambda: self.browser.text("#legend"),

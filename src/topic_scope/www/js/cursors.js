@@ -14,7 +14,7 @@ export class Cursors {
   constructor(overlay, state, plot) {
     this.state = state;
     this.plot = plot;
-    this.lastAxis = null; // left edge and length of the axis when last drawn
+    this.lastAxis = null; // left edge, length and reference of the axis when last drawn
     this.readout = make("output", { class: "readout", hidden: true });
     overlay.append(this.readout);
     this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
@@ -62,11 +62,13 @@ export class Cursors {
 
   /** Stay where they are on the screen when the axis begins to count from something else. */
   stay(from, to) {
-    const { cursors, end } = this.state.values;
-    const shift = from - this.lastAxis?.from;
-    const same = Math.abs(to - from - this.lastAxis?.length) < 1e-9;
-    this.lastAxis = { from, length: to - from };
-    if (!cursors || end !== null || !same || Math.abs(shift) < 1e-9) return;
+    const { cursors } = this.state.values;
+    const before = this.lastAxis;
+    const reference = this.plot.shown?.reference;
+    this.lastAxis = { from, length: to - from, reference };
+    if (!cursors || !before || before.reference === reference) return;
+    const shift = from - before.from;
+    if (Math.abs(to - from - before.length) > 1e-9 || Math.abs(shift) < 1e-9) return;
     this.state.set({ cursors: { a: cursors.a + shift, b: cursors.b + shift } });
   }
 

@@ -34,8 +34,14 @@ function itemsOf(graph, all) {
   return { items: [...nodes, ...topics], ways: [...ways.values()] };
 }
 
-/** A smooth way from the edge of one item to the edge of another. */
-function path(a, b) {
+/** The lowest edge of all that is between two items in their namespace. */
+function floorBetween(a, b, others) {
+  const between = others.filter(({ x }) => x >= Math.min(a.x, b.x) && x <= Math.max(a.x, b.x));
+  return Math.max(...between.map(({ y, height }) => y + height / 2));
+}
+
+/** A smooth way from the edge of one item to the edge of another; a way back goes below others. */
+function path(a, b, others) {
   const forward = b.x > a.x;
   const x1 = a.x + (a.width / 2) * (forward ? 1 : -1);
   const x2 = b.x - (b.width / 2) * (forward ? 1 : -1);
@@ -45,7 +51,8 @@ function path(a, b) {
   }
   const y1 = a.y + a.height / 2;
   const y2 = b.y + b.height / 2;
-  const low = Math.max(y1, y2) + BACK;
+  // A curve of this kind goes down three quarters of the way to its handles.
+  const low = floorBetween(a, b, others) + BACK;
   return `M${a.x} ${y1} C${a.x} ${low} ${b.x} ${low} ${b.x} ${y2}`;
 }
 
@@ -88,7 +95,7 @@ export class Graph {
     byId("graph-empty").hidden = items.length > 0;
     for (const { from, to, rate } of ways) {
       const text = this.rates.get(`${from} ${to}`);
-      say(text, rate === null ? "" : `${figure(rate, rate < 10 ? 2 : 3)} Hz`);
+      say(text, rate === null ? "" : `${rate ? figure(rate, rate < 10 ? 2 : 3) : 0} Hz`);
     }
   }
 
@@ -98,13 +105,16 @@ export class Graph {
     const arrow = draw("marker", {
       id: "arrow", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 7, markerHeight: 7, orient: "auto",
     }, draw("path", { d: "M0 0.5 L8 4 L0 7.5 z" }));
+    const groupOf = new Map(items.map(({ id, group }) => [id, group]));
     const edges = ways.map(({ from, to }) => {
       const [a, b] = [places.get(from), places.get(to)];
+      const others = items.filter(({ group }) => group === groupOf.get(from) || group === groupOf.get(to))
+        .map(({ id }) => places.get(id));
       const middle = { x: (a.x + a.width / 2 + b.x - b.width / 2) / 2, y: (a.y + b.y) / 2 - 8 };
       const text = draw("text", b.x > a.x ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
       this.rates.set(`${from} ${to}`, text);
       return draw("g", { class: "edge", "data-from": from.slice(1), "data-to": to.slice(1) },
-        draw("path", { d: path(a, b), "marker-end": "url(#arrow)" }), text);
+        draw("path", { d: path(a, b, others), "marker-end": "url(#arrow)" }), text);
     });
     this.sheet.replaceChildren(
       draw("defs", {}, arrow), ...groups.map(groupShape), ...edges,

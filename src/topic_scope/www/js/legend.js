@@ -105,9 +105,10 @@ export class Legend {
     for (const [field, { cells }] of this.rows) {
       const measured = traces[field] || {};
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
+      // Of a mean that should be 0, only the rounding of the sum is left.
+      const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;
       for (const [key] of MEASURED) {
-        const rounding = Math.abs(measured[key]) < largest * 1e-9; // of sums that should be 0
-        say(cells.get(key), figure(rounding ? 0 : measured[key]));
+        say(cells.get(key), figure(key === "mean" && largest ? mean : measured[key]));
       }
     }
   }

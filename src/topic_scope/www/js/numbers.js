@@ -60,12 +60,13 @@ export function figure(value, digits = 5) {
 }
 
 /**
- * Write a value as a person would type it: all its digits, and no more.
+ * Write a value as a person would type it.
  * @param {number} value
+ * @param {number} [digits] how many at most
  * @returns {string}
  */
-export function typed(value) {
-  return String(Number(value.toPrecision(12)));
+export function typed(value, digits = 12) {
+  return String(Number(value.toPrecision(digits)));
 }
 
 /**

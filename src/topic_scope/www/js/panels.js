@@ -23,31 +23,42 @@ export class Panels {
     this.send = send;
     this.parameters = new Map(); // "node name" -> Parameter
     this.answers = new Map(); // service -> where its answer is shown
+    this.shown = new Map(); // node -> {shape, element}
     this.closed = new Set();
     this.filter = byId("filter");
     this.filter.addEventListener("input", () => this.applyFilter());
   }
 
   /**
-   * Show other panels.
+   * Show other panels. One that is the same but for its values stays, with what is typed there.
    * @param {Object[]} panels as the server sends them
    */
   show(panels) {
-    const answers = new Map(this.answers);
-    const focused = document.activeElement;
-    const within = focused?.closest?.(".parameter");
-    const key = within && `${within.closest(".panel").dataset.node} ${within.dataset.name}`;
-    this.parameters.clear();
-    this.answers.clear();
-    byId("panel-list").replaceChildren(...panels.map((panel) => this.panel(panel)));
-    for (const [name, old] of answers) {
-      const shown = this.answers.get(name);
-      if (shown) shown.replaceWith(old), this.answers.set(name, old);
+    const list = byId("panel-list");
+    const nodes = panels.map(({ node }) => node);
+    for (const [node, { element }] of this.shown) {
+      if (nodes.includes(node)) continue;
+      element.remove();
+      this.shown.delete(node);
     }
+    panels.forEach((panel, place) => {
+      const before = this.shown.get(panel.node);
+      const shape = JSON.stringify([panel, this.state.values.readonly], (key, value) =>
+        (key === "value" ? undefined : value));
+      if (before?.shape === shape) {
+        for (const { name, value } of panel.parameters) {
+          this.onValue({ node: panel.node, name, value });
+        }
+        return;
+      }
+      const element = this.panel(panel);
+      this.shown.set(panel.node, { shape, element });
+      before?.element.remove();
+      list.insertBefore(element, list.children[place] ?? null);
+    });
     byId("no-panels").hidden = panels.length > 0;
     this.filter.hidden = panels.length === 0;
     this.applyFilter();
-    if (key) this.parameters.get(key)?.control.focus();
   }
 
   panel({ node, parameters, services }) {

@@ -97,6 +97,7 @@ export class Parameter {
   send(value) {
     this.lastSent = performance.now();
     this.refusal.hidden = true;
+    say(this.refusal, "");
     this.element.classList.remove("refused");
     this.set(value);
   }
@@ -125,7 +126,8 @@ export class Parameter {
   show() {
     const { kind } = this.parameter;
     const value = this.inForce;
-    const text = this.numeric && typeof value === "number" ? typed(value) : asText(value);
+    const text = this.numeric && typeof value === "number" ? typed(value, 7) : asText(value);
+    this.control.title = asText(value); // a number with all its digits
     if (this.control.tagName === "OUTPUT") this.control.value = text;
     else if (kind === "bool") this.control.checked = Boolean(value);
     else this.control.value = text;

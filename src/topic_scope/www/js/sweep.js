@@ -18,6 +18,7 @@ export class Sweep {
     this.ahead = 0; // of the server's clock over this page's, s
     state.on(["trigger"], ({ trigger }) => {
       const mode = trigger.mode + trigger.field + trigger.edge;
+      this.pending = [];
       if (mode !== this.armed) this.release();
       this.armed = mode;
     });

@@ -56,7 +56,8 @@ export class Trigger {
     const trigger = { ...this.state.values.trigger, ...changes };
     if (!trigger.field) trigger.field = this.state.values.fields[0] || "";
     if (!trigger.field) trigger.mode = "off";
-    const again = this.state.values.end !== null && "mode" in changes;
+    // Any change arms a single trigger again.
+    const again = this.state.values.end !== null && ("mode" in changes || trigger.mode === "single");
     this.state.set({ trigger, ...(again ? { end: null, reference: null } : {}) });
   }
 

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""The page sets parameters, calls services and shows the graph, for several users at once."""
+
+import re
+import subprocess
+from contextlib import contextmanager
+from typing import Iterator, List
+
+import roslib.packages
+import rospy
+import rostest
+from basic_comms.msg import signal_msg
+from browsing.page_test import PageTest
+from browsing.waiting import wait_until
+from selenium.webdriver.common.keys import Keys
+
+GENERATOR = "/signal_generator"
+
+
+def _row(name: str) -> str:
+    return ".panel[data-node='%s'] .parameter[data-name='%s']" % (GENERATOR, name)
+
+
+class Panels(PageTest):
+    """What a user does beside the plot."""
+
+    def setUp(self) -> None:
+        for name, value in (("amplitude", 2.0), ("frequency", 6.28), ("waveform", "sine")):
+            rospy.set_param("%s/%s" % (GENERATOR, name), value)
+        super().setUp()
+        self.browser.wait_for(_row("frequency"))
+        self.wait_value("frequency", 6.28)
+
+    def slider(self, name: str) -> float:
+        """Return where a slider is."""
+        return float(self.browser.value(_row(name) + " input[type=range]"))
+
+    def wait_value(self, name: str, value: float) -> None:
+        """Wait until the page shows a value, at the slider and beside it."""
+
+        def shown() -> bool:
+            typed = float(self.browser.value(_row(name) + " .value"))
+            return abs(typed - value) < 1e-9 and abs(self.slider(name) - value) < 0.05
+
+        wait_until(shown, lambda: self.browser.value(_row(name) + " .value"))
+
+    def wait_parameter(self, name: str, value: object) -> None:
+        """Wait until the parameter server has a value."""
+        key = "%s/%s" % (GENERATOR, name)
+        wait_until(lambda: rospy.get_param(key) == value, lambda: rospy.get_param(key))
+
+    def test_a_slider_changes_the_parameter_and_the_topic(self) -> None:
+        slider = self.browser.find(_row("frequency") + " input[type=range]")
+        before = self.slider("frequency")
+        slider.send_keys(*[Keys.ARROW_RIGHT] * 5)
+        after = self.slider("frequency")
+        self.assertGreater(after, before)
+        self.wait_parameter("frequency", after)
+        wait_until(
+            lambda: abs(
+                rospy.wait_for_message("/signal", signal_msg, timeout=10.0).frequency - after
+            )
+            < 1e-6,
+            lambda: "the topic has another frequency than %g" % after,
+        )
+
+    def test_rosparam_set_moves_the_slider(self) -> None:
+        subprocess.run(["rosparam", "set", GENERATOR + "/frequency", "11.5"], check=True)
+        self.wait_value("frequency", 11.5)
+        subprocess.run(["rosparam", "set", GENERATOR + "/waveform", "square"], check=True)
+        select = _row("waveform") + " select"
+        wait_until(lambda: self.browser.value(select) == "square", lambda: "no square")
+
+    def test_a_list_and_a_switch(self) -> None:
+        self.browser.choose(_row("waveform") + " select", "triangle")
+        self.wait_parameter("waveform", "triangle")
+        switch = ".panel[data-node='/process'] [data-name='keep_positive'] input"
+        self.browser.find(switch).click()
+        wait_until(lambda: not rospy.get_param("/process/keep_positive"), lambda: "still on")
+        self.browser.find(switch).click()
+        wait_until(lambda: rospy.get_param("/process/keep_positive"), lambda: "still off")
+
+    def test_a_refused_value_is_told_in_words(self) -> None:
+        field = self.browser.find(_row("amplitude") + " .value")
+        for nonsense in ("-1", "large"):
+            field.send_keys(Keys.CONTROL, "a")
+            field.send_keys(nonsense, Keys.ENTER)
+            wait_until(
+                lambda: nonsense in self.browser.text(_row("amplitude") + " .refusal"),
+                lambda: self.browser.text(_row("amplitude")),
+            )
+            self.assertIn("allowed is", self.browser.text(_row("amplitude") + " .refusal"))
+            self.wait_value("amplitude", 2.0)
+            self.assertEqual(rospy.get_param(GENERATOR + "/amplitude"), 2.0)
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys("3", Keys.ENTER)
+        self.wait_parameter("amplitude", 3.0)
+        self.assertEqual(self.browser.text(_row("amplitude") + " .refusal"), "")
+
+    def test_enable_and_reset(self) -> None:
+        panel = ".panel[data-node='%s'] " % GENERATOR
+        self.browser.find(panel + "[aria-label$='enable: Disable']").click()
+        wait_until(
+            lambda: "stopped" in self.browser.text(panel + ".services"),
+            lambda: self.browser.text(panel + ".services"),
+        )
+        stopped = rospy.wait_for_message("/signal", signal_msg, timeout=10.0)
+        self.assertEqual(stopped.amplitude, 0.0)
+        self.browser.find(panel + "[aria-label$='enable: Enable']").click()
+        self.browser.find(panel + "[aria-label$='reset: Reset']").click()
+        wait_until(
+            lambda: "start at 0 again" in self.browser.text(panel + ".services"),
+            lambda: self.browser.text(panel + ".services"),
+        )
+
+    def test_two_users_see_the_same(self) -> None:
+        with self.second_page():
+            self.browser.find(_row("frequency") + " input[type=range]").send_keys(Keys.ARROW_LEFT)
+            wanted = self.slider("frequency")
+            self.wait_parameter("frequency", wanted)
+            self.browser.choose("#window", "1")
+            first_picture = self.browser.picture()
+            wait_until(
+                lambda: self.browser.picture() != first_picture, lambda: "the second stands still"
+            )
+        self.wait_value("frequency", wanted)
+        self.assertEqual(self.browser.value("#window"), "5")  # each has a view of its own
+        picture = self.browser.picture()
+        wait_until(lambda: self.browser.picture() != picture, lambda: "the first stands still")
+
+    @contextmanager
+    def second_page(self) -> Iterator[None]:
+        """Open the page a second time, and look at that for a while."""
+        driver = self.browser.driver
+        first = driver.current_window_handle
+        driver.execute_script("window.open(arguments[0])", self.scope.url)
+        second = next(handle for handle in driver.window_handles if handle != first)
+        driver.switch_to.window(second)
+        self.browser.wait_connected()
+        self.browser.wait_for(_row("frequency"))
+        yield
+        self.assertEqual(self.browser.errors(), [])
+        driver.close()
+        driver.switch_to.window(first)
+
+    def test_finds_a_parameter_by_a_word(self) -> None:
+        self.browser.find("#filter").send_keys("peak of the signal")
+        wait_until(
+            lambda: not self.browser.find(_row("frequency")).is_displayed(), lambda: "all shown"
+        )
+        self.assertTrue(self.browser.find(_row("amplitude")).is_displayed())
+
+    def test_graph_follows_the_nodes(self) -> None:
+        self.browser.keys("g")
+        self.browser.wait_for("#graph .node[data-name='/process']")
+        self.assertEqual(self.edges(), ["/process > /proc_signal", "/signal > /process"])
+        rate = "#graph .edge[data-to='/process'] text"
+        wait_until(
+            lambda: re.match(r"(9\d(\.\d)?|10\d) Hz\Z", self.browser.text(rate)),
+            lambda: self.browser.text(rate),
+        )
+        talker = subprocess.Popen(
+            [roslib.packages.find_node("basic_comms", "talker.py")[0], "__ns:=/lab/desk"]
+        )
+        try:
+            self.browser.wait_for("#graph .node[data-name='/lab/desk/talker']")
+            self.assertEqual(self.browser.text("#graph .group"), "/lab/desk")
+        finally:
+            talker.terminate()
+            talker.wait(30.0)
+        wait_until(lambda: not self.browser.count("#graph .group"), lambda: "it is still shown")
+        self.browser.keys("g")
+        self.assertTrue(self.browser.find("#plot").is_displayed())
+
+    def edges(self) -> List[str]:
+        """Return the edges from and to the node process."""
+        found = self.browser.run(
+            "return [...document.querySelectorAll('#graph .edge')]"
+            ".map((edge) => edge.dataset.from + ' > ' + edge.dataset.to)"
+        )
+        return sorted(edge for edge in found if "/process" in edge.split(" > "))
+
+    def test_reading_only_there_is_nothing_to_set(self) -> None:
+        # As from a scope that is open to a network, which a test had better not be.
+        script = self.browser.driver.execute_cdp_cmd(
+            "Page.addScriptToEvaluateOnNewDocument",
+            {
+                "source": "const parse = JSON.parse; JSON.parse = (text) => {"
+                " const read = parse(text);"
+                " if (read.type === 'hello') read.readonly = true; return read; };"
+            },
+        )
+        try:
+            self.browser.open(self.scope.url)
+            self.browser.wait_for(_row("amplitude"))
+            self.assertTrue(self.browser.find("#readonly").is_displayed())
+            self.assertEqual(self.browser.text(_row("amplitude") + " output"), "2")
+            self.assertEqual(self.browser.count(".panel input, .panel select, .panel button"), 0)
+        finally:
+            self.browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_page_panels")
+    rostest.rosrun("topic_scope", "page_panels", Panels)

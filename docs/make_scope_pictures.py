@@ -4,10 +4,11 @@
     ./ci/exec docs/make_scope_pictures.py
 
 It starts a master, the course's nodes, motors and the scope, opens the page in Chromium without a
-screen, and writes docs/images/scope_*.png. Debian's chromium-driver and python3-selenium are
-needed; ci/test installs them.
+screen, and writes docs/images/scope_*.png. ci/test installs what it needs: chromium-driver,
+python3-selenium, and python3-pil, which comes with python3-matplotlib.
 """
 
+import io
 import os
 import socket
 import subprocess
@@ -15,6 +16,9 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
+from urllib.request import urlopen
+
+from PIL import Image
 
 DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent / "src" / "topic_scope" / "test"))
@@ -26,6 +30,8 @@ from selenium.webdriver.common.keys import Keys  # noqa: E402
 
 IMAGES = DOCS / "images"
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
+RATE_HZ = 200.0
+TRIES = 30
 MOTOR = ("/group1/motor_input_u/data", "/group1/motor_speed_y/data")
 
 
@@ -62,19 +68,30 @@ def wait_full(browser: Browser) -> None:
     )
 
 
+def is_smooth(browser: Browser) -> bool:
+    """Tell whether samples came without a break, however busy this computer is."""
+    browser.run("arguments[0].blur(); arguments[0].focus()", browser.find("#csv"))
+    with urlopen(str(browser.find("#csv").get_property("href"))) as answer:
+        rows = [line.decode().split(",") for line in answer][1:]
+    times = [float(row[0]) for row in rows if row[1]]
+    return max(later - earlier for earlier, later in zip(times, times[1:])) < 3.0 / RATE_HZ
+
+
 def trigger(browser: Browser) -> None:
-    """Let the traces stand still by the trigger, with two cursors on them."""
+    """Hold the traces by the trigger, with two cursors on them."""
     browser.choose("#window", "2")
-    browser.choose("#trigger-mode", "normal")
+    browser.choose("#trigger-mode", "single")
     level = browser.find("#trigger-level")
     level.send_keys(Keys.CONTROL, "a")
     level.send_keys("0.5", Keys.ENTER)
-    wait_until(
-        lambda: browser.text("#trigger-state") == "triggered",
-        lambda: browser.text("#trigger-state"),
-    )
     browser.run("document.activeElement.blur()")
     browser.keys("c")
+    for _ in range(TRIES):
+        wait_until(lambda: browser.text("#run") == "Run", lambda: "it does not trigger")
+        if is_smooth(browser):
+            break
+        browser.run("document.activeElement.blur()")
+        browser.keys(Keys.SPACE)
     wait_full(browser)
 
 
@@ -93,31 +110,38 @@ def take(browser: Browser, name: str, selector: str = "body") -> None:
     """Write a picture of a part of the page."""
     browser.run("document.activeElement.blur()")
     path = IMAGES / ("scope_%s.png" % name)
-    path.write_bytes(browser.find(selector).screenshot_as_png)
+    picture = Image.open(io.BytesIO(browser.find(selector).screenshot_as_png))
+    picture.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
     print("%s: %d kB" % (path.name, path.stat().st_size // 1000))
 
 
-def take_all(browser: Browser, url: str) -> None:
-    """Go through the page."""
-    start(browser, url, "light")
-    trigger(browser)
-    take(browser, "light")
-
+def take_others(browser: Browser, url: str) -> None:
+    """Go through the page while motors are there, too."""
     start(browser, url, "dark")
+    wait_until(
+        lambda: subprocess.run(["rosparam", "get", "/group1/sp_gen_1/omega"]).returncode == 0,
+        lambda: "no motors",
+    )
     subprocess.run(["rosparam", "set", "/group1/sp_gen_1/omega", "2.5"], check=True)
     show(browser, *MOTOR)
     browser.find("[aria-label='right axis for %s']" % MOTOR[1]).click()
     browser.choose("#window", "5")
-    wait_full(browser)
+    for _ in range(TRIES):
+        wait_full(browser)
+        if is_smooth(browser):
+            break
     take(browser, "dark")
 
     start(browser, url, "light")
-    amplitude = "[data-name=amplitude] .value"
-    browser.find(amplitude).send_keys(Keys.CONTROL, "a")
-    browser.find(amplitude).send_keys("-1", Keys.ENTER)
-    browser.wait_for("[data-name=amplitude] .refusal")
+    amplitude = ".panel[data-node='/signal_generator'] [data-name=amplitude] "
+    browser.find(amplitude + ".value").send_keys(Keys.CONTROL, "a")
+    browser.find(amplitude + ".value").send_keys("-1", Keys.ENTER)
+    browser.wait_for(amplitude + ".refusal")
     browser.find("[aria-label$='signal_generator/reset: Reset']").click()
     wait_until(lambda: browser.text(".answer[data-service$=reset]"), lambda: "no answer")
+    browser.run(
+        "document.querySelector(\".panel[data-node='/signal_generator']\").scrollIntoView()"
+    )
     take(browser, "panels", "#panels")
 
     browser.keys("g")
@@ -134,14 +158,19 @@ def main() -> None:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % probe.getsockname()[1]
-    course = ("roslaunch", "basic_comms", "cw1.launch", "signal_rate:=200")
-    motors = ("roslaunch", "--wait", "motor_control", "motor_2.launch")
-    with running(*course), running(*motors):
+    course = ("roslaunch", "basic_comms", "cw1.launch", "signal_rate:=%g" % RATE_HZ)
+    motors = ("roslaunch", "motor_control", "motor_2.launch")
+    with running(*course):
         scope = ScopeProcess(SIGNAL, PROCESSED, "--window", "5")
         browser = Browser()
         try:
             scope.wait_until_served()
-            take_all(browser, scope.url)
+            start(browser, scope.url, "light")
+            browser.wait_for("[data-name=amplitude]")
+            trigger(browser)
+            take(browser, "light")
+            with running(*motors):
+                take_others(browser, scope.url)
         finally:
             browser.close()
             scope.stop()

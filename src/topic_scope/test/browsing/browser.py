@@ -17,7 +17,10 @@ WIDTH, HEIGHT = 1280, 720
 
 #: What is painted: grid and traces.
 _PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
-_TEXT = "return [...document.querySelectorAll(arguments[0])].map((e) => e.innerText ?? e.textContent).join(' ')"
+_TEXT = (
+    "return [...document.querySelectorAll(arguments[0])]"
+    ".map((element) => element.innerText ?? element.textContent).join(' ')"
+)
 
 
 class Browser:

@@ -80,9 +80,7 @@ class Reader:
     def __init__(self, timeout: float = 40.0) -> None:
         self._timeout = timeout
         self._home = tempfile.TemporaryDirectory()
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            self._port: int = probe.getsockname()[1]
+        self._port, self._scope_port = _free_ports(2)
         self._environment = dict(
             os.environ,
             HOME=self._home.name,
@@ -184,10 +182,22 @@ class Reader:
     def _start(self, command: str) -> _Job:
         if command.split()[0] == "roscore":  # alone among the tools it ignores ROS_MASTER_URI
             command += " -p %d" % self._port
+        if "topic_scope scope.py" in command:  # beside one that somebody may have open
+            command += " --port %d" % self._scope_port
         output = Path(self._home.name, "output%d" % len(self._jobs))
         job = _Job(command, self._environment, output)
         self._jobs.append(job)
         return job
+
+
+def _free_ports(count: int) -> List[int]:
+    probes = [socket.socket() for _ in range(count)]
+    for probe in probes:
+        probe.bind(("localhost", 0))
+    ports: List[int] = [probe.getsockname()[1] for probe in probes]
+    for probe in probes:
+        probe.close()
+    return ports
 
 
 def _wrong(step: Step, what: str, output: str) -> PageError:

@@ -141,7 +141,8 @@ class Modules(unittest.TestCase):
         layouts = self.browser.call(
             "layout.js",
             "a[0].map(([items, edges]) => { const made = module.layOut(items, edges);"
-            " return {...made, places: Object.fromEntries(made.places)}; })",
+            " return {...made, places: Object.fromEntries(made.places),"
+            " routes: Object.fromEntries(made.routes)}; })",
             graphs,
         )
         for (items, edges), layout in zip(graphs, layouts):
@@ -164,6 +165,12 @@ class Modules(unittest.TestCase):
                 for name, frame in frames.items():
                     inside = item["group"] == name or item["group"].startswith(name + "/")
                     self.assertEqual(_overlap(boxes[item["id"]], frame), inside, (items, edges))
+            for way, stops in layout["routes"].items():
+                for stop in stops:  # a long way goes through no box
+                    place = stop["x"], stop["y"], stop["x"], stop["y"]
+                    self.assertFalse(
+                        any(_overlap(place, box) for box in boxes.values()), (way, items, edges)
+                    )
             for x1, y1, x2, y2 in [*boxes.values(), *frames.values()]:
                 self.assertTrue(0 <= x1 and x2 <= layout["width"])
                 self.assertTrue(0 <= y1 and y2 <= layout["height"])

@@ -19,8 +19,9 @@ function itemsOf(graph, all) {
   const ownerOf = (topic) => nodes.find(({ name }) => topic.startsWith(`${name}/`));
   const topics = graph.topics.filter(({ name }) => all || heard.has(name) || !ownerOf(name))
     .map(({ name, datatype }) => {
-      const group = ownerOf(name)?.group ?? namespaceOf(name); // private ones are beside their node
-      const text = name.slice(group.length + 1);
+      const owner = ownerOf(name);
+      const group = owner?.group ?? namespaceOf(name); // private ones are beside their node
+      const text = owner ? `~${name.slice(owner.name.length + 1)}` : name.slice(group.length + 1);
       const width = 20 + Math.max(CHARACTER * text.length, 6 * datatype.length);
       return { id: `t${name}`, kind: "topic", name, group, datatype, text, width, height: 38 };
     });
@@ -40,15 +41,27 @@ function floorBetween(a, b, others) {
   return Math.max(...between.map(({ y, height }) => y + height / 2));
 }
 
-/** A smooth way from the edge of one item to the edge of another; a way back goes below others. */
-function path(a, b, others) {
-  const forward = b.x > a.x;
-  const x1 = a.x + (a.width / 2) * (forward ? 1 : -1);
-  const x2 = b.x - (b.width / 2) * (forward ? 1 : -1);
-  if (forward) {
-    const bend = (x2 - x1) / 2;
-    return `M${x1} ${a.y} C${x1 + bend} ${a.y} ${x2 - bend} ${b.y} ${x2} ${b.y}`;
-  }
+/** A smooth way forward, level within columns and bent between them. */
+function pathForward(stops) {
+  let text = "";
+  stops.forEach((stop, place) => {
+    const { x, y, width, column } = stop;
+    if (!place) {
+      text = `M${x + width / 2} ${y} H${x + column / 2}`;
+      return;
+    }
+    const before = stops[place - 1];
+    const start = before.x + before.column / 2;
+    const end = x - column / 2;
+    const middle = (start + end) / 2;
+    const last = place === stops.length - 1;
+    text += ` C${middle} ${before.y} ${middle} ${y} ${end} ${y} H${last ? x - width / 2 : x + column / 2}`;
+  });
+  return text;
+}
+
+/** A way back, below all that is between. */
+function pathBack(a, b, others) {
   const y1 = a.y + a.height / 2;
   const y2 = b.y + b.height / 2;
   // A curve of this kind goes down three quarters of the way to its handles.
@@ -100,7 +113,7 @@ export class Graph {
   }
 
   draw(items, ways) {
-    const { places, groups, width, height } = layOut(items, ways);
+    const { places, routes, groups, width, height } = layOut(items, ways);
     this.rates.clear();
     const arrow = draw("marker", {
       id: "arrow", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 7, markerHeight: 7, orient: "auto",
@@ -110,11 +123,14 @@ export class Graph {
       const [a, b] = [places.get(from), places.get(to)];
       const others = items.filter(({ group }) => group === groupOf.get(from) || group === groupOf.get(to))
         .map(({ id }) => places.get(id));
-      const middle = { x: (a.x + a.width / 2 + b.x - b.width / 2) / 2, y: (a.y + b.y) / 2 - 8 };
-      const text = draw("text", b.x > a.x ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
+      const forward = b.x > a.x;
+      const stops = [a, ...(routes.get(`${from} ${to}`) || []), b];
+      const next = stops[1]; // the rate stands in the first gap
+      const middle = { x: (a.x + a.column / 2 + next.x - next.column / 2) / 2, y: (a.y + next.y) / 2 - 8 };
+      const text = draw("text", forward ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
       this.rates.set(`${from} ${to}`, text);
       return draw("g", { class: "edge", "data-from": from.slice(1), "data-to": to.slice(1) },
-        draw("path", { d: path(a, b, others), "marker-end": "url(#arrow)" }), text);
+        draw("path", { d: forward ? pathForward(stops) : pathBack(a, b, others), "marker-end": "url(#arrow)" }), text);
     });
     this.sheet.replaceChildren(
       draw("defs", {}, arrow), ...groups.map(groupShape), ...edges,

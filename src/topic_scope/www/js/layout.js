@@ -5,6 +5,7 @@ const GAP_Y = 18;
 const PADDING = 16; // in the frame of a namespace
 const TITLE = 16; // of a namespace
 const MARGIN = 20;
+const STOP = 6; // height of what a way needs to pass
 
 /** How far a way back goes below what it connects, pixels. */
 export const BACK = 40;
@@ -15,6 +16,15 @@ export const BACK = 40;
  * @property {string} group namespace, "" for none
  * @property {number} width
  * @property {number} height
+ */
+
+/**
+ * @typedef {Object} Place
+ * @property {number} x middle
+ * @property {number} y middle
+ * @property {number} width
+ * @property {number} height
+ * @property {number} column width of the widest of its layer
  */
 
 /** Namespace of a ROS name: "" for "/talker", "/a/b" for "/a/b/talker". */
@@ -52,6 +62,32 @@ export function layersOf(items, edges) {
   return layers;
 }
 
+/**
+ * Split ways that lead past layers: a stop in each of these keeps room for the way.
+ * @returns {{stops: Item[], steps: {from: string, to: string}[], routes: Map<string, string[]>}}
+ *   routes: the stops of each way that has some, by "from to"
+ */
+function splitLongWays(items, edges, layers) {
+  const groupOf = new Map(items.map(({ id, group }) => [id, group]));
+  const stops = [];
+  const steps = [];
+  const routes = new Map();
+  for (const { from, to } of edges) {
+    if (!groupOf.has(from) || !groupOf.has(to)) continue;
+    const route = [];
+    for (let layer = layers.get(from) + 1; layer < layers.get(to); layer += 1) {
+      const id = `${from} ${to} ${layer}`;
+      stops.push({ id, group: groupOf.get(to), width: 0, height: STOP });
+      layers.set(id, layer);
+      route.push(id);
+    }
+    const way = [from, ...route, to];
+    way.slice(1).forEach((id, place) => steps.push({ from: way[place], to: id }));
+    if (route.length) routes.set(`${from} ${to}`, route);
+  }
+  return { stops, steps, routes };
+}
+
 /** Order the items of each layer by where their neighbours are, a few times to and fro. */
 function arrange(columns, edges) {
   const near = new Map();
@@ -82,12 +118,14 @@ const isWithin = (inner, outer) => inner === outer || inner.startsWith(`${outer}
  * Place all items.
  * @param {Item[]} items
  * @param {{from: string, to: string}[]} edges
- * @returns {{places: Map<string, {x: number, y: number, width: number, height: number}>,
+ * @returns {{places: Map<string, Place>, routes: Map<string, Place[]>,
  *   groups: {name: string, x: number, y: number, width: number, height: number}[],
- *   width: number, height: number}} x and y are the middles of items, and corners of groups
+ *   width: number, height: number}} x and y are the middles of items, and corners of groups;
+ *   routes has what a way leads past, by "from to"
  */
 export function layOut(items, edges) {
   const layers = layersOf(items, edges);
+  const { stops, steps, routes } = splitLongWays(items, edges, layers);
   const last = Math.max(0, ...layers.values());
   const widths = Array(last + 1).fill(0);
   for (const item of items) {
@@ -123,25 +161,27 @@ export function layOut(items, edges) {
       y += TITLE + PADDING;
     }
     const columns = widths.map((_, layer) =>
-      items.filter((item) => item.group === name && layers.get(item.id) === layer));
-    arrange(columns, edges);
-    y += placeBand(columns, middles, y, places) + (name ? 0 : GAP_Y);
+      [...items, ...stops].filter((item) => item.group === name && layers.get(item.id) === layer));
+    arrange(columns, steps);
+    y += placeBand(columns, middles, widths, y, places) + (name ? 0 : GAP_Y);
     if (edges.some(({ from, to }) => isBack(from, to, name))) y += BACK * 0.75;
   }
   close("");
   const right = Math.max(0, ...groups.map((group) => group.x + group.width),
     ...[...places.values()].map((at) => at.x + at.width / 2));
-  return { places, groups: groups.reverse(), width: right + MARGIN, height: y + MARGIN };
+  const placed = new Map([...routes].map(([way, ids]) => [way, ids.map((id) => places.get(id))]));
+  for (const { id } of stops) places.delete(id);
+  return { places, routes: placed, groups: groups.reverse(), width: right + MARGIN, height: y + MARGIN };
 }
 
 /** Place the columns of a band, each in its vertical middle. */
-function placeBand(columns, middles, top, places) {
+function placeBand(columns, middles, widths, top, places) {
   const heightOf = (column) => column.reduce((sum, item) => sum + item.height + GAP_Y, -GAP_Y);
   const height = Math.max(0, ...columns.map(heightOf));
   columns.forEach((column, layer) => {
     let y = top + (height - heightOf(column)) / 2;
     for (const { id, width, height: own } of column) {
-      places.set(id, { x: middles[layer], y: y + own / 2, width, height: own });
+      places.set(id, { x: middles[layer], y: y + own / 2, width, height: own, column: widths[layer] });
       y += own + GAP_Y;
     }
   });

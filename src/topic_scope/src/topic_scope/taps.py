@@ -6,8 +6,9 @@ from typing import Any, Collection, Dict, Iterator, List, Mapping, NamedTuple, T
 
 import rospy
 
-#: Most bytes of a topic that wait to be read; what comes beyond that is lost, and counted.
+#: Most bytes of a topic that wait to be read; what comes beyond that is lost, with a warning.
 WAITING = 32 * 1024 * 1024
+_WARN_EVERY_S = 10.0
 #: Time between two messages that the clock does not tell apart, s: the resolution of a float.
 _TICK_S = 5e-7
 
@@ -45,7 +46,6 @@ class Tap:
 
     def __init__(self, topic: str, clock: Clock) -> None:
         self.topic = topic
-        self.lost = 0
         self._clock = clock
         self._lock = threading.Lock()
         self._waiting: List[Tuple[float, Any]] = []
@@ -57,7 +57,9 @@ class Tap:
         # The time is taken under the lock: what comes after take() is never older than that.
         with self._lock:
             if self._bytes > WAITING:
-                self.lost += 1
+                rospy.logwarn_throttle(
+                    _WARN_EVERY_S, "%s comes too fast: messages are lost" % self.topic
+                )
                 return
             self._latest = max(self._clock.now(), self._latest + _TICK_S)
             self._waiting.append((self._latest, message))

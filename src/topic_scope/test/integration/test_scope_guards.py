@@ -13,6 +13,7 @@ from typing import Any, Dict
 import rospy
 import rostest
 from helpers.waiting import wait_until
+from std_msgs.msg import Float32
 from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
@@ -23,7 +24,7 @@ FIELDS = ["/signal/%s" % name for name in ("signal_y", "time_x", "amplitude", "f
 class Guards(ScopeTest):
     """A scope of this machine's own."""
 
-    ARGUMENTS = FIELDS
+    ARGUMENTS = [*FIELDS, "--history", "3"]
 
     def test_a_page_of_another_site_is_refused(self) -> None:
         for headers in (
@@ -104,20 +105,27 @@ class Guards(ScopeTest):
         other.wait_for("frame")
 
     def test_there_is_a_limit_to_pages(self) -> None:
-        pages = [self.page() for _ in range(32)]
+        for _ in range(32):  # those of the tests before may not have gone yet
+            wait_until(self.is_let_in, lambda: "there is no place for a page")
         with self.assertRaises(HTTPClientError) as caught:
             Client(self.scope.url)
         self.assertEqual(caught.exception.code, 503)
-        pages[0].close()
+        self.doCleanups()
+        wait_until(self.is_let_in, lambda: "the place of a page that has gone is not free")
 
-        def is_let_in() -> bool:
-            try:
-                self.page()
-                return True
-            except HTTPClientError:
-                return False
+    def is_let_in(self) -> bool:
+        """Open a page, and tell whether that worked."""
+        try:
+            self.page()
+            return True
+        except HTTPClientError:
+            return False
 
-        wait_until(is_let_in, lambda: "the place of a page that has gone is not free")
+    def test_a_topic_that_nobody_looks_at_any_more_is_left(self) -> None:
+        page = self.page("/left/data")
+        publisher = self.publisher("/left", Float32, page)
+        page.send("select", fields=FIELDS)
+        wait_until(lambda: publisher.get_num_connections() == 0, lambda: "still subscribed")
 
     def test_a_page_that_does_not_read_gets_no_backlog(self) -> None:
         """It asks for large frames all the time, and takes none."""

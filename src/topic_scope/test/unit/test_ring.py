@@ -58,6 +58,12 @@ def test_a_span_has_its_samples(batches: list, start: float, length: float) -> N
     assert content(ring, start, start + length) == expected
 
 
+def test_the_history_includes_its_end() -> None:
+    ring = Ring(HISTORY)
+    filled(ring, [[(0.5, 1.0), (0.5, 2.0)], [(HISTORY, 3.0)]])
+    assert content(ring) == [(1.0, 2.0), (1.0 + HISTORY, 3.0)]
+
+
 def test_memory_stays_what_the_history_needs() -> None:
     ring = Ring(HISTORY)
     for second in range(1000):

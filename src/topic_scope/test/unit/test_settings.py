@@ -172,3 +172,12 @@ def test_only_the_last_of_several_values_is_judged(world: World) -> None:
     world.wait(1.0)
     assert world.in_force == {"low": 19.0, "high": 99.0}
     assert world.answers == [] and world.is_at_rest()
+
+
+def test_an_answer_from_before_a_value_says_nothing_of_it(world: World) -> None:
+    world.set("low", 5)
+    world.wait(settings.CONFIRM_S - 0.0085)  # the node has been asked, its answer is on the way
+    world.accepts = False
+    world.set("low", 7)
+    world.wait(10.0)
+    assert "has not taken" in world.answers[0]["text"] and world.is_at_rest()

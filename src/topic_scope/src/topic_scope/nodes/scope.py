@@ -31,6 +31,11 @@ class Scope:
 
     :ROS Subscribers:
         - the topics of the fields that are looked at, of any type
+        - ``/rosout`` (rosgraph_msgs/Log), unless it is read-only: why a node refuses a value
+
+    :ROS Services called:
+        - ``describe`` of each node that has it; SetBool and Trigger services beside it, when a page
+          calls them
 
     :param chosen: the options
     :param sockets: where to serve

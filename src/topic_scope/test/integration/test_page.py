@@ -155,6 +155,7 @@ class Page(PageTest):
         for _ in range(3):
             self.browser.choose("#trigger-mode", "single")
             wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold")
+            self.assertTrue(handle.is_displayed())
             self.assertEqual(handle.get_attribute("style"), style)
             self.browser.choose("#trigger-mode", "off")
             wait_until(lambda: self.browser.text("#run") == "Pause", lambda: "it holds")

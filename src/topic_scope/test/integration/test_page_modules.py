@@ -38,6 +38,8 @@ class Modules(unittest.TestCase):
                     float(tick["label"].replace("−", "-")), tick["v"], delta=span * 1e-3
                 )
             self.assertEqual(len({tick["label"] for tick in ticks}), len(ticks), ticks)
+            step = "%.3e" % (ticks[1]["v"] - ticks[0]["v"])
+            self.assertIn(step[:5], ("1.000", "2.000", "5.000"), ticks)
 
     def test_figures_have_five_digits(self) -> None:
         cases = {
@@ -165,6 +167,8 @@ class Modules(unittest.TestCase):
                 for name, frame in frames.items():
                     inside = item["group"] == name or item["group"].startswith(name + "/")
                     self.assertEqual(_overlap(boxes[item["id"]], frame), inside, (items, edges))
+                    if inside:  # and below its title
+                        self.assertGreater(boxes[item["id"]][1], frame[1] + 16.0)
             for way, stops in layout["routes"].items():
                 for stop in stops:  # a long way goes through no box
                     place = stop["x"], stop["y"], stop["x"], stop["y"]

@@ -11,7 +11,11 @@ from topic_scope.master_watch import GraphState
 
 STATE = GraphState(
     publishers=[("/signal", ["/gen"]), ("/rosout", ["/gen", "/proc"]), ("/lone", ["/gen", "/b"])],
-    subscribers=[("/signal", ["/proc", "/scope", "/c"]), ("/rosout", ["/rosout"])],
+    subscribers=[
+        ("/signal", ["/proc", "/scope", "/c"]),
+        ("/rosout", ["/rosout"]),
+        ("/wanted", ["/c"]),
+    ],
     services=[("/gen/reset", ["/gen"]), ("/quiet/reset", ["/quiet"])],
     types={"/signal": "a/B", "/rosout": "rosgraph_msgs/Log"},
 )
@@ -27,10 +31,14 @@ def test_the_log_and_the_scope_itself_are_left_out() -> None:
     assert graph["topics"] == [
         {"name": "/lone", "datatype": "*"},
         {"name": "/signal", "datatype": "a/B"},
+        {"name": "/wanted", "datatype": "*"},
     ]
-    assert graph["edges"] == [
-        {"from": "/gen", "to": target, "topic": "/signal", "rate": None}
-        for target in ("/c", "/proc")
+    assert [(edge["from"], edge["topic"], edge["to"]) for edge in graph["edges"]] == [
+        ("/b", "/lone", None),
+        ("/gen", "/lone", None),
+        ("/gen", "/signal", "/c"),
+        ("/gen", "/signal", "/proc"),
+        (None, "/wanted", "/c"),
     ]
 
 
@@ -44,7 +52,9 @@ def test_a_rate_is_messages_by_time(steps: List[int], period: float) -> None:
         # The second connection loses messages.
         rates.note("/gen", counts("/signal", (1, count), (2, count // 2)), index * period)
         assert rates.of("/gen", "/signal") == pytest.approx(step / period)
-    assert message(STATE, rates, "/scope")["edges"][0]["rate"] == rates.of("/gen", "/signal")
+    edges = message(STATE, rates, "/scope")["edges"]
+    shown = [edge["rate"] for edge in edges if edge["topic"] == "/signal"]
+    assert shown == [rates.of("/gen", "/signal")] * 2
 
 
 def test_a_connection_that_is_gone_has_no_rate() -> None:

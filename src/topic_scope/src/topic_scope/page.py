@@ -9,6 +9,8 @@ from topic_scope.view import LiveView, default_view
 
 #: Most answers that wait for a page that does not read.
 _NOTES = 50
+#: What makes a frame for one page may take this part of the time, so that the others have the rest.
+_SHARE = 0.25
 
 
 class Page:
@@ -26,8 +28,24 @@ class Page:
         self.wants_graph = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
+        self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
+
+    def is_due(self, now: float) -> bool:
+        """Tell whether it is the page's turn to get a frame.
+
+        :param now: s on the monotonic clock
+        """
+        return now >= self._rests_until
+
+    def took(self, start: float, end: float) -> None:
+        """Take note of how long its last frame took: a page that wants much gets it less often.
+
+        :param start: begin of the work, s on the monotonic clock
+        :param end: its end, s
+        """
+        self._rests_until = start + (end - start) / _SHARE
 
     def put(self, message: Dict[str, Any], *key: str) -> None:
         """Send a message; it replaces one of its type and key that has not been sent yet."""

@@ -13,6 +13,10 @@ from topic_scope.taps import Batch, Taps
 
 #: Most fields that are listed, and most topics that are listened to just to learn their type.
 LISTED, UNKNOWN = 5000, 50
+#: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
+TRACES = 1024
+#: Most arrays of a topic whose lengths are remembered.
+_ARRAYS = 1000
 
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
@@ -44,18 +48,22 @@ class _Longest:
             latest = self._latest(path)
         except fields.FieldError:  # the topic has got another type
             latest = 1
-        self._known[path] = max(latest, self._known.get(path, 0))
-        return self._known[path]
+        longest = max(latest, self._known.get(path, 0))
+        if path in self._known or len(self._known) < _ARRAYS:
+            self._known[path] = longest
+        return longest
 
 
 class _Trace:
     """The samples of one field.
 
+    :param topic: its topic
     :param path: where it stands in a message
     :param history: how long samples are kept, s
     """
 
-    def __init__(self, path: fields.Path, history: float) -> None:
+    def __init__(self, topic: str, path: fields.Path, history: float) -> None:
+        self.topic = topic
         self.path = path
         self.ring = Ring(history)
         self.used_at = 0.0
@@ -91,8 +99,8 @@ class Recorder:
         self._types: Mapping[str, str] = {}
         self._lengths: Dict[str, "_Longest"] = {}
         self._choices: Dict[Tuple[str, str], List[Choice]] = {}
-        self._traces: Dict[str, Dict[str, _Trace]] = {}
-        self._topics: Dict[str, str] = {}
+        self._traces: Dict[str, _Trace] = {}
+        self._by_topic: Dict[str, List[_Trace]] = {}
 
     def set_topics(self, types: Mapping[str, str]) -> None:
         """Take note of what there is on the graph.
@@ -109,7 +117,7 @@ class Recorder:
             layout = self._layouts.installed(datatype)
             if layout is None:
                 continue
-            if topic in self._traces or (topic, datatype) not in known:
+            if topic in self._by_topic or (topic, datatype) not in known:
                 lengths = self._lengths.get(topic, fields.one_element)
                 listed = fields.numeric_fields(layout, lengths)
                 known[topic, datatype] = [
@@ -136,10 +144,7 @@ class Recorder:
             return [name]
         topic, text = place
         lengths = self._lengths.get(topic, fields.one_element)
-        found = [field.path for field in fields.resolve(layout, text, lengths)]
-        for path in found:
-            self._topics[_name(topic, path)] = topic
-        return [_name(topic, path) for path in found]
+        return [_name(topic, field.path) for field in fields.resolve(layout, text, lengths)]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.
@@ -148,23 +153,22 @@ class Recorder:
         :param now: the time, s
         """
         for name in names:
-            topic = self._topics.get(name)
-            if topic is not None:
-                traces = self._traces.setdefault(topic, {})
-                if name not in traces:
-                    path = fields.to_path(name[len(topic) + 1 :])
-                    traces[name] = _Trace(path, self.history)
-                traces[name].used_at = now
-        for topic in list(self._traces):
-            kept = {
-                name: trace
-                for name, trace in self._traces[topic].items()
-                if trace.used_at >= now - self.history
-            }
-            self._traces[topic] = kept
-            if not kept:
-                del self._traces[topic]
-        self._taps.want(list(self._traces) + self._unknown())
+            trace = self._traces.get(name) or self._new_trace(name)
+            if trace is not None:
+                self._traces[name] = trace
+                trace.used_at = now
+        recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
+        self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
+        self._by_topic = {}
+        for trace in self._traces.values():
+            self._by_topic.setdefault(trace.topic, []).append(trace)
+        self._taps.want(list(self._by_topic) + self._unknown())
+
+    def _new_trace(self, name: str) -> Optional[_Trace]:
+        place = fields.split(name, self._types)
+        if place is None or not place[1]:
+            return None  # its topic is not there yet
+        return _Trace(place[0], fields.to_path(place[1]), self.history)
 
     def update(self) -> float:
         """Take in what has come.
@@ -178,7 +182,7 @@ class Recorder:
                 if layout is None:
                     continue
                 self._lengths.setdefault(topic, _Longest()).look(layout, batch.messages[-1])
-                for trace in self._traces.get(topic, {}).values():
+                for trace in self._by_topic.get(topic, ()):
                     trace.add(layout, batch)
         return now
 
@@ -189,12 +193,12 @@ class Recorder:
         :param start: begin of the span, s
         :param end: end of the span, s
         """
-        trace = self._traces.get(self._topics.get(name, ""), {}).get(name)
+        trace = self._traces.get(name)
         return trace.ring.between(start, end) if trace else _NOTHING
 
     def topic_of(self, name: str) -> str:
         """Return the topic of a field, empty where it is not known."""
-        return self._topics.get(name, "")
+        return self._traces[name].topic if name in self._traces else ""
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:

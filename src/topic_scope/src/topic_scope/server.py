@@ -1,5 +1,6 @@
 """The oscilloscope between its pages and the graph; all of it runs in the thread of the web."""
 
+import time
 from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
 
 import rospy
@@ -197,7 +198,8 @@ class Server:
             crossing = page.trigger.update(now, page.view.window, samples)
             if crossing is not None:
                 page.put(crossing)
-            if not connection.is_ready:
+            began = time.monotonic()
+            if not connection.is_ready or not page.is_due(began):
                 continue  # the next frame holds what this one would have
             if measures:
                 span = page.view.span(now)
@@ -205,3 +207,4 @@ class Server:
                 page.put({"type": "stats", "traces": traces})
             frame = page.view.frame(now, samples)
             connection.send(page.take() + ([frame] if frame is not None else []))
+            page.took(began, time.monotonic())

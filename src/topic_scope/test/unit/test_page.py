@@ -32,3 +32,11 @@ def test_a_bad_request_is_answered_and_not_handled() -> None:
     handled = []
     page.obey("{", lambda *request: handled.append(request))
     assert handled == [] and page.take()[0]["type"] == "error"
+
+
+def test_a_page_whose_frames_take_long_gets_them_less_often() -> None:
+    page = Page(10.0)
+    assert page.is_due(0.0)
+    page.took(100.0, 100.5)
+    assert not page.is_due(101.9)
+    assert page.is_due(102.0)

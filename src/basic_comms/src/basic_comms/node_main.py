@@ -8,10 +8,12 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
+from basic_comms import timer_slack
 from basic_comms.parameter_server import UNREACHABLE, ParameterServer
 from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import ParameterError
 from basic_comms.rospy_internals import signals
+from basic_comms.rospy_internals.start import looking_often
 
 EXIT_OK, EXIT_REFUSED = 0, 1
 
@@ -31,6 +33,7 @@ def run(name: str, start: Callable[[], object]) -> None:
     """
     try:
         signals.register()
+        timer_slack.tighten()
         _wait_for_master(name)
         node = _start_beside(name, start)
         if not rospy.is_shutdown():
@@ -81,7 +84,8 @@ def _start_beside(name: str, start: Callable[[], object]) -> List[object]:
 
     def work() -> None:
         try:
-            rospy.init_node(name, disable_signals=True)
+            with looking_often():
+                rospy.init_node(name, disable_signals=True)
             get_watcher()  # also registers the node again, should the master be restarted
             node.append(start())
         except BaseException as error:

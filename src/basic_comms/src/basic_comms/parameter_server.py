@@ -63,6 +63,8 @@ class _Transport(xmlrpc.client.Transport):
     def __init__(self, timeout: float) -> None:
         super().__init__()
         self._timeout = timeout
+        self._latest = b""
+        self._parsed: Any = None
 
     def make_connection(
         self, host: Union[str, Tuple[str, Dict[str, str]]]
@@ -70,6 +72,19 @@ class _Transport(xmlrpc.client.Transport):
         connection = super().make_connection(host)
         connection.timeout = self._timeout
         return connection
+
+    def parse_response(self, response: Any) -> Any:
+        """Return what an answer says, without parsing the same text again.
+
+        The usual answer to the question for changes is that there are none.
+        """
+        text = response.read()
+        if text != self._latest:
+            parser, unmarshaller = self.getparser()
+            parser.feed(text)
+            parser.close()
+            self._latest, self._parsed = text, unmarshaller.close()
+        return self._parsed
 
 
 class _Advance:

@@ -27,3 +27,16 @@ def test_messages_are_imported_without_numpy(tmp_path):
 def test_interrupt_during_the_imports_is_no_error(tmp_path):
     done = run_main(tmp_path, "raise KeyboardInterrupt\n")
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_search_for_files_is_imported_when_it_is_needed(tmp_path):
+    text = (
+        "import roslib.packages, sys\n"
+        "def main():\n"
+        "    assert 'pyparsing' not in sys.modules\n"
+        "    for _ in range(2):\n"
+        "        files = roslib.packages.catkin_find(project='basic_comms', path='package.xml')\n"
+        "    sys.exit(5 if files and 'pyparsing' in sys.modules else 6)\n"
+    )
+    done = run_main(tmp_path, text)
+    assert done.returncode == 5, done.stderr

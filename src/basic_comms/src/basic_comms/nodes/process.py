@@ -42,8 +42,8 @@ class Process:
         self._latest: Optional[float] = None
         self._publisher = Publisher(scope.topic("proc_signal"), Float32)
         self._repetition = get_scheduler().every(self._parameters.values.rate, self._publish_latest)
-        self._parameters.start(on_change=lambda new, old: self._repetition.set_rate(new.rate))
         self._subscriber = Subscriber(scope.topic("signal"), signal_msg, self._on_signal)
+        self._parameters.start(on_change=lambda new, old: self._repetition.set_rate(new.rate))
 
     def _on_signal(self, samples: List[signal_msg]) -> None:
         settings = self._parameters.values

@@ -14,7 +14,7 @@ from typing import Any, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Opt
 from typing import Tuple, Union
 
 _SUCCESS = 1
-#: Most keys in one request of many; the master's other clients are served between two.
+#: Most keys in one of several requests.
 _TOGETHER = 500
 
 #: What a request raises where the master does not answer or is not one.
@@ -88,7 +88,7 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class _Advance:
-    """What has been read in advance, and what is still to be written and subscribed.
+    """What has been read in advance, and what is still to be written.
 
     :param readings: of all keys, at least one
     """
@@ -97,7 +97,6 @@ class _Advance:
         self._last = readings[-1]
         self._values = {key: value for part in readings for key, value in part.values.items()}
         self.writes: Dict[str, Any] = {}
-        self.subscriptions: List[str] = []
 
     def read(self, keys: Sequence[str]) -> Reading:
         """Return keys as they were."""
@@ -178,14 +177,11 @@ class ParameterServer:
         :param keys: global names of parameters or namespaces
         :raises UNREACHABLE: if the master does not answer
         """
-        if self._advance is not None:
-            self._advance.subscriptions += keys
-            return
         self._request([("subscribeParam", self._node_uri, key) for key in keys])
 
     @contextlib.contextmanager
     def in_advance(self, keys: Sequence[str]) -> Iterator[None]:
-        """Read keys now, and put off what is written and subscribed meanwhile until the end.
+        """Read keys now, and put off what is written meanwhile until the end.
 
         For the start of something with thousands of namespaces, which would take as many requests.
         Meanwhile these keys alone can be read.
@@ -193,16 +189,14 @@ class ParameterServer:
         :param keys: global names of all that will be read
         :raises UNREACHABLE: if the master does not answer
         """
-        readings = [self.read(part) for part in _parts(keys)]
+        readings = [self.read(part) for part in parts(keys)]
         self._advance = advance = _Advance(readings)
         try:
             yield
         finally:
             self._advance = None
-        for part in _parts(list(advance.writes)):
+        for part in parts(list(advance.writes)):
             self.write({key: advance.writes[key] for key in part})
-        for part in _parts(advance.subscriptions):
-            self.subscribe(part)
 
     def unsubscribe(self, keys: Iterable[str], timeout: float = 0.5) -> None:
         """Take subscriptions back, over a connection of its own.
@@ -214,11 +208,6 @@ class ParameterServer:
         :param timeout: longest wait for an answer, s
         :raises UNREACHABLE: if the master does not answer
         """
-        keys = list(keys)
-        if self._advance is not None:
-            for key in keys:
-                self._advance.subscriptions.remove(key)
-            return
         with self._connect(timeout) as master:
             calls = xmlrpc.client.MultiCall(master)
             for key in keys:
@@ -236,8 +225,12 @@ class ParameterServer:
             return [answers[i] for i in range(len(calls))]
 
 
-def _parts(keys: Sequence[str]) -> List[Sequence[str]]:
-    """Divide keys among requests; there is always at least one."""
+def parts(keys: Sequence[str]) -> List[Sequence[str]]:
+    """Divide keys among requests, so that the master's other clients are served between two.
+
+    :param keys: any number of them
+    :returns: parts in the same order, at least one
+    """
     return [keys[i : i + _TOGETHER] for i in range(0, len(keys), _TOGETHER)] or [keys]
 
 

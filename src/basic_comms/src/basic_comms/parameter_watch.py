@@ -18,6 +18,7 @@ import rospy
 
 from basic_comms.parameter_kinds import is_same
 from basic_comms.parameter_server import MISSING, UNREACHABLE, NoValue, ParameterServer, Reading
+from basic_comms.parameter_server import parts
 from basic_comms.rospy_internals import parameters, registration, shutdown
 
 #: Time between two reads where no notification arrives, s.
@@ -99,6 +100,7 @@ class ParameterWatcher:
         self._lost: Set[Watch] = set()
         self._reachable = True
         self._looking = threading.Lock()
+        self._starting_together = False
         if not parameters.on_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         self._take_over_logging()
@@ -128,7 +130,8 @@ class ParameterWatcher:
         with self._lock:
             if watch not in self._subscribed:
                 self._subscribed = self._subscribed + [watch]
-        self._subscribe([watch.key])
+        if not self._starting_together:
+            self._subscribe([watch.key])
 
     def add(self, watch: Watch) -> None:
         """Follow a key from now on; the first observation comes at once.
@@ -151,8 +154,16 @@ class ParameterWatcher:
         :param keys: global names of all that the watches will read
         :raises UNREACHABLE: if the master does not answer
         """
-        with self._looking, self.server.in_advance(keys):
-            yield
+        with self._looking:
+            before = len(self._subscribed)
+            self._starting_together = True
+            try:
+                with self.server.in_advance(keys):
+                    yield
+            finally:
+                self._starting_together = False
+            for part in parts([watch.key for watch in self._subscribed[before:]]):
+                self._subscribe(part)
 
     def remove(self, watch: Watch) -> None:
         """Follow a key no longer.
@@ -177,7 +188,7 @@ class ParameterWatcher:
     def _keys(self) -> List[str]:
         return [parameters.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
 
-    def _subscribe(self, keys: List[str]) -> None:
+    def _subscribe(self, keys: Sequence[str]) -> None:
         self.server.subscribe(keys)
         if self._closed:
             self._unsubscribe(keys)  # close() may have come before it, in another thread

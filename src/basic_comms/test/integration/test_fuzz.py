@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Hundreds of odd requests to every node's two ports: none dies, all go on as before."""
+
+import random
+import socket
+import unittest
+from typing import Any, Dict, List, Tuple
+from urllib.parse import urlparse
+
+import rosgraph
+import rostest
+from helpers.fuzzing import Fuzzer
+from helpers.graph import Graph
+from helpers.process_facts import Usage, usage
+from helpers.tcpros import Tap, address, connect
+from helpers.waiting import wait_until
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Float32, String
+
+from basic_comms.msg import signal_msg
+
+CASES = 400
+STREAMS = {
+    "/talker": ("/chatter", String),
+    "/listener": ("/rosout", Log),
+    "/signal_generator": ("/signal", signal_msg),
+    "/process": ("/proc_signal", Float32),
+    "/fleet": ("/Group1/proc_signal", Float32),
+}
+#: Services that change nothing, however they are called.
+HARMLESS = ("/describe", "/get_loggers")
+
+
+class Fuzz(unittest.TestCase):
+    """Each test takes the nodes in turns."""
+
+    graph: Graph
+    uris: Dict[str, str]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.graph = Graph()
+        wait_until(lambda: cls.graph.initialised(*STREAMS), lambda: str(cls.graph.nodes()))
+        cls.uris = {node: rosgraph.Master("/test").lookupNode(node) for node in STREAMS}
+        cls.assert_all_speak()
+
+    @classmethod
+    def assert_all_speak(cls) -> None:
+        """Hear something of each node, which shows also that what it listens to is connected."""
+        for node, (topic, kind) in STREAMS.items():
+            tap = Tap(cls.uris[node], topic, kind)
+            tap.read()
+            tap.close()
+
+    def setUp(self) -> None:
+        self.pids = {node: self.graph.pid(node) for node in STREAMS}
+        self.parameters = self.settings()
+        self.before = self.usages()
+        self.names = [
+            *(topic for topic, _ in STREAMS.values()),
+            *(node + ending for node in STREAMS for ending in HARMLESS),
+            *(name for name in self.graph.parameters() if name.startswith("/signal_generator/")),
+        ]
+
+    def settings(self) -> Any:
+        return {node: self.graph.parameter(node) for node in STREAMS if node != "/listener"}
+
+    def usages(self) -> Dict[str, Usage]:
+        return {node: usage(pid) for node, pid in self.pids.items()}
+
+    def send(self, requests: List[bytes], ports: List[Tuple[str, int]]) -> None:
+        """Send each request to one of the ports, and wait for the answers to some of them."""
+        patience = random.Random(3)
+        for number, request in enumerate(requests):
+            with connect(ports[number % len(ports)]) as peer:
+                peer.settimeout(0.1)
+                try:
+                    peer.sendall(request)
+                    if patience.random() < 0.3:
+                        peer.recv(65536)
+                except (socket.timeout, ConnectionError):
+                    pass  # it need not answer
+
+    def assert_unharmed(self) -> None:
+        self.assertEqual({node: self.graph.pid(node) for node in STREAMS}, self.pids)
+        self.assert_all_speak()
+        self.assertEqual(self.settings(), self.parameters)
+        wait_until(self.nothing_stays, lambda: "%s, before %s" % (self.usages(), self.before))
+
+    def nothing_stays(self) -> bool:
+        """Tell whether no connection and no thread is left of it all."""
+        now = self.usages()
+        return all(
+            now[node].threads <= self.before[node].threads
+            and now[node].descriptors <= self.before[node].descriptors
+            for node in STREAMS
+        )
+
+    def test_xmlrpc_port(self) -> None:
+        fuzzer = Fuzzer(5, self.names)
+        ports = [(str(url.hostname), int(url.port)) for url in map(urlparse, self.uris.values())]
+        self.send([fuzzer.http_request() for _ in range(CASES)], ports)
+        self.assert_unharmed()
+
+    def test_port_of_topics_and_services(self) -> None:
+        fuzzer = Fuzzer(6, self.names)
+        ports = [address(uri) for uri in self.uris.values()]
+        self.send([fuzzer.tcpros_request() for _ in range(CASES)], ports)
+        self.assert_unharmed()
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "fuzz", Fuzz)

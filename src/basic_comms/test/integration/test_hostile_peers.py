@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Whatever connects to a node's ports: the node and those who use it well notice nothing."""
+
+import random
+import socket
+import struct
+import time
+import unittest
+from contextlib import contextmanager
+from typing import Iterator, List, Tuple
+
+import rosgraph
+import rospy
+import rostest
+from helpers.graph import Graph
+from helpers.hearing import Ear
+from helpers.process_facts import Usage, listening, usage
+from helpers.tcpros import Tap, address, connect, header
+from helpers.waiting import wait_until
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+
+from basic_comms.msg import signal_msg
+
+NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet")
+GENERATOR, TOPIC = "/signal_generator", "/signal"
+RATE = 1000.0  # Hz
+#: What a process may take for good when it does a thing for the first time, bytes.
+ALLOWANCE = 3_000_000
+
+
+class HostilePeers(unittest.TestCase):
+    """The generator at 1 kHz, a good subscriber of it in this process, and a bad one."""
+
+    graph: Graph
+    uri: str
+    where: Tuple[str, int]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_hostile_peers")
+        cls.graph = Graph()
+        wait_until(lambda: cls.graph.initialised(*NODES), lambda: str(cls.graph.nodes()))
+        cls.uri = rosgraph.Master("/test").lookupNode(GENERATOR)
+        cls.where = address(cls.uri)
+        Ear(TOPIC, signal_msg).wait_for(lambda sample: True)
+        Tap(cls.uri, TOPIC, signal_msg).close()
+
+    @contextmanager
+    def unnoticed(self) -> Iterator[None]:
+        """Check that the good subscriber misses nothing meanwhile, and that nothing stays behind."""
+        pid = self.graph.pid(GENERATOR)
+        before = usage(pid)
+        arrivals: List[Tuple[float, float]] = []
+        subscriber = rospy.Subscriber(
+            TOPIC,
+            signal_msg,
+            lambda sample: arrivals.append((time.monotonic(), sample.time_x)),
+            tcp_nodelay=True,
+        )
+        self.addCleanup(subscriber.unregister)
+        wait_until(lambda: arrivals, lambda: "nothing arrives")
+        yield
+        ended_at = arrivals[-1][1]
+        wait_until(lambda: arrivals[-1][1] > ended_at + 0.2, lambda: "nothing arrives any more")
+        subscriber.unregister()
+        pairs = list(zip(arrivals, arrivals[1:]))
+        self.assertEqual({round(RATE * (b[1] - a[1]), 2) for a, b in pairs}, {1.0})
+        gap = max(b[0] - a[0] for a, b in pairs)
+        wait_until(lambda: is_back(usage(pid), before), lambda: "%s, %s" % (usage(pid), before))
+        grown = usage(pid).memory - before.memory
+        print("%s: longest gap %.1f ms, memory %+d kB" % (self.id(), 1000 * gap, grown // 1000))
+        self.assertEqual(self.graph.pid(GENERATOR), pid)
+
+    def test_subscriber_that_never_reads(self) -> None:
+        talker = rosgraph.Master("/test").lookupNode("/talker")
+        log = Ear("/rosout", Log)
+        self.addCleanup(log.close)
+        log.wait_for(lambda line: line.name == "/talker")
+        chatter = Ear("/chatter", String)
+        chatter.wait_for(lambda message: True)
+        before = usage(self.graph.pid("/talker"))
+        # The generator would take minutes to fill the buffers of such a connection.
+        for name, quick, slow in (("/talker/rate", 2000.0, 10.0), ("/Message", "x" * 3000, "x")):
+            self.addCleanup(rospy.set_param, name, slow)
+            rospy.set_param(name, quick)
+        with self.unnoticed(), connect(self.where) as idle, connect(address(talker)) as mute:
+            idle.sendall(header(TOPIC, signal_msg, callerid="/idle"))
+            mute.sendall(header("/chatter", String, callerid="/mute"))
+            log.wait_for(lambda line: "subscriber /mute does not keep up" in line.msg)
+            chatter.forget()
+            wait_until(lambda: chatter.count() > 1000, lambda: "heard %d" % chatter.count())
+        chatter.close()
+        pid = self.graph.pid("/talker")
+        wait_until(lambda: is_back(usage(pid), before), lambda: "%s, %s" % (usage(pid), before))
+
+    def test_garbage(self) -> None:
+        noise = random.Random(1)
+        payloads = [
+            *(bytes(noise.getrandbits(8) for _ in range(size)) for size in (1, 4, 100, 5000)),
+            b"GET / HTTP/1.0\r\n\r\n",
+            b"\0\0\0\0",
+            struct.pack("<II", 8, 4) + b"junk",
+            struct.pack("<II", 8, 4) + b"a=\xff\xfe",
+            struct.pack("<II", 8, 2**32 - 1) + b"junk",
+        ]
+        with self.unnoticed():
+            for payload in payloads:
+                with connect(self.where) as peer:
+                    peer.sendall(payload)
+
+    def test_wrong_type_is_answered_by_an_error(self) -> None:
+        cases = [
+            (TOPIC, {"md5sum": "0" * 32}),
+            (TOPIC, {"type": "std_msgs/String", "md5sum": String._md5sum}),
+            ("/nothing", {}),
+            ("", {}),
+        ]
+        with self.unnoticed():
+            for topic, changes in cases:
+                with connect(self.where) as peer:
+                    peer.sendall(header(topic, signal_msg, **changes))
+                    self.assertIn(b"error=", peer.recv(4096), (topic, changes))
+
+    def test_header_of_four_gigabytes(self) -> None:
+        with self.unnoticed(), connect(self.where) as peer:
+            peer.sendall(struct.pack("<I", 2**32 - 1) + bytes(1_000_000))
+
+    def test_half_a_header(self) -> None:
+        with self.unnoticed():
+            whole = header(TOPIC, signal_msg)
+            for size in (2, 4, 6, len(whole) // 2, len(whole) - 1):
+                with connect(self.where) as peer:
+                    peer.sendall(whole[:size])
+
+    def test_twenty_subscribers_that_come_and_go(self) -> None:
+        dice = random.Random(2)
+        peers: List[socket.socket] = []
+        with self.unnoticed():
+            for _ in range(200):
+                if len(peers) < 20 and dice.random() < 0.6:
+                    peers.append(connect(self.where))
+                    peers[-1].sendall(header(TOPIC, signal_msg))
+                elif peers:
+                    peer = peers.pop(dice.randrange(len(peers)))
+                    if dice.random() < 0.5:  # as a process that is killed with unread data
+                        linger = struct.pack("ii", 1, 0)
+                        peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+                    peer.close()
+            for peer in peers:
+                peer.close()
+
+    def test_silent_connection_keeps_newcomers_of_any_rospy_node_waiting(self) -> None:
+        # A limit of rospy itself: one thread reads the headers of all who connect. See docs/faults.
+        rospy.Publisher("/stock", String, queue_size=1, latch=True).publish("stock")
+        stock = rosgraph.Master("/test").lookupNode(rospy.get_name())
+        with self.unnoticed():
+            for uri, topic, kind in ((self.uri, TOPIC, signal_msg), (stock, "/stock", String)):
+                with connect(address(uri, topic)), connect(address(uri, topic)) as newcomer:
+                    newcomer.sendall(header(topic, kind))
+                    newcomer.settimeout(1.0)
+                    with self.assertRaises(socket.timeout):
+                        newcomer.recv(1)
+                tap = Tap(uri, topic, kind)
+                tap.read()
+                tap.close()
+
+    def test_nodes_listen_to_this_machine_only(self) -> None:
+        pids = {name: self.graph.pid(name) for name in NODES}
+        pids["master"] = rosgraph.Master("/test").getPid()
+        for name, pid in pids.items():
+            found = listening(pid)
+            self.assertTrue(found, name)
+            self.assertEqual({host for host, _ in found}, {"127.0.0.1"}, name)
+
+
+def is_back(now: Usage, before: Usage) -> bool:
+    """Tell whether a process holds no more than before."""
+    return (
+        now.threads <= before.threads
+        and now.descriptors <= before.descriptors
+        and now.memory <= before.memory + ALLOWANCE
+    )
+
+
+if __name__ == "__main__":
+    rostest.rosrun("basic_comms", "hostile_peers", HostilePeers)

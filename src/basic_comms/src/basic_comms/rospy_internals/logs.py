@@ -1,0 +1,95 @@
+"""How rospy writes its log to the console and to a file."""
+
+import atexit
+import logging
+import os
+import sys
+import time
+from typing import Any, Optional
+
+import rosgraph.roslogging
+from rosgraph.roslogging import RosStreamHandler
+
+#: Shortest time between two notices that lines are lost, s.
+_NOTICE_PERIOD_S = 60.0
+
+_quiet_until = 0.0
+
+
+def mend_logs() -> None:
+    """Let a log that cannot be written cost its lines and nothing else.
+
+    rospy raises the error of a full disk, a closed pipe or a character that the console lacks in
+    whoever logs, so that a talker falls silent. Python's handler of the file prints a traceback
+    for each line instead. And a node whose log file cannot be opened does not start.
+    """
+    emit, handle_error = RosStreamHandler.emit, logging.Handler.handleError
+    configure = rosgraph.roslogging.configure_logging
+
+    def emit_or_drop(handler: RosStreamHandler, record: logging.LogRecord) -> None:
+        try:
+            emit(handler, record)
+        except (OSError, UnicodeEncodeError):
+            handler.handleError(record)
+
+    def drop_with_notice(handler: logging.Handler, record: logging.LogRecord) -> None:
+        error = sys.exc_info()[1]
+        if isinstance(error, UnicodeEncodeError) and _escape_from_now_on(handler):
+            handler.emit(record)
+        elif isinstance(error, OSError):
+            _notice(error)
+        else:
+            handle_error(handler, record)
+
+    def configure_with_or_without_file(*args: Any, **kwds: Any) -> Optional[str]:
+        try:
+            name: Optional[str] = configure(*args, **kwds)
+            if name is not None:
+                return name
+        except OSError as error:
+            sys.stderr.write("WARNING: cannot write a log file: %s\n" % error)
+        # Without any file rospy would leave the console out as well.
+        kwds.update(filename="null", env={**os.environ, "ROS_LOG_DIR": os.path.dirname(os.devnull)})
+        configure(*args, **kwds)
+        return None
+
+    RosStreamHandler.emit = emit_or_drop
+    setattr(logging.Handler, "handleError", drop_with_notice)
+    rosgraph.roslogging.configure_logging = configure_with_or_without_file
+    atexit.register(_let_go_of_output)
+
+
+def _escape_from_now_on(handler: logging.Handler) -> bool:
+    """Have characters that a handler's stream lacks written as escapes.
+
+    :returns: whether there was anything to change
+    """
+    changed = False
+    for name in ("stream", "_stdout", "_stderr"):
+        stream = getattr(handler, name, None)
+        if getattr(stream, "errors", "backslashreplace") != "backslashreplace":
+            stream.reconfigure(errors="backslashreplace")
+            changed = True
+    return changed
+
+
+def _notice(error: OSError) -> None:
+    """Say on stderr, now and then, that lines of the log are lost."""
+    global _quiet_until
+    now = time.monotonic()
+    if now >= _quiet_until:
+        _quiet_until = now + _NOTICE_PERIOD_S
+        try:
+            sys.stderr.write("WARNING: lines of the log are lost: %s\n" % error)
+        except OSError:
+            pass  # which cannot be written either
+
+
+def _let_go_of_output() -> None:
+    """Drop what cannot be written, or else Python makes it the node's exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            with open(os.devnull, "w") as nowhere:
+                os.dup2(nowhere.fileno(), stream.fileno())

@@ -9,6 +9,25 @@ from basic_comms.clocks import MonotonicClock
 from basic_comms.scheduling import Scheduler
 
 
+#: Longest line that is logged in full, characters.
+LONGEST = 1000
+#: Of a longer one, what is logged of its end, characters.
+_END = 100
+
+
+def shortened(text: str) -> str:
+    """Leave out the middle of a very long text.
+
+    :param text: the text
+    :returns: a text not much longer than :data:`LONGEST`
+    """
+    if len(text) <= LONGEST:
+        return text
+    start = LONGEST - _END
+    left_out = len(text) - LONGEST
+    return "%s... (%d characters) ...%s" % (text[:start], left_out, text[-_END:])
+
+
 class StreamLog:
     """Logs each line of a slow stream, and of a quick one how much was left out.
 
@@ -30,13 +49,13 @@ class StreamLog:
     def line(self, text: str) -> None:
         """Log a line, or count it where there were too many this second.
 
-        :param text: the line
+        :param text: the line; its middle is left out where it is very long
         """
         with self._lock:
             self._count += 1
             if self._count > self._limit:
                 return
-        self._log(text)
+        self._log(shortened(text))
 
     def _end_second(self, _elapsed: float) -> None:
         with self._lock:

@@ -27,6 +27,10 @@ class Ear:
         with self._lock:
             return len(self._heard)
 
+    def publishers(self) -> int:
+        """Return how many publishers are connected."""
+        return int(self._subscriber.get_num_connections())
+
     def forget(self) -> None:
         """Start over."""
         with self._lock:

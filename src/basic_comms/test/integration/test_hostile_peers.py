@@ -48,7 +48,7 @@ class HostilePeers(unittest.TestCase):
 
     @contextmanager
     def unnoticed(self) -> Iterator[None]:
-        """Check that the good subscriber misses nothing meanwhile, and that nothing stays behind."""
+        """Check that the good subscriber misses nothing meanwhile, and nothing stays behind."""
         pid = self.graph.pid(GENERATOR)
         before = usage(pid)
         arrivals: List[Tuple[float, float]] = []

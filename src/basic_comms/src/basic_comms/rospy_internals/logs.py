@@ -66,7 +66,7 @@ def _escape_from_now_on(handler: logging.Handler) -> bool:
     """
     changed = False
     for name in ("stream", "_stdout", "_stderr"):
-        stream = getattr(handler, name, None)
+        stream: Any = getattr(handler, name, None)
         if getattr(stream, "errors", "backslashreplace") != "backslashreplace":
             stream.reconfigure(errors="backslashreplace")
             changed = True

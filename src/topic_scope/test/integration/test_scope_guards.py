@@ -150,7 +150,7 @@ class Guards(ScopeTest):
 
     def memory(self) -> int:
         """Return how much memory the scope holds, bytes."""
-        with open("/proc/%d/statm" % self.scope._process.pid) as file:
+        with open("/proc/%d/statm" % self.scope.pid) as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 

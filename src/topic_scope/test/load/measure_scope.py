@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+"""Measure what the scope costs: ``ci/exec src/topic_scope/test/load/measure_scope.py``.
+
+It starts a master, a node that publishes ten topics at 1 kHz, and a scope, and prints the scope's
+load with no page, with one and with three. With ``--publish`` it is that node.
+"""
+
+import argparse
+import math
+import os
+import pathlib
+import socket
+import subprocess
+import sys
+import time
+from typing import List
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parents[2] / "basic_comms" / "test")]
+TOPICS, RATE = 10, 1000.0
+BINS, WINDOW = 1200, 10.0
+
+
+def publish() -> None:
+    """Publish sines that are a tenth of a period apart."""
+    import rospy
+    from basic_comms.publishing import Publisher
+    from std_msgs.msg import Float32
+
+    rospy.init_node("load")
+    publishers = [Publisher("load%d" % index, Float32) for index in range(TOPICS)]
+    start, count = time.monotonic(), 0
+    while not rospy.is_shutdown():
+        count += 1
+        for index, publisher in enumerate(publishers):
+            phase = 2 * math.pi * (count / RATE + index / TOPICS)
+            publisher.publish(Float32(math.sin(phase)))
+        time.sleep(max(0.0, start + count / RATE - time.monotonic()))
+
+
+def seconds_of(pid: int) -> float:
+    """Return the time that a process has used the processor, s."""
+    words = pathlib.Path("/proc/%d/stat" % pid).read_text().rpartition(")")[2].split()
+    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def megabytes_of(pid: int) -> float:
+    """Return the memory that a process holds, MB."""
+    words = pathlib.Path("/proc/%d/statm" % pid).read_text().split()
+    return int(words[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def measure(seconds: float) -> None:
+    """Start everything, print the table, end everything.
+
+    :param seconds: how long each row is measured
+    """
+    from browsing.scope_process import ScopeProcess
+    from helpers.waiting import wait_until
+    from wire.client import Client
+
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        port = str(probe.getsockname()[1])
+    os.environ["ROS_MASTER_URI"] = "http://localhost:" + port
+    master = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL)
+    load = subprocess.Popen([sys.executable, __file__, "--publish"])
+    fields = ["/load%d/data" % index for index in range(TOPICS)]
+    scope = ScopeProcess(*fields)
+    clients: List[Client] = []
+    try:
+        scope.wait_until_served()
+        print("pages  % of a core  frames/s  messages/s  memory, MB")
+        for count in (0, 1, 3):
+            while len(clients) < count:
+                clients.append(Client(scope.url))
+                clients[-1].send("view", window=WINDOW, width=BINS, end=None)
+            for client in clients:
+                wait_until(lambda: client.values(fields[-1]), lambda: "no samples")
+            time.sleep(WINDOW)
+            for client in clients:
+                client.forget()
+            used, began = seconds_of(scope.pid), time.monotonic()
+            time.sleep(seconds)
+            share = (seconds_of(scope.pid) - used) / (time.monotonic() - began)
+            frames = [len(client.messages("frame")) / seconds for client in clients]
+            rates = [
+                sum(
+                    trace["rate"] or 0.0
+                    for trace in client.messages("stats")[-1]["traces"].values()
+                )
+                for client in clients
+            ]
+            row = (count, 100 * share, min(frames, default=0.0), min(rates, default=0.0))
+            print("%5d  %11.1f  %8.1f  %10.0f  %10.1f" % (*row, megabytes_of(scope.pid)))
+    finally:
+        for client in clients:
+            client.close()
+        scope.stop()
+        for process in (load, master):
+            process.terminate()
+            process.wait(30.0)
+
+
+def main() -> None:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description="Measure what the scope costs.")
+    parser.add_argument("--publish", action="store_true", help="be the node that publishes")
+    parser.add_argument("--seconds", type=float, default=20.0, help="time for each row, s")
+    arguments = parser.parse_args()
+    if arguments.publish:
+        publish()
+    else:
+        measure(arguments.seconds)
+
+
+if __name__ == "__main__":
+    main()

@@ -45,6 +45,7 @@ const panels = new Panels(state, (message) => connection.send(message));
 const handlers = {
   hello: (message) => requests.onHello(message),
   fields: ({ fields }) => state.set({ available: fields }),
+  selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
   frame: (frame) => {
     sweep.onFrame(frame);
     screen.refresh();

@@ -193,7 +193,7 @@ class ParameterWatcher:
         if self._closed:
             self._unsubscribe(keys)  # close() may have come before it, in another thread
 
-    def _unsubscribe(self, keys: List[str]) -> None:
+    def _unsubscribe(self, keys: Sequence[str]) -> None:
         try:
             self.server.unsubscribe(keys)
         except UNREACHABLE:

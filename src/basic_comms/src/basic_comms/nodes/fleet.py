@@ -1,6 +1,7 @@
 """The fleet: many pairs of signal generator and process in one process of the machine."""
 
 import resource
+import sys
 from typing import Callable, List
 
 import rospy
@@ -14,6 +15,11 @@ from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import IntParameter, ParameterError, ParameterSet, StringParameter
 from basic_comms.rospy_internals import parameters
 from basic_comms.rospy_internals.registration import registering_together
+
+
+#: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
+#: that connects would wait as long at each of its steps while the members' signals are made.
+_SWITCH_INTERVAL_S = 0.0005
 
 
 class FleetParameters(ParameterSet):
@@ -37,6 +43,7 @@ class Fleet:
 
     def __init__(self) -> None:
         _allow_many_connections()
+        sys.setswitchinterval(_SWITCH_INTERVAL_S)
         # Or rospy sends the names of all topics with each line of the log.
         parameters.cache(parameters.ROSOUT_PARAMETER, True)
         self._parameters = LiveParameters(FleetParameters)

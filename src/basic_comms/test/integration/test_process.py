@@ -3,6 +3,7 @@
 
 import math
 import struct
+import time
 import unittest
 from typing import List, Optional
 
@@ -21,6 +22,17 @@ W, RATE = 7.3, 50.0
 def float32(value: float) -> float:
     """Return a value as it comes over the wire."""
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
+
+
+class Stopwatch:
+    """Tells how much time has passed since it was made."""
+
+    def __init__(self) -> None:
+        self._began = time.monotonic()
+
+    def seconds(self) -> float:
+        """Return the time passed, s."""
+        return time.monotonic() - self._began
 
 
 class ProcessNode(unittest.TestCase):
@@ -136,6 +148,17 @@ class ProcessNode(unittest.TestCase):
         type(self).time += 1.0 / RATE
         exact = math.sin(W * self.time + math.pi / 2.0) + 1.0
         self.assertAlmostEqual(self.ask(self.time), exact, delta=2e-5)
+
+    def test_samples_that_were_held_back_are_called_late(self) -> None:
+        self.run_on(3)
+        silence = Stopwatch()
+        wait_until(lambda: silence.seconds() > 1.5, lambda: "time does not pass")
+        self.run_on(1)
+        line = self.log.wait_for(lambda heard: "s late" in heard.msg)
+        self.assertEqual(line.level, Log.WARN)
+        type(self).time += silence.seconds()
+        self.run_on(1)
+        self.log.wait_for(lambda heard: "in time again" in heard.msg)
 
     def test_at_a_rate_it_repeats_the_latest_output(self) -> None:
         self.ask(self.time, 0.5)

@@ -1,12 +1,14 @@
 """The process node: scales, shifts and offsets the signal."""
 
 import threading
+import time
 from typing import List, Optional
 
 import rospy
 from std_msgs.msg import Float32
 
 from basic_comms.conditioning import Conditioner
+from basic_comms.lateness import LatenessMonitor
 from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
 from basic_comms.node_main import run
@@ -38,6 +40,9 @@ class Process:
     def __init__(self, scope: NodeScope = NodeScope()) -> None:
         self._parameters = LiveParameters(ProcessParameters, scope.parameters)
         self._conditioner = Conditioner()
+        self._lateness = LatenessMonitor()
+        # time_x follows /clock where there is one.
+        self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         self._one_at_a_time = threading.Lock()  # each publisher of signal has a thread of its own
         self._latest: Optional[float] = None
         self._publisher = Publisher(scope.topic("proc_signal"), Float32)
@@ -49,6 +54,7 @@ class Process:
         settings = self._parameters.values
         answers = []
         with self._one_at_a_time:
+            self._watch_lateness(samples)
             for sample in samples:
                 value = self._condition(sample, settings)
                 if value is not None:
@@ -69,6 +75,13 @@ class Process:
             self._warn_of_rejection()
         return value
 
+    def _watch_lateness(self, samples: List[signal_msg]) -> None:
+        lateness = self._lateness
+        was_late = lateness.is_late
+        lateness.update(self._now(), [sample.time_x for sample in samples])
+        if lateness.is_late != was_late:
+            self._warn_of_lateness()
+
     def _publish_latest(self, _elapsed: float) -> None:
         if self._latest is not None:
             self._publisher.publish(Float32(self._latest))
@@ -79,6 +92,20 @@ class Process:
             "%s: time_x went back or repeated itself (now %g s): the phase starts anew"
             % (self._subscriber.resolved_name, time_x),
         )
+
+    def _warn_of_lateness(self) -> None:
+        lateness = self._lateness
+        name = self._subscriber.resolved_name
+        if lateness.is_late:
+            rospy.logwarn_throttle(
+                _WARN_EVERY_S, "%s: samples are %.1f s late" % (name, lateness.worst)
+            )
+        else:
+            rospy.logwarn_throttle(
+                _WARN_EVERY_S,
+                "%s: samples are in time again; %d were late, by up to %.1f s"
+                % (name, lateness.count, lateness.worst),
+            )
 
     def _warn_of_rejection(self) -> None:
         rospy.logwarn_throttle(

@@ -1,0 +1,56 @@
+"""Recognise samples that come late, though they carry no date: only a time of their own.
+
+A sample says how far its signal had run when it was made. The lag, the receiver's clock minus that
+time, is a constant whose value means nothing, but samples that a broken link has held back come
+with more of it: by as much as they are late. After them it falls back to what it was.
+"""
+
+import math
+from typing import Sequence
+
+#: from here on samples count as late, s: more than a generator catches up after a busy moment
+LATE = 1.0
+#: a lag that has lasted so long is the new normal one, s: the signal was stopped meanwhile
+SETTLED = 5.0
+
+
+class LatenessMonitor:
+    """Watches a stream of samples for late ones.
+
+    The lag may change slowly, as when a bag is played at half its speed; it is compared with that
+    of the samples just before. A signal whose time stands still or begins anew starts a new lag.
+    """
+
+    def __init__(self) -> None:
+        #: whether the latest samples were late
+        self.is_late = False
+        #: samples that came late, of those coming in now or else the last time
+        self.count = 0
+        #: how late the latest of them was at most, s
+        self.worst = 0.0
+        self._lag = -math.inf
+        self._time = math.inf
+        self._since = 0.0
+
+    def update(self, now: float, times: Sequence[float]) -> None:
+        """Take in samples that came together.
+
+        :param now: when they came, on a clock that runs as the signal does, s
+        :param times: time of each sample, the oldest first, s
+        """
+        first, latest = times[0], times[-1]
+        if not math.isfinite(first + latest):
+            return  # none of a signal
+        lateness = now - first - self._lag if first > self._time else 0.0
+        self._time = latest
+        if lateness < LATE or (self.is_late and now - self._since > SETTLED):
+            self.is_late = False
+            self._lag = now - latest
+            return
+        if not self.is_late:
+            self.is_late = True
+            self._since = now
+            self.count, self.worst = 0, 0.0
+        self.worst = max(self.worst, lateness)
+        limit = now - self._lag - LATE
+        self.count += sum(time_x <= limit for time_x in times)

@@ -1,0 +1,134 @@
+"""Samples that come late are told from those that do not."""
+
+import math
+from typing import List, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basic_comms.lateness import LATE, SETTLED, LatenessMonitor
+
+PERIOD = 0.1
+#: What the receiver's clock shows when the signal begins: it means nothing.
+BEGIN = 7000.0
+
+
+def steady(begin: float, end: float) -> List[Tuple[float, List[float]]]:
+    """Return (arrival, times) of samples that come one by one, in time."""
+    count = round((end - begin) / PERIOD)
+    times = [begin + n * PERIOD for n in range(count)]
+    return [(BEGIN + time_x, [time_x]) for time_x in times]
+
+
+def fed(*parts: List[Tuple[float, List[float]]]) -> LatenessMonitor:
+    """Return a monitor that has taken in all parts."""
+    monitor = LatenessMonitor()
+    for part in parts:
+        for now, times in part:
+            monitor.update(now, times)
+    return monitor
+
+
+def was_ever_late(*parts: List[Tuple[float, List[float]]]) -> bool:
+    """Tell whether any batch was found late."""
+    monitor = LatenessMonitor()
+    late = False
+    for part in parts:
+        for now, times in part:
+            monitor.update(now, times)
+            late |= monitor.is_late
+    return late
+
+
+def held_back(begin: float, end: float) -> List[float]:
+    """Return the times of samples that a broken link holds back."""
+    return [times[0] for _, times in steady(begin, end)]
+
+
+@given(st.floats(1.5, 1e4))
+def test_samples_held_back_are_late_by_as_long(outage: float) -> None:
+    monitor = fed(steady(0.0, 5.0))
+    monitor.update(BEGIN + 5.0 + outage, [5.0])
+    assert monitor.is_late
+    assert monitor.worst == pytest.approx(outage)
+
+
+def test_only_those_that_are_late_are_counted() -> None:
+    burst = held_back(5.0, 25.0)
+    monitor = fed(steady(0.0, 5.0), [(BEGIN + 25.04, burst[:50]), (BEGIN + 25.05, burst[50:])])
+    assert monitor.is_late
+    assert monitor.count == len([time_x for time_x in burst if 25.05 - time_x >= LATE])
+    assert monitor.worst == pytest.approx(20.04)
+
+
+def test_late_no_more_when_the_burst_is_over() -> None:
+    burst = held_back(5.0, 25.0)
+    monitor = fed(steady(0.0, 5.0), [(BEGIN + 25.0, burst)], steady(25.1, 26.0))
+    assert not monitor.is_late
+    assert monitor.worst == pytest.approx(20.0)
+
+
+def test_a_second_outage_is_counted_by_itself() -> None:
+    monitor = fed(
+        steady(0.0, 5.0),
+        [(BEGIN + 25.0, held_back(5.0, 25.0))],
+        steady(25.1, 30.0),
+        [(BEGIN + 33.0, held_back(30.0, 33.0))],
+    )
+    assert monitor.worst == pytest.approx(3.0, abs=1e-6)
+    assert monitor.count < 30
+
+
+@given(st.floats(0.0, 0.95))
+def test_a_busy_moment_is_no_lateness(pause: float) -> None:
+    late = [(BEGIN + 5.0 + pause, held_back(5.0, 5.0 + pause + PERIOD))]
+    assert not was_ever_late(steady(0.0, 5.0), late)
+
+
+@given(st.floats(0.02, 50.0))
+def test_a_bag_played_at_another_speed_is_not_late(speed: float) -> None:
+    if PERIOD / speed - PERIOD < LATE:
+        samples = [(n * PERIOD / speed, [n * PERIOD]) for n in range(300)]
+        assert not was_ever_late(samples)
+
+
+@given(st.floats(0.0, 1e5))
+def test_a_change_of_rate_is_no_lateness(period: float) -> None:
+    slow = [(BEGIN + 5.0 + n * period, [5.0 + n * period]) for n in range(4)]
+    assert not was_ever_late(steady(0.0, 5.0), slow)
+
+
+def test_a_signal_that_was_stopped_goes_on_in_time() -> None:
+    standing = [(BEGIN + 5.0 + n * PERIOD, [4.9]) for n in range(300)]
+    on = [(now + 30.0, times) for now, times in steady(5.0, 6.0)]
+    assert not was_ever_late(steady(0.0, 5.0), standing, on)
+
+
+def test_a_signal_that_begins_anew_is_in_time() -> None:
+    anew = [(now + 60.0, times) for now, times in steady(0.0, 10.0)]
+    assert not was_ever_late(steady(0.0, 5.0), anew)
+
+
+def test_a_signal_that_jumps_ahead_is_in_time() -> None:
+    ahead = [(now - 100.0, times) for now, times in steady(105.0, 110.0)]
+    assert not was_ever_late(steady(0.0, 5.0), ahead)
+
+
+def test_a_lag_that_lasts_is_none_in_the_end() -> None:
+    def later(end: float) -> List[Tuple[float, List[float]]]:
+        return [(now + 30.0, times) for now, times in steady(5.0, end)]
+
+    assert fed(steady(0.0, 5.0), later(5.0 + 0.9 * SETTLED)).is_late
+    assert not fed(steady(0.0, 5.0), later(5.0 + 1.1 * SETTLED)).is_late
+
+
+def test_the_first_sample_is_in_time() -> None:
+    assert not fed([(1e9, [12.0])]).is_late
+
+
+@pytest.mark.parametrize("time_x", [math.nan, math.inf, -math.inf])
+def test_a_time_that_is_no_number_is_passed_over(time_x: float) -> None:
+    nonsense = [(BEGIN + 5.0, [time_x])]
+    assert not was_ever_late(steady(0.0, 5.0), nonsense, steady(5.1, 6.0))
+    assert fed(steady(0.0, 5.0), nonsense, [(BEGIN + 9.0, [5.0])]).is_late

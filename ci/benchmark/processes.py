@@ -46,6 +46,7 @@ class Session:
         )
         self.environment.pop("ROS_IP", None)
         self._running: List["subprocess.Popen[bytes]"] = []
+        self._logs: Dict[int, pathlib.Path] = {}
         self._numbers = 0
 
     def __enter__(self) -> "Session":
@@ -138,7 +139,12 @@ class Session:
                 start_new_session=True,
             )
         self._running.append(process)
+        self._logs[process.pid] = log
         return process
+
+    def log_of(self, process: "subprocess.Popen[bytes]") -> str:
+        """Return what a process has written so far."""
+        return self._logs[process.pid].read_text(errors="replace")
 
     def stop(self, *processes: "subprocess.Popen[bytes]") -> float:
         """End processes as Ctrl-C would, or the hard way those that take too long.

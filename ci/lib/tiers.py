@@ -51,7 +51,8 @@ def lint() -> List[Step]:
         "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES)],
         "flake8": ["flake8", "--config", str(WORKSPACE / ".flake8")] + files,
         "black": ["black", "--check", "--diff", "--quiet"] + files,
-        "mypy": ["mypy", "--exclude", "/peers/", str(CI / "lib"), str(CI / "benchmark")]
+        "mypy": ["mypy", "--exclude", "/peers/"]
+        + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
         + libraries,
         "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
     }

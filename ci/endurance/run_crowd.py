@@ -1,0 +1,122 @@
+"""Have twenty subscribers come and go at random, in every way there is."""
+
+import contextlib
+import random
+import socket
+import struct
+import threading
+import time
+from typing import Dict, List
+
+from checks import Check, at_least, at_most, told
+from run_stalled import returned
+from surroundings import Soak
+from tcpros import Node
+from usage import settled_usage
+from watching import ANSWER, SIGNAL, Watch
+
+RATE = 1000.0
+CROWD = 20
+#: how long they come and go, s
+SECONDS = 60.0
+#: longest stay of one of them, s
+LONGEST_STAY = 2.0
+#: longest silence for everybody else, s
+UNDISTURBED = 0.1
+#: how long everything has to come back to what it was, s
+RECOVERY = 15.0
+
+
+class Visitor:
+    """Subscribes for a while, reads or does not, and leaves politely or not.
+
+    :param soak: where
+    :param number: which of them
+    """
+
+    WAYS = (
+        "reads and unsubscribes",
+        "reads and is cut off",
+        "never reads and unsubscribes",
+        "never reads and is cut off",
+    )
+
+    def __init__(self, soak: Soak, number: int) -> None:
+        self._soak = soak
+        self._chance = random.Random(soak.seed + number)
+        self.visits: Dict[str, int] = {way: 0 for way in self.WAYS}
+
+    def come_and_go(self, until: float) -> None:
+        """Pay one visit after the other.
+
+        :param until: monotonic time, s
+        """
+        while time.monotonic() < until:
+            way = self._chance.choice(self.WAYS)
+            stay = self._chance.uniform(0.0, LONGEST_STAY)
+            with self._soak.session.node() as node:
+                self._visit(node, way, min(until, time.monotonic() + stay))
+                self.visits[way] += 1
+
+    @staticmethod
+    def _visit(node: Node, way: str, until: float) -> None:
+        connections: List[socket.socket] = []
+
+        def receive(connection: socket.socket) -> None:
+            connections.append(connection)
+            with contextlib.suppress(OSError):
+                while not way.startswith("never") and connection.recv(65536):
+                    pass
+
+        for topic, type_name in (("/signal", SIGNAL), ("/proc_signal", ANSWER)):
+            node.subscribe(topic, type_name, receive)
+        time.sleep(max(0.0, until - time.monotonic()))
+        if way.endswith("cut off"):
+            for connection in list(connections):
+                # Closed with a reset, as when a process or its machine dies.
+                linger = struct.pack("ii", 1, 0)
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+                connection.close()
+
+
+def run(soak: Soak) -> List[Check]:
+    """Let the crowd in, while one subscriber listens all the time."""
+    session = soak.session
+    process = soak.start("process.py")
+    generator = soak.start("signal_generator.py", "_rate:=%g" % RATE)
+    session.wait_for("/signal_generator")
+    pids = {"signal_generator": generator.pid, "process": process.pid}
+    visitors = [Visitor(soak, number) for number in range(CROWD)]
+    with session.node() as node:
+        watches = [Watch(node, "/signal", SIGNAL, RATE), Watch(node, "/proc_signal", ANSWER)]
+        time.sleep(5.0)
+        before = {name: settled_usage(pid) for name, pid in pids.items()}
+        for watch in watches:
+            watch.restart()
+        until = time.monotonic() + SECONDS
+        threads = [
+            threading.Thread(target=visitor.come_and_go, args=(until,), daemon=True)
+            for visitor in visitors
+        ]
+        for thread in threads:
+            thread.start()
+        time.sleep(0.5 * SECONDS)
+        during = {name: settled_usage(pid) for name, pid in pids.items()}
+        for thread in threads:
+            thread.join()
+        time.sleep(RECOVERY)
+        after = {name: settled_usage(pid) for name, pid in pids.items()}
+        visits = sum(sum(visitor.visits.values()) for visitor in visitors)
+        checks = [at_least("visits of %d subscribers" % CROWD, visits, CROWD)]
+        for watch in watches:
+            longest = round(1e3 * watch.arrivals.longest_gap, 1)
+            what = "longest silence of %s for a steady one" % watch.topic
+            checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
+            checks.append(told("its silences above 50 ms", str(watch.arrivals.gaps)))
+        continuity = watches[0].continuity
+        assert continuity is not None
+        checks.append(at_most("missing for a steady one", continuity.missing, 0))
+    session.stop(generator, process)
+    for name in pids:
+        checks += returned(name, before[name], during[name], after[name])
+    return checks

@@ -1,0 +1,128 @@
+"""Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow."""
+
+import math
+import pathlib
+import struct
+import time
+from typing import List, Tuple
+
+import rosbag
+
+from checks import Check, at_least, at_most, told
+from streams import Arrivals, Continuity, unanswered
+from surroundings import Soak
+from usage import Sampler, Usage, added, growth, size_of
+from watching import ANSWER, SIGNAL, Watch
+
+RATE = 1000.0
+#: angular frequency of the signal, rad/s: a period is no whole number of samples
+FREQUENCY = 1.0
+AMPLITUDE = 2.0
+#: the phase is known from the second sample on, so the first answers say nothing
+FIRST_ANSWERS = 5
+#: longest time that everything is left to warm up, s
+WARM_UP = 60.0
+#: by how much the logs may grow, bytes/s: a line now and then
+LOG_GROWTH = 100.0
+
+
+def run(soak: Soak) -> List[Check]:
+    """Record for as long as was asked for, and look at the bag."""
+    session = soak.session
+    bag = session.directory / "record.bag"
+    recorder = session.start(
+        ["rosbag", "record", "-O", str(bag), "/signal", "/proc_signal", "__name:=record"]
+    )
+    session.wait_for("/record")
+    process = soak.start("process.py")
+    session.wait_for("/process")
+    with session.node() as node:
+        signal = Watch(node, "/signal", SIGNAL, RATE)
+        answers = Watch(node, "/proc_signal", ANSWER)
+        generator = soak.start(
+            "signal_generator.py",
+            *("_rate:=%g" % RATE, "_frequency:=%g" % FREQUENCY, "_amplitude:=%g" % AMPLITUDE),
+        )
+        session.wait_for("/signal_generator")
+        time.sleep(min(WARM_UP, 0.2 * soak.seconds))
+        for watch in (signal, answers):
+            watch.restart()
+        log_size = size_of(session.directory / "ros")
+        pids = {"signal_generator": generator.pid, "process": process.pid}
+        began = time.monotonic()
+        with Sampler({**pids, "rosbag record": recorder.pid}) as sampler:
+            time.sleep(soak.seconds)
+        lasted = time.monotonic() - began
+        log_growth = (size_of(session.directory / "ros") - log_size) / lasted
+        session.stop(generator)
+        time.sleep(1.0)  # for the recorder to take in what is under way
+        checks = [
+            at_least("samples a second", signal.arrivals.count / lasted, 0.999 * RATE, "1/s"),
+            told("silences of /signal", silences(signal.arrivals)),
+            told("silences of /proc_signal", silences(answers.arrivals)),
+        ]
+        assert signal.continuity is not None
+        checks.append(at_most("missing at an observer", signal.continuity.missing, 0))
+    session.stop(process, recorder)
+    checks += recorded(bag)
+    for name in pids:
+        checks += grown(name, sampler.samples[name])
+    checks.append(told("growth of the recorder", memory(sampler.samples["rosbag record"])))
+    checks.append(at_most("growth of all logs", log_growth, LOG_GROWTH, "bytes/s"))
+    bag.unlink()
+    return checks
+
+
+def recorded(bag: pathlib.Path) -> List[Check]:
+    """Look whether a bag holds each sample and each answer."""
+    times, answers = read(bag)
+    # What process does by default: half the amplitude, a lead of pi / 2, lifted above 0.
+    expected = [0.5 * AMPLITUDE * (1.0 + math.cos(FREQUENCY * time_x)) for time_x in times]
+    continuity = Continuity(1.0 / RATE)
+    for time_x in times:
+        continuity.add(time_x)
+    return [
+        told("samples in the bag", str(len(times))),
+        at_most("missing in the bag", continuity.missing + continuity.repeated, 0),
+        told("in so many places", "%d, at most %d" % (continuity.holes, continuity.largest_hole)),
+        at_most(
+            "answers in the bag too few or too many",
+            abs(unanswered(expected, answers[FIRST_ANSWERS:])),
+            0,
+        ),
+    ]
+
+
+def read(bag: pathlib.Path) -> Tuple[List[float], List[float]]:
+    """Return the time of each sample, and each answer."""
+    times: List[float] = []
+    answers: List[float] = []
+    with rosbag.Bag(str(bag)) as opened:
+        for topic, raw, _ in opened.read_messages(raw=True):
+            if topic == "/signal":
+                times.append(struct.unpack_from("<8xd", raw[1])[0])
+            else:
+                answers.append(struct.unpack_from("<f", raw[1])[0])
+    return times, answers
+
+
+def grown(name: str, seen: List[Usage]) -> List[Check]:
+    """Check that a node's memory, threads and descriptors have stayed what they were."""
+    return [
+        told("memory of " + name, memory(seen)),
+        at_most(
+            "growth of its memory", round(100.0 * growth([one.memory for one in seen]), 2), 1.0, "%"
+        ),
+        at_most("its new threads", added([one.threads for one in seen]), 0),
+        at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
+    ]
+
+
+def silences(arrivals: Arrivals) -> str:
+    """Tell how long a stream was silent, and how often for long."""
+    return "%.1f ms at most, %d above 50 ms" % (1e3 * arrivals.longest_gap, arrivals.gaps)
+
+
+def memory(seen: List[Usage]) -> str:
+    """Tell how a process's memory went."""
+    return "%.1f MB, then %.1f MB" % (seen[0].memory / 1024.0, seen[-1].memory / 1024.0)

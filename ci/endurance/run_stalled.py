@@ -1,0 +1,69 @@
+"""Stop a subscriber for a minute while others listen at 1 kHz."""
+
+import os
+import signal
+import time
+from typing import List
+
+from checks import Check, at_least, at_most, told
+from surroundings import Soak
+from usage import Usage, settled_usage
+from watching import ANSWER, SIGNAL, Watch
+
+RATE = 1000.0
+#: how long the subscriber stands still, s
+STOPPED = 60.0
+#: how long everything has to come back to what it was, s
+RECOVERY = 10.0
+#: longest silence for everybody else, s
+UNDISTURBED = 0.1
+
+
+def run(soak: Soak) -> List[Check]:
+    """Stop a subscriber of both topics, and let it go on."""
+    session = soak.session
+    process = soak.start("process.py")
+    generator = soak.start("signal_generator.py", "_rate:=%g" % RATE)
+    session.wait_for("/signal_generator")
+    sleeper = session.start(["rostopic", "hz", "/signal", "/proc_signal"])
+    pids = {"signal_generator": generator.pid, "process": process.pid}
+    with session.node() as node:
+        watches = [Watch(node, "/signal", SIGNAL, RATE), Watch(node, "/proc_signal", ANSWER)]
+        time.sleep(5.0)
+        before = {name: settled_usage(pid) for name, pid in pids.items()}
+        for watch in watches:
+            watch.restart()
+        os.killpg(sleeper.pid, signal.SIGSTOP)
+        time.sleep(STOPPED)
+        during = {name: settled_usage(pid) for name, pid in pids.items()}
+        os.killpg(sleeper.pid, signal.SIGCONT)
+        time.sleep(RECOVERY)
+        after = {name: settled_usage(pid) for name, pid in pids.items()}
+        checks = []
+        for watch in watches:
+            arrivals = watch.arrivals
+            longest = round(1e3 * arrivals.longest_gap, 1)
+            what = "longest silence of %s for another one" % watch.topic
+            checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
+            checks.append(told("its silences above 50 ms", str(arrivals.gaps)))
+        continuity = watches[0].continuity
+        assert continuity is not None
+        checks.append(at_most("missing for another one", continuity.missing, 0))
+    log = session.log_of(sleeper)
+    checks.append(at_least("reports of the stopped one after its return", log.count("rate"), 1))
+    session.stop(sleeper, generator, process)
+    for name in pids:
+        checks += returned(name, before[name], during[name], after[name])
+    return checks
+
+
+def returned(name: str, before: Usage, during: Usage, after: Usage) -> List[Check]:
+    """Check that a node holds no more than before."""
+    figure = "%.1f, %.1f, %.1f MB" % tuple(one.memory / 1024.0 for one in (before, during, after))
+    grown = 100.0 * (after.memory / before.memory - 1.0)
+    return [
+        told("memory of %s before, during, after" % name, figure),
+        at_most("growth of its memory", round(grown, 2), 1.0, "%"),
+        at_most("its new threads", after.threads - before.threads, 0),
+        at_most("its new descriptors", after.descriptors - before.descriptors, 0),
+    ]

@@ -1,0 +1,133 @@
+"""Bounds are judged, and a run that checks nothing counts as failed."""
+
+import json
+import os
+import pathlib
+import threading
+
+import checks
+import pytest
+from graph_state import NOTHING, Registrations, registrations
+from run_interrupt import End, is_before_our_code, report
+from usage import Sampler, Usage, added, growth, size_of, usage
+
+
+def test_bounds_are_inclusive() -> None:
+    assert checks.at_most("x", 2.0, 2.0).passed
+    assert not checks.at_most("x", 2.1, 2.0).passed
+    assert checks.at_least("x", 2.0, 2.0).passed
+    assert not checks.at_least("x", 1.9, 2.0).passed
+    assert checks.none_of("x", []).passed
+    assert not checks.none_of("x", ["one"]).passed
+
+
+def test_all_kept_needs_every_check_of_every_run() -> None:
+    good, bad = checks.at_most("x", 1.0, 2.0), checks.at_most("x", 3.0, 2.0)
+    assert checks.all_kept({"a": [good], "b": [good]})
+    assert not checks.all_kept({"a": [good], "b": [good, bad]})
+    assert not checks.all_kept({})
+
+
+def test_table_names_what_falls_short() -> None:
+    of_run = [checks.at_most("gap", 3.0, 2.0, "ms"), checks.told("load", "1.5")]
+    text = checks.table({"stalled": of_run})
+    assert "| stalled | gap  | <= 2 ms | 3 ms   | SHORT |" in text
+    assert "| stalled | load |         | 1.5    |       |" in text
+
+
+def test_json_holds_every_check(tmp_path: pathlib.Path) -> None:
+    checks.write_json(tmp_path / "out", {"a": [checks.at_most("x", 1.0, 2.0)]}, {"cores": "2"})
+    content = json.loads((tmp_path / "out").read_text())
+    assert content["machine"] == {"cores": "2"}
+    assert content["runs"]["a"][0]["passed"] is True
+
+
+def test_growth_compares_the_ends() -> None:
+    assert growth([100.0] * 50 + [101.0] * 50) == pytest.approx(0.01)
+    assert growth([100.0] * 50 + [900.0] + [100.0] * 49) == 0.0
+    assert growth([100.0, 98.0]) == pytest.approx(-0.02)
+
+
+def test_added_threads_are_those_that_stay() -> None:
+    assert added([8] * 50 + [9] * 50) == 1
+    assert added([8] * 45 + [12] * 10 + [8] * 45) == 0
+
+
+def test_usage_of_this_process() -> None:
+    before = usage(os.getpid())
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    with open(os.devnull):
+        during = usage(os.getpid())
+    done.set()
+    thread.join()
+    assert during.threads == before.threads + 1
+    assert during.descriptors == before.descriptors + 1
+    assert before.memory > 1000
+
+
+def test_sampler_outlives_its_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Sampler, "PERIOD", 0.001)
+    seen = threading.Event()
+    with Sampler({"this": os.getpid(), "gone": 2**22 + 1}) as sampler:
+        while not sampler.samples["this"]:
+            seen.wait(0.001)
+    assert isinstance(sampler.samples["this"][0], Usage)
+    assert sampler.samples["gone"] == []
+
+
+def test_size_of_counts_files_once(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "b").write_bytes(b"12345")
+    (tmp_path / "link").symlink_to(tmp_path / "a" / "b")
+    assert size_of(tmp_path) == 5
+
+
+def test_registrations_of_a_node() -> None:
+    state = [
+        [["/signal", ["/gen", "/other"]], ["/rosout", ["/gen"]]],
+        [["/signal", ["/process"]]],
+        [["/gen/enable", ["/gen"]]],
+    ]
+    assert registrations(state, "/gen") == Registrations(
+        ("/rosout", "/signal"), (), ("/gen/enable",)
+    )
+    assert registrations(state, "/process") == Registrations((), ("/signal",), ())
+    assert registrations(state, "/nobody") == NOTHING
+
+
+def test_a_name_that_is_registered_twice_shows() -> None:
+    assert registrations([[["/signal", ["/gen", "/gen"]]], [], []], "/gen").published == (
+        "/signal",
+        "/signal",
+    )
+
+
+GOOD = End("/talker after 1 s", 0.5, 0, "", "", [])
+OURS = 'Traceback\n  File "/x/basic_comms/src/basic_comms/nodes/talker.py", line 1\nOSError'
+EARLY = 'Traceback\n  File "/usr/lib/python3/site.py", line 1\nKeyboardInterrupt'
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        GOOD._replace(seconds=2.5),
+        GOOD._replace(status=1),
+        GOOD._replace(status=None),
+        GOOD._replace(output=OURS),
+        GOOD._replace(output=OURS, status=1),
+        GOOD._replace(left_over="/chatter"),
+        GOOD._replace(children=[17]),
+    ],
+)
+def test_an_end_that_is_not_clean_falls_short(end: End) -> None:
+    assert all(check.passed for check in report([GOOD, GOOD]))
+    assert not all(check.passed for check in report([GOOD, end]))
+
+
+def test_the_interpreters_own_traceback_is_told_but_accepted() -> None:
+    assert is_before_our_code(EARLY) and not is_before_our_code(OURS)
+    found = report([GOOD, GOOD._replace(output=EARLY, status=130)])
+    assert all(check.passed for check in found)
+    assert [check.figure for check in found if "interpreter" in check.what] == ["1"]

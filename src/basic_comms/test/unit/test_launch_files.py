@@ -41,6 +41,8 @@ COMMANDS: Dict[str, List[str]] = {
         "/robot/process",
         "/robot/record",
     ],
+    "cw1_two_hosts.launch": ["/signal_generator", "/process"],
+    "cw1_two_hosts.launch host:=192.0.2.2 user:=me": ["/signal_generator", "/process"],
     "fleet.launch": ["/fleet"],
     "fleet.launch count:=32 prefix:=Robot": ["/fleet"],
     "groups.launch count:=0": [],
@@ -218,6 +220,24 @@ def test_machine_is_assigned_to_its_node_only() -> None:
         "talker": "192.0.2.1",
         "listener": "localhost",
     }
+
+
+def test_only_process_runs_on_the_other_host() -> None:
+    arguments = ["host:=192.0.2.2", "user:=me", "ssh_port:=2222", "env_loader:=/opt/ros/env.sh"]
+    machines = {node.name: node.machine for node in load("cw1_two_hosts.launch", *arguments).nodes}
+    assert machines["signal_generator"].address == "localhost"
+    there = machines["process"]
+    assert (there.address, there.user, there.ssh_port) == ("192.0.2.2", "me", 2222)
+    assert there.env_loader == "/opt/ros/env.sh"
+
+
+def test_the_other_host_is_expected_to_have_the_same_workspace() -> None:
+    (process,) = [
+        node
+        for node in load("cw1_two_hosts.launch", "host:=192.0.2.2").nodes
+        if "process" in node.name
+    ]
+    assert os.access(process.machine.env_loader, os.X_OK)
 
 
 @pytest.mark.parametrize("name", ["signal_generator.yaml", "process.yaml"])

@@ -6,7 +6,7 @@ import pathlib
 import signal
 import subprocess
 from types import TracebackType
-from typing import Dict, List, Optional, Type
+from typing import Callable, Dict, List, Optional, Type
 
 from steps import end_leftovers
 
@@ -26,6 +26,8 @@ class Hosts:
     def __init__(self, directory: pathlib.Path) -> None:
         self.directory = directory
         self._running: List["subprocess.Popen[bytes]"] = []
+        #: called at the end
+        self.undo: List[Callable[[], None]] = []
         self._names = {host: "basic-comms-%d-%s" % (os.getpid(), host) for host in ADDRESSES}
         self._numbers = 0
 
@@ -62,6 +64,8 @@ class Hosts:
         for name in self._names.values():
             # One that was not made yet cannot be deleted.
             subprocess.run(["ip", "netns", "delete", name], stderr=subprocess.DEVNULL)
+        for undo in self.undo:
+            undo()
 
     def set_cable(self, plugged: bool) -> None:
         """Plug the cable in or pull it, at both ends."""

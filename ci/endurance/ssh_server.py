@@ -41,7 +41,9 @@ def start(hosts: Hosts) -> None:
     configuration.write_text(
         CONFIGURATION.format(address=address, directory=directory, hosts=hosts.directory)
     )
-    PRIVILEGE_SEPARATION.mkdir(exist_ok=True)
+    if not PRIVILEGE_SEPARATION.exists():
+        PRIVILEGE_SEPARATION.mkdir()
+        hosts.undo.append(PRIVILEGE_SEPARATION.rmdir)
     hosts.start("far", ["/usr/sbin/sshd", "-D", "-e", "-f", str(configuration)])
     wait_until(lambda: bool(hosts.run("far", ["ss", "-Hltn", "sport = 22"])), 10.0, "ssh server")
 

@@ -51,6 +51,7 @@ def test_growth_compares_the_ends() -> None:
 def test_added_threads_are_those_that_stay() -> None:
     assert added([8] * 50 + [9] * 50) == 1
     assert added([8] * 45 + [12] * 10 + [8] * 45) == 0
+    assert added([8] * 95 + [12] + [8] * 4) == 0
 
 
 def test_usage_of_this_process() -> None:

@@ -1,6 +1,7 @@
 """Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow."""
 
 import math
+import os
 import pathlib
 import struct
 import time
@@ -20,6 +21,10 @@ FREQUENCY = 1.0
 AMPLITUDE = 2.0
 #: the phase is known from the second sample on, so the first answers say nothing
 FIRST_ANSWERS = 5
+RECORDER = ["rosbag", "record", "__name:=record"]
+#: rosbag keeps no more than 100 messages of a topic waiting, 0.1 s of these: on a machine that is
+#: busy it must go first, where that is allowed, or it drops some
+FIRST = ["nice", "-n", "-10"] if os.geteuid() == 0 else []
 #: longest time that everything is left to warm up, s
 WARM_UP = 60.0
 #: by how much the logs may grow, bytes/s: a line now and then
@@ -30,9 +35,7 @@ def run(soak: Soak) -> List[Check]:
     """Record for as long as was asked for, and look at the bag."""
     session = soak.session
     bag = session.directory / "record.bag"
-    recorder = session.start(
-        ["rosbag", "record", "-O", str(bag), "/signal", "/proc_signal", "__name:=record"]
-    )
+    recorder = session.start([*FIRST, *RECORDER, "-O", str(bag), "/signal", "/proc_signal"])
     session.wait_for("/record")
     process = soak.start("process.py")
     session.wait_for("/process")
@@ -81,16 +84,16 @@ def recorded(bag: pathlib.Path) -> List[Check]:
     continuity = Continuity(1.0 / RATE)
     for time_x in times:
         continuity.add(time_x)
-    return [
+    checks = [
         told("samples in the bag", str(len(times))),
         at_most("missing in the bag", continuity.missing + continuity.repeated, 0),
         told("in so many places", "%d, at most %d" % (continuity.holes, continuity.largest_hole)),
-        at_most(
-            "answers in the bag too few or too many",
-            abs(unanswered(expected, answers[FIRST_ANSWERS:])),
-            0,
-        ),
     ]
+    if all(check.passed for check in checks):
+        # Where samples are missing, the answers cannot be laid on them.
+        missing = abs(unanswered(expected, answers[FIRST_ANSWERS:]))
+        checks.append(at_most("answers in the bag too few or too many", missing, 0))
+    return checks
 
 
 def read(bag: pathlib.Path) -> Tuple[List[float], List[float]]:

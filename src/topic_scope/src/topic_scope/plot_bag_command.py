@@ -27,6 +27,8 @@ def main() -> None:
             _plot(bag, arguments)
     except (BagError, FieldError) as error:
         _fail(str(error))
+    except ModuleNotFoundError as error:
+        _fail("%s is not installed: apt install python3-%s" % (error.name, error.name))
     except OSError as error:
         _fail("%s: %s" % (arguments.output, error.strerror or error))
     except KeyboardInterrupt:

@@ -2,6 +2,7 @@
 
 import io
 import os
+import sys
 from pathlib import Path
 from typing import List
 
@@ -131,6 +132,18 @@ def test_progress_is_shown_of_long_bags_on_a_terminal(
     monkeypatch.setattr(plot_bag_command, "LONG", long)
     call(monkeypatch, bag, "/x/data", "-o", "out.csv")
     assert ("0 % |" in error.getvalue()) == shown
+
+
+def test_without_matplotlib_it_says_what_to_install_and_csv_works(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.delitem(sys.modules, "topic_scope.bag_plot", raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    error = failure(monkeypatch, capsys, bag, "/x/data", "-o", "out.png")
+    assert error == "plot_bag: matplotlib is not installed: apt install python3-matplotlib\n"
+    assert not Path("out.png").exists()
+    call(monkeypatch, bag, "/x/data", "-o", "out.csv")
+    assert Path("out.csv").exists()
 
 
 def test_ctrl_c_ends_it_without_a_trace(

@@ -2,6 +2,7 @@
 
 import atexit
 import shutil
+import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any, List
@@ -17,6 +18,8 @@ WIDTH, HEIGHT = 1280, 720
 
 #: What is painted: grid and traces.
 _PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
+#: Ends chromedriver, and removes the profile.
+_GUARD = 'read -r _; kill -KILL "$0"; sleep 1; rm -rf "$1"'
 _TEXT = (
     "return [...document.querySelectorAll(arguments[0])]"
     ".map((element) => element.innerText ?? element.textContent).join(' ')"
@@ -39,6 +42,7 @@ class Browser:
             "--headless=new",
             "--no-sandbox",  # as root it refuses to start otherwise
             "--disable-dev-shm-usage",  # in a container that is small
+            "--remote-debugging-pipe",  # it ends with chromedriver, however that ends
             "--hide-scrollbars",
             "--user-data-dir=" + str(Path(self._profile, "profile")),
         ):
@@ -47,12 +51,20 @@ class Browser:
         options.add_experimental_option("prefs", preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(options=options)
+        # Reads until this process has ended, even by a signal that cannot be caught.
+        self._guard = subprocess.Popen(
+            ["sh", "-c", _GUARD, str(self.driver.service.process.pid), self._profile],
+            stdin=subprocess.PIPE,
+            start_new_session=True,
+        )
         atexit.register(self.close)
         self.resize(width, height)
 
     def close(self) -> None:
         """End it."""
         atexit.unregister(self.close)
+        self._guard.kill()
+        self._guard.communicate()
         self.driver.quit()
         shutil.rmtree(self._profile, ignore_errors=True)
 

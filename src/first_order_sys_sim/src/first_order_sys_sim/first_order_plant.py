@@ -9,6 +9,7 @@ Powell, Workman: Digital Control of Dynamic Systems, section 4.3).
 """
 
 import math
+import sys
 from typing import NamedTuple
 
 EXACT, EULER = "exact", "euler"
@@ -107,6 +108,7 @@ class FirstOrderPlant:
         """Return the output a time after the last change, s."""
         gain, time_constant, limit, dead_zone, method = self._settings
         target = gain * self._held if abs(self._held) > dead_zone else 0.0
-        ratio = seconds / time_constant
+        # Finite also where tau is next to nothing: 0 times infinity would be no number.
+        ratio = min(seconds / time_constant, sys.float_info.max)
         approached = -math.expm1(-ratio) if method == EXACT else ratio
         return max(-limit, min(limit, self._begun + (target - self._begun) * approached))

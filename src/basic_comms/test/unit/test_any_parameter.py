@@ -1,0 +1,52 @@
+"""Whatever a YAML file may hold, for every parameter of every node: taken, or refused in words."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from basic_comms.nodes.fleet import FleetParameters
+from basic_comms.nodes.talker import TalkerParameters
+from basic_comms.process_parameters import ProcessParameters
+from basic_comms.settling import settle
+from basic_comms.signal_parameters import SignalParameters
+
+SETS = [FleetParameters, ProcessParameters, SignalParameters, TalkerParameters]
+DECLARED = [(kind, name) for kind in SETS for name in kind.declared]
+
+WORDS = st.sampled_from(["", "sine", "delay", "1e3", "-1e999", "nan", "yes", "~", "/", "$(id)"])
+NUMBERS = (
+    st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e308, 2**31, 10**400])
+)
+SCALARS = st.none() | st.booleans() | NUMBERS | WORDS | st.text(max_size=5)
+YAML = SCALARS | st.binary(max_size=3) | st.dates() | st.datetimes()
+YAML = st.recursive(
+    YAML,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=4,
+)
+
+
+def is_finite(value):
+    """Tell whether no number in a value is infinite or NaN."""
+    if isinstance(value, tuple):
+        return all(map(is_finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+@pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
+@given(raw=YAML)
+def test_any_value_is_taken_whole_or_refused_in_words(kind, name, raw):
+    defaults = kind()
+    settled = settle(defaults, {**defaults.as_dict(), name: raw})
+    value = getattr(settled.values, name)
+    assert is_finite(value)
+    assert type(value) is type(getattr(defaults, name))
+    others = {key: item for key, item in settled.values.as_dict().items() if key != name}
+    assert others == {key: item for key, item in defaults.as_dict().items() if key != name}
+    for error in settled.refusals:
+        assert name in error.name.split(", ")
+        assert "is refused" in str(error) and "allowed is" in str(error)
+        assert value == getattr(defaults, name)
+        assert name in settled.writes

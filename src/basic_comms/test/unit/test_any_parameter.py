@@ -42,7 +42,7 @@ def test_any_value_is_taken_whole_or_refused_in_words(kind, name, raw):
     settled = settle(defaults, {**defaults.as_dict(), name: raw})
     value = getattr(settled.values, name)
     assert is_finite(value)
-    assert type(value) is type(getattr(defaults, name))
+    assert isinstance(value, type(getattr(defaults, name)))
     others = {key: item for key, item in settled.values.as_dict().items() if key != name}
     assert others == {key: item for key, item in defaults.as_dict().items() if key != name}
     for error in settled.refusals:

@@ -32,7 +32,7 @@ def test_any_value_is_taken_whole_or_refused_in_words(kind: Any, name: str, raw:
     defaults = kind()
     settled = settle(defaults, {**defaults.as_dict(), name: raw})
     value = getattr(settled.values, name)
-    assert type(value) is type(getattr(defaults, name))
+    assert isinstance(value, type(getattr(defaults, name)))
     assert not isinstance(value, float) or math.isfinite(value)
     for error in settled.refusals:
         assert "is refused" in str(error) and "allowed is" in str(error)

@@ -1,0 +1,123 @@
+"""No input runs code: no recorded signal, no YAML with Python's tags, no parameter."""
+
+import ast
+import pathlib
+from typing import Iterator, Tuple
+
+import pytest
+import rosparam
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from launch_loading import load
+from roslaunch import RLException
+
+from basic_comms.replay import SeriesError, load_series
+
+PACKAGES = pathlib.Path(__file__).resolve().parents[3]
+#: What turns text into code or a command.
+FORBIDDEN = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load", "full_load"}
+#: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
+MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
+
+
+@pytest.fixture
+def marker(tmp_path):
+    """A path that hostile input tries to create."""
+    path = tmp_path / "marker"
+    yield path
+    assert not path.exists()
+
+
+def hostile(marker):
+    """Return texts that would create the marker if anything ran them."""
+    return [
+        "__import__('pathlib').Path(%r).touch()" % str(marker),
+        "=cmd|'/C touch %s'!A0" % marker,
+        "$(touch %s)" % marker,
+        "`touch %s`" % marker,
+        "| touch %s" % marker,
+        "; touch %s" % marker,
+    ]
+
+
+def test_recorded_signal_holds_numbers_or_is_refused(tmp_path, marker):
+    recorded = tmp_path / "signal.csv"
+    for text in hostile(marker):
+        recorded.write_text("0,1\n%s,2\n" % text)
+        with pytest.raises(SeriesError, match="line 2"):
+            load_series(str(recorded))
+        recorded.write_text("0,1\n1,%s\n" % text)
+        with pytest.raises(SeriesError, match="line 2"):
+            load_series(str(recorded))
+
+
+def test_path_of_a_recorded_signal_is_a_path(marker):
+    for text in hostile(marker):
+        with pytest.raises(SeriesError, match="no such file"):
+            load_series(text)
+
+
+@given(st.binary(max_size=200))
+def test_any_file_is_a_signal_or_refused(tmp_path_factory, content):
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    path.write_bytes(content)
+    try:
+        series = load_series(str(path))
+    except SeriesError as error:
+        assert str(path) in str(error)
+    else:
+        assert -1.0 <= series.value(0.5, hold=False, loop=True) <= 1.0
+
+
+def python_tags(marker):
+    """Return YAML that would create the marker if Python's tags were obeyed."""
+    return [
+        "value: !!python/object/apply:os.mkdir [%s]" % marker,
+        "value: !!python/object/new:pathlib.Path.touch [%s]" % marker,
+        "value: !!python/name:os.system",
+    ]
+
+
+def test_rosparam_refuses_the_tags_of_python(tmp_path, marker):
+    for text in python_tags(marker):
+        path = tmp_path / "parameters.yaml"
+        path.write_text(text)
+        with pytest.raises(yaml.YAMLError):
+            rosparam.load_file(str(path))
+
+
+def test_roslaunch_refuses_the_tags_of_python(tmp_path, marker):
+    launch = tmp_path / "hostile.launch"
+    for text in python_tags(marker):
+        launch.write_text("<launch><rosparam>%s</rosparam></launch>" % text)
+        with pytest.raises((RLException, yaml.YAMLError)):
+            load(str(launch))
+
+
+def calls_and_imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
+    """List what a module calls by name and what it imports."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            function = node.func
+            if isinstance(function, ast.Name):
+                yield node.lineno, function.id
+            elif isinstance(function, ast.Attribute) and function.attr != "compile":
+                yield node.lineno, function.attr
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                yield node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom):
+            yield node.lineno, str(node.module)
+
+
+def test_no_node_has_the_means_to_run_text():
+    modules = [*PACKAGES.glob("*/src/**/*.py"), *PACKAGES.glob("*/scripts/*")]
+    assert len(modules) > 50
+    found = {
+        "%s:%d: %s" % (path.relative_to(PACKAGES), line, name)
+        for path in modules
+        for line, name in calls_and_imports(ast.parse(path.read_text(encoding="utf-8")))
+        if name in FORBIDDEN or name.partition(".")[0] in MODULES
+    }
+    assert found == set()

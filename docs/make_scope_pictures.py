@@ -32,6 +32,7 @@ IMAGES = DOCS / "images"
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
 RATE_HZ = 200.0
 TRIES = 30
+LARGEST = 150000  # bytes of a picture with all its colours
 MOTOR = ("/group1/motor_input_u/data", "/group1/motor_speed_y/data")
 
 
@@ -111,7 +112,10 @@ def take(browser: Browser, name: str, selector: str = "body") -> None:
     browser.run("document.activeElement.blur()")
     path = IMAGES / ("scope_%s.png" % name)
     picture = Image.open(io.BytesIO(browser.find(selector).screenshot_as_png))
-    picture.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    picture = picture.convert("RGB")
+    picture.save(path, optimize=True)
+    if path.stat().st_size > LARGEST:
+        picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
     print("%s: %d kB" % (path.name, path.stat().st_size // 1000))
 
 

@@ -59,7 +59,9 @@ class Process:
                 value = self._condition(sample, settings)
                 if value is not None:
                     self._latest = value
-                    answers.append(Float32(value))
+                    answer = Float32()  # filled in afterwards, which takes genpy half the time
+                    answer.data = value
+                    answers.append(answer)
         if settings.rate == 0.0:
             self._publisher.publish_all(answers)
 

@@ -46,6 +46,8 @@ def publisher_mismatch() -> str:
         if list(inspect.signature(topic.publish).parameters) != ["message", "connection_override"]:
             return "publish has other parameters"
         topic.close()
+        if not isinstance(get_topic_manager().subs, dict):
+            return "subscriptions are kept in another way"
         return subscriber_mismatch()
     except Exception as error:  # whatever an unknown rospy may raise
         return repr(error)
@@ -85,6 +87,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
     def __init__(self, name: str, data_class: type) -> None:
         super().__init__(name, data_class)
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
+        self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
         self._links: Dict[Any, delivery.Link] = {}
 
@@ -123,7 +126,9 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 self.latch = messages[-1]
             if self.connections is not self._known_connections:
                 self._update_links()
-            listener = self._listener()
+            listener = self._subscriptions.get(self.resolved_name)
+            if listener is not None and not self._is_heard_by(listener):
+                listener = None
             if not self._links and listener is None:
                 if not rospy.core.is_initialized():
                     raise rospy.ROSException("publish() before init_node()")
@@ -136,10 +141,9 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         if listener is not None:  # without the lock: it may publish on other topics
             listener.receive_here([packet[_LENGTH.size :] for packet in packets])
 
-    def _listener(self) -> Optional[IncomingTopic]:
-        """Return the subscribers in this process, if they are spared a connection."""
-        topic = get_topic_manager().get_subscriber_impl(self.resolved_name)
-        return topic if isinstance(topic, IncomingTopic) and topic.hears(self) else None
+    def _is_heard_by(self, topic: Any) -> bool:
+        """Tell whether the subscribers in this process are spared a connection."""
+        return isinstance(topic, IncomingTopic) and topic.hears(self)
 
     def _serialize(self, message: Any) -> bytes:
         """Return a message as it goes on the wire, its length before it."""

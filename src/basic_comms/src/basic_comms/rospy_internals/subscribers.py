@@ -28,6 +28,7 @@ BatchCallback = Callable[[List[Any]], None]
 _SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger"
 _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_num_msg is_latched"
 _LENGTH = struct.Struct("<I")
+_PREFIX = _LENGTH.size
 
 
 @functools.lru_cache(maxsize=None)
@@ -253,25 +254,27 @@ class _Reader:
         messages: List[Any] = []
         position, end = 0, len(data)
         header = self._transport.header
-        while end - position >= _LENGTH.size:
-            stop = position + _LENGTH.size + _LENGTH.unpack_from(data, position)[0]
+        while end - position >= _PREFIX:
+            body = position + _PREFIX
+            stop = body + _LENGTH.unpack_from(data, position)[0]
             if stop > end:
                 break
             message = self._data_class()
             try:
-                message.deserialize(data[position + _LENGTH.size : stop])
+                message.deserialize(data[body:stop])
             except genpy.DeserializationError as error:
                 raise TransportException("cannot deserialize: %s" % error)
             message._connection_header = header
             messages.append(message)
             position = stop
-        self._keep(data[position:])
+        if position < end or self._parts:
+            self._keep(data[position:])
         return messages
 
     def _keep(self, data: bytes) -> None:
         """Keep the beginning of a message until the rest is there."""
         self._parts = [data] if data else []
         self._have = len(data)
-        self._need = _LENGTH.size
-        if len(data) >= _LENGTH.size:
+        self._need = _PREFIX
+        if len(data) >= _PREFIX:
             self._need += _LENGTH.unpack_from(data)[0]

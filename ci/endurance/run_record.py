@@ -1,11 +1,12 @@
 """Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow."""
 
+import array
 import math
 import os
 import pathlib
 import struct
 import time
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import rosbag
 
@@ -80,7 +81,9 @@ def recorded(bag: pathlib.Path) -> List[Check]:
     """Look whether a bag holds each sample and each answer."""
     times, answers = read(bag)
     # What process does by default: half the amplitude, a lead of pi / 2, lifted above 0.
-    expected = [0.5 * AMPLITUDE * (1.0 + math.cos(FREQUENCY * time_x)) for time_x in times]
+    expected = array.array(
+        "d", (0.5 * AMPLITUDE * (1.0 + math.cos(FREQUENCY * time_x)) for time_x in times)
+    )
     continuity = Continuity(1.0 / RATE)
     for time_x in times:
         continuity.add(time_x)
@@ -96,10 +99,9 @@ def recorded(bag: pathlib.Path) -> List[Check]:
     return checks
 
 
-def read(bag: pathlib.Path) -> Tuple[List[float], List[float]]:
+def read(bag: pathlib.Path) -> Tuple[Sequence[float], Sequence[float]]:
     """Return the time of each sample, and each answer."""
-    times: List[float] = []
-    answers: List[float] = []
+    times, answers = array.array("d"), array.array("f")  # of hours, millions of each
     with rosbag.Bag(str(bag)) as opened:
         for topic, raw, _ in opened.read_messages(raw=True):
             if topic == "/signal":

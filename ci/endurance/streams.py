@@ -1,6 +1,6 @@
 """What a stream of samples tells: what is missing in it, and how long it was silent."""
 
-from typing import List, Optional, Sequence
+from typing import Optional, Sequence
 
 #: from here on a silence is counted as a gap, s; a stalled subscriber may cost that much, once
 GAP = 0.05
@@ -88,7 +88,7 @@ def shift(expected: Sequence[float], answers: Sequence[float], furthest: int) ->
     return best
 
 
-def unanswered(expected: List[float], answers: List[float], window: int = 400) -> int:
+def unanswered(expected: Sequence[float], answers: Sequence[float], window: int = 400) -> int:
     """Return how many samples have no answer, between the first answered one and the last one.
 
     The answers come in the order of the samples, so that each missing one moves those after it.

@@ -11,7 +11,8 @@ from typing import List, Sequence, Tuple
 import rosbag
 
 from checks import Check, at_least, at_most, told
-from streams import Arrivals, Continuity, unanswered
+from control import Control, silences
+from streams import Continuity, unanswered
 from surroundings import Soak
 from usage import Sampler, Usage, added, growth, size_of
 from watching import ANSWER, SIGNAL, Watch
@@ -53,6 +54,7 @@ def run(soak: Soak) -> List[Check]:
             watch.restart()
         log_size = size_of(session.directory / "ros")
         pids = {"signal_generator": generator.pid, "process": process.pid}
+        control = Control(session)
         began = time.monotonic()
         with Sampler({**pids, "rosbag record": recorder.pid}) as sampler:
             time.sleep(soak.seconds)
@@ -64,6 +66,7 @@ def run(soak: Soak) -> List[Check]:
             at_least("samples a second", signal.arrivals.count / lasted, 0.999 * RATE, "1/s"),
             told("silences of /signal", silences(signal.arrivals)),
             told("silences of /proc_signal", silences(answers.arrivals)),
+            told("pauses of a loop that only sleeps", control.stop()),
         ]
         assert signal.continuity is not None
         checks.append(at_most("missing at an observer", signal.continuity.missing, 0))
@@ -121,11 +124,6 @@ def grown(name: str, seen: List[Usage]) -> List[Check]:
         at_most("its new threads", added([one.threads for one in seen]), 0),
         at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
     ]
-
-
-def silences(arrivals: Arrivals) -> str:
-    """Tell how long a stream was silent, and how often for long."""
-    return "%.1f ms at most, %d above 50 ms" % (1e3 * arrivals.longest_gap, arrivals.gaps)
 
 
 def memory(seen: List[Usage]) -> str:

@@ -6,6 +6,7 @@ import time
 from typing import List
 
 from checks import Check, at_least, at_most, told
+from control import Control, silences
 from surroundings import Soak
 from usage import Usage, settled_usage
 from watching import ANSWER, SIGNAL, Watch
@@ -33,36 +34,48 @@ def run(soak: Soak) -> List[Check]:
         before = {name: settled_usage(pid) for name, pid in pids.items()}
         for watch in watches:
             watch.restart()
+        control = Control(session)
         os.killpg(sleeper.pid, signal.SIGSTOP)
         time.sleep(STOPPED)
         during = {name: settled_usage(pid) for name, pid in pids.items()}
         os.killpg(sleeper.pid, signal.SIGCONT)
         time.sleep(RECOVERY)
         after = {name: settled_usage(pid) for name, pid in pids.items()}
-        checks = []
-        for watch in watches:
-            arrivals = watch.arrivals
-            longest = round(1e3 * arrivals.longest_gap, 1)
-            what = "longest silence of %s for another one" % watch.topic
-            checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
-            checks.append(told("its silences above 50 ms", str(arrivals.gaps)))
-        continuity = watches[0].continuity
-        assert continuity is not None
-        checks.append(at_most("missing for another one", continuity.missing, 0))
+        checks = undisturbed(watches, control)
     log = session.log_of(sleeper)
     checks.append(at_least("reports of the stopped one after its return", log.count("rate"), 1))
     session.stop(sleeper, generator, process)
     for name in pids:
-        checks += returned(name, before[name], during[name], after[name])
+        during_mb = "%.1f MB" % (during[name].memory / 1024.0)
+        checks += [told("memory of %s meanwhile" % name, during_mb)]
+        checks += returned(name, before[name], after[name])
     return checks
 
 
-def returned(name: str, before: Usage, during: Usage, after: Usage) -> List[Check]:
+def undisturbed(watches: List[Watch], control: Control) -> List[Check]:
+    """Check that a good subscriber got everything, and soon.
+
+    :param watches: its topics; that of a signal first
+    """
+    checks = []
+    for watch in watches:
+        longest = round(1e3 * watch.arrivals.longest_gap, 1)
+        what = "longest silence of %s for a good one" % watch.topic
+        checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
+        checks.append(told("its silences", silences(watch.arrivals)))
+    checks.append(told("pauses of a loop that only sleeps", control.stop()))
+    continuity = watches[0].continuity
+    assert continuity is not None
+    checks.append(at_most("missing for a good one", continuity.missing, 0))
+    return checks
+
+
+def returned(name: str, before: Usage, after: Usage) -> List[Check]:
     """Check that a node holds no more than before."""
-    figure = "%.1f, %.1f, %.1f MB" % tuple(one.memory / 1024.0 for one in (before, during, after))
+    figure = "%.1f MB, %.1f MB" % (before.memory / 1024.0, after.memory / 1024.0)
     grown = 100.0 * (after.memory / before.memory - 1.0)
     return [
-        told("memory of %s before, during, after" % name, figure),
+        told("memory of %s before and after" % name, figure),
         at_most("growth of its memory", round(grown, 2), 1.0, "%"),
         at_most("its new threads", after.threads - before.threads, 0),
         at_most("its new descriptors", after.descriptors - before.descriptors, 0),

@@ -21,6 +21,8 @@ def main() -> int:
     :returns: exit status: 0 if every bound was kept
     """
     options = arguments()
+    # A shell has what it runs in the background ignore Ctrl-C, and that would be inherited.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     chosen = [one for one in RUNS if not options.only or one.name in options.only]
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     facts = machine.describe()

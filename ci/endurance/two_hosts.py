@@ -40,6 +40,8 @@ def main() -> int:
     :returns: exit status: 0 if every bound was kept
     """
     options = arguments()
+    # A shell has what it runs in the background ignore Ctrl-C, and that would be inherited.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     facts = machine.describe()
     results: Dict[str, List[Check]] = {}

@@ -5,7 +5,7 @@ from setuptools import setup
 
 setup(
     **generate_distutils_setup(
-        packages=["basic_comms", "basic_comms.nodes"],
+        packages=["basic_comms", "basic_comms.nodes", "basic_comms.rospy_internals"],
         package_dir={"": "src"},
     )
 )

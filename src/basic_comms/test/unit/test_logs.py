@@ -75,7 +75,7 @@ def test_characters_that_the_stream_lacks_are_escaped(kind, capsys):
 
 
 @pytest.mark.parametrize(
-    "place", [{"ROS_LOG_DIR": "/sys"}, {"ROS_HOME": "/sys"}], ids=["directory", "home"]
+    "place", [{"ROS_LOG_DIR": "/proc"}, {"ROS_HOME": "/proc"}], ids=["directory", "home"]
 )
 def test_where_no_log_file_can_be_written_the_console_is_left(place):
     program = (

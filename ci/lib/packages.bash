@@ -34,6 +34,38 @@ unknown_packages() { # PACKAGE…
     ' look=up <(LC_ALL=C apt-cache policy "$@" 2>/dev/null || :) look= <(printf '%s\n' "$@")
 }
 
+# Of packages that this release lacks, those to be borrowed from a later one: name, path in
+# the archive and checksum.
+borrowed_packages() { # PACKAGE…
+    awk -v wanted=" $* " -v archive="$(archive_mirrors | head -n 1 | cut -d ' ' -f 1)" '
+        /^\[/ { take = ($0 == "[borrowed " archive "]"); next }
+        take && index(wanted, " " $1 " ") { print }
+    ' "$workspace/ci/apt-packages.txt"
+}
+
+left_out() { # "NAME…" NAME…: the other names without those of the first argument
+    local without=" $1 " name
+    for name in "${@:2}"; do
+        [[ $without == *" $name "* ]] || echo "$name"
+    done
+}
+
+# The archives that apt uses, as "Debian http://deb.debian.org/debian/".
+archive_mirrors() {
+    # shellcheck disable=SC2016
+    apt-get indextargets --format '$(LABEL) $(REPO_URI)' 'Created-By: Packages' |
+        awk '/^(Debian|Ubuntu) / && !seen[$0]++'
+}
+
+# Download a package from the first mirror that has it; apt's tool knows its proxies.
+borrow() { # PATH CHECKSUM FILE
+    local mirror
+    while read -r _ mirror; do
+        PATH=$PATH:/usr/lib/apt apt-helper download-file "$mirror$1" "$3" "SHA256:$2" && return
+    done < <(archive_mirrors)
+    return 1
+}
+
 system_name() {
     (
         PRETTY_NAME=
@@ -68,8 +100,18 @@ apt_line() { # PACKAGE…
     echo "${sudo}apt-get install --no-install-recommends $*"
 }
 
+by_hand() { # PACKAGE…
+    local mirror package path
+    while read -r package path _; do
+        read -r _ mirror < <(archive_mirrors)
+        say "apt knows no $package here; where the release has none, this one fits: $mirror$path"
+    done < <(borrowed_packages "$(unknown_packages "$@" | xargs)")
+    apt_line "$@"
+}
+
 install_packages() { # SECTION…
-    local -a missing unknown install
+    local -a missing unknown borrowed install
+    local package path checksum
     mapfile -t missing < <(missing_packages "$@")
     [ ${#missing[@]} -gt 0 ] || return 0
 
@@ -81,12 +123,12 @@ install_packages() { # SECTION…
     fi
     if [ "${CI_EXEC_NO_INSTALL-}" = 1 ]; then
         say "packages are missing, and CI_EXEC_NO_INSTALL=1 forbids to install them. This does:"
-        apt_line "${missing[@]}"
+        by_hand "${missing[@]}"
         exit 125
     fi
     if [ "$EUID" != 0 ] && ! command -v sudo >/dev/null; then
         say "packages are missing, and without sudo only root can install them. This does:"
-        apt_line "${missing[@]}"
+        by_hand "${missing[@]}"
         exit 125
     fi
 
@@ -99,9 +141,18 @@ install_packages() { # SECTION…
     if [ ${#unknown[@]} -gt 0 ]; then
         update_lists
         mapfile -t unknown < <(unknown_packages "${missing[@]}")
+        mapfile -t borrowed < <(borrowed_packages "${unknown[@]}")
+        mapfile -t unknown < <(left_out "${borrowed[*]%% *}" "${unknown[@]}")
         [ ${#unknown[@]} = 0 ] ||
             die "$(system_name) has no package ${unknown[*]}: served are Debian 11 to 13, Ubuntu 22.04 and" \
                 "24.04 (with universe), and systems with ROS in $noetic."
+        mapfile -t missing < <(left_out "${borrowed[*]%% *}" "${missing[@]}")
+        for package in "${borrowed[@]}"; do
+            read -r package path checksum <<<"$package"
+            say "$(system_name) has no $package: taking that of a later release, $path"
+            logged borrow "$path" "$checksum" "$state/$package.deb" || die "cannot download $path."
+            missing+=("$state/$package.deb")
+        done
     fi
     install=(as_root apt-get install --yes --no-install-recommends
         -o DPkg::Lock::Timeout=600 "${missing[@]}")

@@ -91,7 +91,8 @@ class Workspace:
         """Replace the list of packages and the package system; return the log of root's commands.
 
         Nothing is built then: these tests are about what comes before.
-        ``apt-get update`` makes every listed package known, ``apt-get install`` installs it.
+        ``apt-get update`` makes every listed package known, ``apt-get install`` installs it, by
+        name or from a file. ``apt-helper`` makes an empty file.
         """
         (self.root / "ci" / "apt-packages.txt").write_text(listed)
         system = self.root / "system"
@@ -104,6 +105,8 @@ class Workspace:
             {
                 "dpkg-query": "sed 's/^/installed /' '%s/installed'" % system,
                 "apt-cache": r"sed 's/\(.*\)/\1:\n  Candidate: 1.0/' '%s/known'" % system,
+                "apt-get": "echo 'Debian http://mirror/debian/'",  # to indextargets
+                "apt-helper": """echo "$*" >> '%s/log'; touch "$3" """ % system,
                 "sudo": '"$@"',
                 "catkin_make": "mkdir -p devel; : > devel/setup.bash",
                 "env": """
@@ -111,7 +114,8 @@ class Workspace:
                     echo "$*" >> '{0}/log'
                     case $2 in
                         update) cat '{0}/mirror' > '{0}/known' ;;
-                        install) for word; do echo "$word"; done >> '{0}/installed' ;;
+                        install)
+                            for word; do basename "$word" .deb; done >> '{0}/installed' ;;
                     esac""".format(
                     system
                 ),

@@ -12,6 +12,12 @@ two  # another
 [test]
 three
 """
+BORROWED = """
+[borrowed Ubuntu]
+two pool/universe/two.deb bad
+[borrowed Debian]
+two pool/main/two.deb 5ec
+"""
 
 
 def test_installs_only_what_is_missing(workspace: Workspace) -> None:
@@ -44,6 +50,36 @@ def test_says_what_the_system_does_not_have(workspace: Workspace) -> None:
     assert log.read_text() == "apt-get update\n"
 
 
+def test_borrows_from_a_later_release_what_this_one_lacks(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
+    result = workspace.run("true")
+    assert result.returncode == 0
+    update, download, install = log.read_text().splitlines()
+    file = str(workspace.root / "build" / "ci-exec" / "two.deb")
+    assert update == "apt-get update"
+    url = "http://mirror/debian/pool/main/two.deb"
+    assert download == "download-file %s %s SHA256:5ec" % (url, file)
+    assert install.endswith(" one " + file)
+    assert "has no two: taking that of a later release" in result.stderr
+
+
+def test_borrows_nothing_that_the_system_has(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED + BORROWED, known="catkin\none\ntwo\n")
+    assert workspace.run("true").returncode == 0
+    (install,) = log.read_text().splitlines()
+    assert install.endswith(" catkin one two")
+
+
+def test_failed_download_is_shown(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
+    workspace.fakes["apt-helper"] = 'echo "E: Hash Sum mismatch"; false'
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert "E: Hash Sum mismatch" in result.stderr
+    assert "cannot download pool/main/two.deb" in result.stderr
+    assert log.read_text() == "apt-get update\n"
+
+
 def test_may_be_forbidden_to_install(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     result = workspace.run("echo", "not reached", CI_EXEC_NO_INSTALL="1")
@@ -59,6 +95,14 @@ def test_failed_installation_is_shown(workspace: Workspace) -> None:
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert "E: as the test wants it" in result.stderr
+
+
+def test_names_what_is_to_be_borrowed_by_hand(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
+    result = workspace.run("echo", "not reached", CI_EXEC_NO_INSTALL="1")
+    *_, hint, line = result.stderr.splitlines()
+    assert hint.endswith(": http://mirror/debian/pool/main/two.deb")
+    assert line.replace("sudo ", "") == "apt-get install --no-install-recommends one two"
 
 
 @pytest.mark.parametrize("absent", ["apt-get", "dpkg-query"])

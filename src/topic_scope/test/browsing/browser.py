@@ -1,6 +1,7 @@
 """Debian's Chromium without a screen, and how a test looks at the page in it."""
 
 import atexit
+import inspect
 import shutil
 import subprocess
 import tempfile
@@ -8,6 +9,7 @@ from pathlib import Path
 from typing import Any, List
 
 from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webelement import WebElement
@@ -16,6 +18,8 @@ from browsing.waiting import wait_until
 
 WIDTH, HEIGHT = 1280, 720
 
+#: Where Debian installs it.
+_DRIVER = "/usr/bin/chromedriver"
 #: What is painted: grid and traces.
 _PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
 #: Ends chromedriver, and removes the profile.
@@ -50,7 +54,7 @@ class Browser:
         preferences = {"download.default_directory": str(self.downloads)}
         options.add_experimental_option("prefs", preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(options=options)
+        self.driver = _start(options)
         # Reads until this process has ended, even by a signal that cannot be caught.
         self._guard = subprocess.Popen(
             ["sh", "-c", _GUARD, str(self.driver.service.process.pid), self._profile],
@@ -145,3 +149,10 @@ class Browser:
             for entry in self.driver.get_log("browser")
             if entry["level"] in ("SEVERE", "WARNING")
         ]
+
+
+def _start(options: webdriver.ChromeOptions) -> webdriver.Chrome:
+    """Start chromedriver, which Selenium of Debian 13 cannot find without a tool left out there."""
+    if "service" in inspect.signature(webdriver.Chrome.__init__).parameters:
+        return webdriver.Chrome(service=Service(_DRIVER), options=options)
+    return webdriver.Chrome(executable_path=_DRIVER, options=options)  # Debian 11

@@ -79,6 +79,14 @@ class Graph:
             pairs = (text.partition("=") for text in variables.read().split("\0") if text)
             return {name: value for name, _, value in pairs}
 
+    def hearers(self, node: str, topic: str) -> int:
+        """Return how many subscribers get what a running node publishes.
+
+        rospy's subscriber calls itself connected when it only begins to connect.
+        """
+        connections: Any = self._node(node).getBusInfo(self._caller_id)
+        return sum(entry[2] == "o" and entry[4] == topic for entry in connections[2])
+
     def niceness(self, node: str) -> int:
         """Return the scheduling priority of a running node: higher gives way to others."""
         return os.getpriority(os.PRIO_PROCESS, self.pid(node))

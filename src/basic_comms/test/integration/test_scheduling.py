@@ -9,6 +9,7 @@ from typing import List
 
 import rospy
 import rostest
+from helpers.graph import Graph
 from helpers.parameter_rig import Process
 from helpers.waiting import wait_until
 from roslib.packages import find_node
@@ -147,8 +148,11 @@ class OnSimulatedClock(OnClock):
             find_node("basic_comms", "signal_generator.py")[0], ["__name:=generator"]
         )
         self.addCleanup(generator.end)
+        graph = Graph()
         wait_until(
-            lambda: subscriber.get_num_connections() == 1 and self.clock.get_num_connections() == 2,
+            lambda: subscriber.get_num_connections() == 1
+            and graph.hearers("/generator", "/signal") == 1
+            and self.clock.get_num_connections() == 2,
             lambda: "start: %s" % generator.logged(),
         )
         for number in range(5):

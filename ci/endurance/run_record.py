@@ -1,8 +1,11 @@
-"""Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow."""
+"""Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow.
+
+An observer without a queue listens beside the recorder. What it has got and the bag has not, the
+recorder has dropped: rosbag keeps at most 100 messages of a topic waiting.
+"""
 
 import array
 import math
-import os
 import pathlib
 import struct
 import time
@@ -24,9 +27,6 @@ AMPLITUDE = 2.0
 #: the phase is known from the second sample on, so the first answers say nothing
 FIRST_ANSWERS = 5
 RECORDER = ["rosbag", "record", "__name:=record"]
-#: rosbag keeps no more than 100 messages of a topic waiting, 0.1 s of these: on a machine that is
-#: busy it must go first, where that is allowed, or it drops some
-FIRST = ["nice", "-n", "-10"] if os.geteuid() == 0 else []
 #: longest time that everything is left to warm up, s
 WARM_UP = 60.0
 #: by how much the logs may grow, bytes/s: a line now and then
@@ -37,7 +37,7 @@ def run(soak: Soak) -> List[Check]:
     """Record for as long as was asked for, and look at the bag."""
     session = soak.session
     bag = session.directory / "record.bag"
-    recorder = session.start([*FIRST, *RECORDER, "-O", str(bag), "/signal", "/proc_signal"])
+    recorder = session.start([*RECORDER, "-O", str(bag), "/signal", "/proc_signal"])
     session.wait_for("/record")
     process = soak.start("process.py")
     session.wait_for("/process")

@@ -76,7 +76,8 @@ class HostilePeers(unittest.TestCase):
         talker = rosgraph.Master("/test").lookupNode("/talker")
         log = Ear("/rosout", Log)
         self.addCleanup(log.close)
-        log.wait_for(lambda line: line.name == "/talker")
+        rospy.set_param("/talker/rate", 20.0)  # the master stays connected to tell of changes
+        log.wait_for(lambda line: line.name == "/talker" and "rate: 10 -> 20" in line.msg)
         chatter = Ear("/chatter", String)
         chatter.wait_for(lambda message: True)
         before = usage(self.graph.pid("/talker"))

@@ -16,6 +16,7 @@ from basic_comms.parameters import (
 )
 from basic_comms.replay import Series, SeriesError, load_series
 from basic_comms.shapes import WAVEFORMS
+from basic_comms.timetable import SLOWEST_HZ
 
 _TWO_PI = 2.0 * math.pi
 
@@ -65,7 +66,11 @@ class SignalParameters(ParameterSet):
     """What a signal looks like and when it runs; all of it may change at any sample."""
 
     rate = FloatParameter(
-        10.0, above=0.0, maximum=10000.0, unit="Hz", help="how many samples a second are published"
+        10.0,
+        minimum=SLOWEST_HZ,
+        maximum=10000.0,
+        unit="Hz",
+        help="how many samples a second are published",
     )
     waveform = EnumParameter("sine", choices=WAVEFORMS, help="shape of the signal")
     amplitude = FloatParameter(

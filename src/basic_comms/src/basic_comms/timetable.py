@@ -7,6 +7,9 @@ from typing import Optional
 #: rounded, since 1970 to 2.4e-7 s, and must not miss the deadlines they meet.
 SLACK_S = 1e-6
 
+#: Lowest rate to offer, Hz. Long before the smallest numbers there are, a period is infinite.
+SLOWEST_HZ = 1e-6
+
 
 class Timetable:
     """When a periodic task is due, and what time has passed for it.

@@ -44,7 +44,7 @@ class Description(unittest.TestCase):
         rate = entries["rate"]
         self.assertEqual(
             (rate["value"], rate["type"], rate["unit"], rate["range"], rate["default"]),
-            (10.0, "float", "Hz", "(0, 10000]", 10.0),
+            (10.0, "float", "Hz", "[1e-06, 10000]", 10.0),
         )
         self.assertIn("samples", rate["help"])
 

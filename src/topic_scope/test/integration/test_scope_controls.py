@@ -71,7 +71,7 @@ class Controls(ScopeTest):
         self.set(page, "rate", -1)
         refused = page.wait_for("refused")
         self.assertEqual((refused["node"], refused["name"], refused["value"]), (NODE, "rate", -1))
-        self.assertIn("allowed is a number in (0, 10000]", refused["text"])
+        self.assertIn("allowed is a number in [1e-06, 10000]", refused["text"])
         page.wait_for("value", lambda told: (told["name"], told["value"]) == ("rate", 100.0))
         self.set(page, "waveform", "wavy")
         page.wait_for("refused", lambda told: "one of sine, square" in told["text"])

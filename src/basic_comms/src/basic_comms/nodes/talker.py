@@ -14,13 +14,18 @@ from basic_comms.parameters import EnumParameter, FloatParameter, ParameterSet
 from basic_comms.publishing import Publisher
 from basic_comms.scheduling import get_scheduler
 from basic_comms.stream_log import StreamLog
+from basic_comms.timetable import SLOWEST_HZ
 
 
 class TalkerParameters(ParameterSet):
     """Private parameters of the talker."""
 
     rate = FloatParameter(
-        10.0, above=0.0, maximum=10000.0, unit="Hz", help="how often the text is published"
+        10.0,
+        minimum=SLOWEST_HZ,
+        maximum=10000.0,
+        unit="Hz",
+        help="how often the text is published",
     )
     message_scope = EnumParameter(
         "closest",

@@ -7,6 +7,22 @@ import { AutoRange, ticks } from "./numbers.js";
 const STYLE_NAMES = ["grid", "axis"];
 const PIXELS_PER_TICK = { x: 90, y: 46, y2: 46 };
 const SPARSE_PIXELS = 9; // samples at least so far apart are marked
+const OUTSIDE = /^\d+ points out of [XY] bounds:/;
+
+/**
+ * Draw without a word on the console about samples that lie outside of what is shown: that of
+ * Debian 13 says so with each drawing, but it is what a plot is moved and magnified for.
+ * @param {function(): void} drawing
+ */
+function drawQuietly(drawing) {
+  const { warn } = console;
+  console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
+  try {
+    drawing();
+  } finally {
+    console.warn = warn;
+  }
+}
 
 /** The plot. */
 export class Plot {
@@ -45,7 +61,7 @@ export class Plot {
     state.on(["fields", "right"], () => this.forgetRanges());
     state.on(["theme"], () => this.restyle());
     this.restyle();
-    new ResizeObserver(() => this.graph.resize()).observe(element);
+    new ResizeObserver(() => drawQuietly(() => this.graph.resize())).observe(element);
   }
 
   /**
@@ -75,7 +91,7 @@ export class Plot {
     const fields = this.state.shown;
     const { axes, right } = this.state.values;
     this.shown = shown;
-    this.graph.updateOptions({
+    const options = {
       file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference),
       labels: ["time", ...(fields.length ? fields : [" "])],
       series: this.series(fields, shown.buffer),
@@ -88,7 +104,8 @@ export class Plot {
       xlabel: axes.x.title || null,
       ylabel: axes.y.title || null,
       y2label: axes.y2.title || null,
-    });
+    };
+    drawQuietly(() => this.graph.updateOptions(options));
     for (const listener of this.listeners) listener();
   }
 

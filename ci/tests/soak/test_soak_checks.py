@@ -68,7 +68,7 @@ def test_usage_of_this_process() -> None:
     assert before.memory > 1000
 
 
-def test_sampler_outlives_its_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sampler_outlives_its_processes(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(Sampler, "PERIOD", 0.001)
     seen = threading.Event()
     with Sampler({"this": os.getpid(), "gone": 2**22 + 1}) as sampler:

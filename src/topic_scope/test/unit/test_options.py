@@ -45,7 +45,9 @@ def test_an_address_with_colons_is_put_in_brackets() -> None:
         ["_port:=x"],
     ],
 )
-def test_what_makes_no_sense_is_refused(arguments: list, capsys: pytest.CaptureFixture) -> None:
+def test_what_makes_no_sense_is_refused(
+    arguments: list, capsys: "pytest.CaptureFixture[str]"
+) -> None:
     with pytest.raises(SystemExit) as caught:
         parse(arguments)
     assert caught.value.code == 2

@@ -48,7 +48,7 @@ class FakeBackground(Background):
 class World:
     """A node, a master and a clock that a test moves on."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
         self.now = 100.0
         self.in_force: Dict[str, float] = {"low": 0.0, "high": 10.0}
         self.accepts = True
@@ -99,7 +99,7 @@ class World:
 
 
 @pytest.fixture()
-def world(monkeypatch: pytest.MonkeyPatch) -> World:
+def world(monkeypatch: "pytest.MonkeyPatch") -> World:
     return World(monkeypatch)
 
 

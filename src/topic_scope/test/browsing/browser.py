@@ -1,7 +1,6 @@
 """Debian's Chromium without a screen, and how a test looks at the page in it."""
 
 import atexit
-import inspect
 import shutil
 import subprocess
 import tempfile
@@ -54,7 +53,8 @@ class Browser:
         preferences = {"download.default_directory": str(self.downloads)}
         options.add_experimental_option("prefs", preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = _start(options)
+        # Told where, since that of Debian 13 would ask a tool for it that is left out there.
+        self.driver = webdriver.Chrome(service=Service(_DRIVER), options=options)
         # Reads until this process has ended, even by a signal that cannot be caught.
         self._guard = subprocess.Popen(
             ["sh", "-c", _GUARD, str(self.driver.service.process.pid), self._profile],
@@ -149,10 +149,3 @@ class Browser:
             for entry in self.driver.get_log("browser")
             if entry["level"] in ("SEVERE", "WARNING")
         ]
-
-
-def _start(options: webdriver.ChromeOptions) -> webdriver.Chrome:
-    """Start chromedriver, which Selenium of Debian 13 cannot find without a tool left out there."""
-    if "service" in inspect.signature(webdriver.Chrome.__init__).parameters:
-        return webdriver.Chrome(service=Service(_DRIVER), options=options)
-    return webdriver.Chrome(executable_path=_DRIVER, options=options)  # Debian 11

@@ -129,6 +129,20 @@ class Modules(unittest.TestCase):
             self.assertLess(high - low, 50 * max(abs(case["value"]), 1), (case, travel))
             self.assertGreater((high - low) / travel["step"], 6, (case, travel))
 
+    def test_slider_does_not_go_back_to_the_answer_to_an_earlier_value(self) -> None:
+        parameter = {"name": "level", "kind": "float", "minimum": 0, "maximum": 10, "value": 1}
+        places = self.browser.call(
+            "parameter.js",
+            "(() => { const it = new module.Parameter(a[0], false, () => {});"
+            " const placeAfter = (value) => { it.update(value); return it.slider.value; };"
+            " const anybodys = placeAfter(4);"
+            " it.slider.value = 3;"
+            " it.slider.dispatchEvent(new Event('change'));"
+            " return [anybodys, placeAfter(2), placeAfter(3), it.control.value]; })()",
+            parameter,
+        )
+        self.assertEqual(places, ["4", "3", "3", "3"])
+
     def test_layers_go_forward_but_for_ways_back(self) -> None:
         items = [{"id": name} for name in "abcd"]
         edges = [{"from": a, "to": b} for a, b in ("ab", "bc", "ca", "ad", "cd")]

@@ -5,6 +5,7 @@ import { readNumber, short, typed } from "./numbers.js";
 import { allowed, isPoor, travel } from "./slider.js";
 
 const EVERY_MS = 60; // between two sets while a slider moves
+const ANSWER_MS = 1000; // from a set to its value in force, at most
 
 /** Shows a parameter and lets it be changed. */
 export class Parameter {
@@ -17,8 +18,10 @@ export class Parameter {
     this.parameter = parameter;
     this.inForce = parameter.value;
     this.set = set;
-    this.lastSent = 0;
+    this.sent = parameter.value;
+    this.lastSent = -Infinity;
     this.later = null;
+    this.settled = null;
     this.numeric = parameter.kind === "float" || parameter.kind === "int";
     this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
     this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
@@ -95,6 +98,7 @@ export class Parameter {
   }
 
   send(value) {
+    this.sent = value;
     this.lastSent = performance.now();
     this.refusal.hidden = true;
     say(this.refusal, "");
@@ -103,13 +107,16 @@ export class Parameter {
   }
 
   /**
-   * Take the value in force.
+   * Take the value in force. Where more was wanted meanwhile, it is the answer to what was wanted
+   * before, and the control does not go back to it.
    * @param {*} value
    */
   update(value) {
-    const news = value !== this.inForce;
     this.inForce = value;
-    if (!this.held) this.show(!news);
+    clearTimeout(this.settled);
+    const wait = value === this.sent ? 0 : this.lastSent + ANSWER_MS - performance.now();
+    if (wait > 0) this.settled = setTimeout(() => this.update(this.inForce), wait);
+    else if (!this.held) this.show();
   }
 
   /**

@@ -71,6 +71,9 @@ class Signals(unittest.TestCase):
         member = "/Group1/process"
         self.interrupt_registration("fleet", "subscribeParam", member, "unsubscribeParam")
 
+    def test_while_a_fleet_reads_its_parameters(self) -> None:
+        self.interrupt_registration("fleet", "getParam", "/Group1/process", "unregisterPublisher")
+
     def interrupt_registration(
         self, program: str, method: str, ending: str, then: str = ""
     ) -> None:

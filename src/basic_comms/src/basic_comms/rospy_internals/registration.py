@@ -61,8 +61,10 @@ def registering_together() -> Iterator[None]:
         yield
     finally:
         with listeners.lock:
-            listeners.listeners = before
-        if not rospy.core.is_shutdown_requested():  # when rospy has taken back what there was
+            # When the node ends, rospy has taken back what there was, and nothing must follow.
+            ends = rospy.core.is_shutdown_requested()
+            listeners.listeners = [] if ends else before
+        if not ends:
             _register(before, collector.entries)
 
 

@@ -50,7 +50,7 @@ left_out() { # "NAME…" NAME…: the other names without those of the first arg
     done
 }
 
-# The archives that apt uses, as "Debian http://deb.debian.org/debian/".
+# The archives that apt uses, a line each: "LABEL URL".
 archive_mirrors() {
     # shellcheck disable=SC2016
     apt-get indextargets --format '$(LABEL) $(REPO_URI)' 'Created-By: Packages' |

@@ -1,13 +1,14 @@
 """Record a signal of 1 kHz in a bag, for long: nothing may be missing, and nothing may grow.
 
-An observer without a queue listens beside the recorder. What it has got and the bag has not, the
-recorder has dropped: rosbag keeps at most 100 messages of a topic waiting.
+The recorder is one without a queue, unlike ``rosbag record``. An observer listens beside it, so
+that what is missing in the bag can be told from what was never sent.
 """
 
 import array
 import math
 import pathlib
 import struct
+import sys
 import time
 from typing import List, Sequence, Tuple
 
@@ -26,7 +27,7 @@ FREQUENCY = 1.0
 AMPLITUDE = 2.0
 #: the phase is known from the second sample on, so the first answers say nothing
 FIRST_ANSWERS = 5
-RECORDER = ["rosbag", "record", "__name:=record"]
+RECORDER = [sys.executable, str(pathlib.Path(__file__).with_name("recorder.py"))]
 #: longest time that everything is left to warm up, s
 WARM_UP = 60.0
 #: by how much the logs may grow, bytes/s: a line now and then
@@ -37,7 +38,7 @@ def run(soak: Soak) -> List[Check]:
     """Record for as long as was asked for, and look at the bag."""
     session = soak.session
     bag = session.directory / "record.bag"
-    recorder = session.start([*RECORDER, "-O", str(bag), "/signal", "/proc_signal"])
+    recorder = session.start([*RECORDER, str(bag), "/signal", "/proc_signal"])
     session.wait_for("/record")
     process = soak.start("process.py")
     session.wait_for("/process")
@@ -56,7 +57,7 @@ def run(soak: Soak) -> List[Check]:
         pids = {"signal_generator": generator.pid, "process": process.pid}
         control = Control(session)
         began = time.monotonic()
-        with Sampler({**pids, "rosbag record": recorder.pid}) as sampler:
+        with Sampler({**pids, "record": recorder.pid}) as sampler:
             time.sleep(soak.seconds)
         lasted = time.monotonic() - began
         log_growth = (size_of(session.directory / "ros") - log_size) / lasted
@@ -74,7 +75,7 @@ def run(soak: Soak) -> List[Check]:
     checks += recorded(bag)
     for name in pids:
         checks += grown(name, sampler.samples[name])
-    checks.append(told("growth of the recorder", memory(sampler.samples["rosbag record"])))
+    checks.append(told("growth of the recorder", memory(sampler.samples["record"])))
     checks.append(at_most("growth of all logs", log_growth, LOG_GROWTH, "bytes/s"))
     bag.unlink()
     return checks

@@ -41,7 +41,7 @@ class Controls(ScopeTest):
         shown = {entry["name"]: entry for entry in self.panels[NODE]["parameters"]}
         self.assertEqual(
             {key: shown["rate"][key] for key in ("kind", "unit", "above", "maximum", "minimum")},
-            {"kind": "float", "unit": "Hz", "above": 0.0, "maximum": 10000.0, "minimum": None},
+            {"kind": "float", "unit": "Hz", "above": None, "maximum": 10000.0, "minimum": 1e-6},
         )
         self.assertEqual(shown["waveform"]["kind"], "enum")
         self.assertIn("square", shown["waveform"]["choices"])

@@ -76,7 +76,7 @@ class NodeLife(unittest.TestCase):
             (
                 "talker",
                 "_rate:=0",
-            ): "parameter /talker/rate: 0 is refused, allowed is a number in (0",
+            ): "parameter /talker/rate: 0 is refused, allowed is a number in [1e-06",
             ("process", "_keep_positive:=5"): "parameter /process/keep_positive: 5 is refused",
             (
                 "signal_generator",

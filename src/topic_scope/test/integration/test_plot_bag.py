@@ -3,6 +3,7 @@
 
 import csv
 import os
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -94,4 +95,6 @@ class PlotBag(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     rostest.rosrun("topic_scope", "plot_bag", PlotBag)

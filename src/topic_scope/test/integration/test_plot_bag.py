@@ -3,7 +3,6 @@
 
 import csv
 import os
-import signal
 import subprocess
 import tempfile
 import unittest
@@ -36,8 +35,8 @@ class PlotBag(unittest.TestCase):
         cls.folder = Path(folder.name)
         with mock.patch.dict(os.environ, PWD=folder.name):
             with launched("cw1.launch ns:=lab record:=true signal_rate:=100") as launch:
-                for topic in ("/lab/signal", "/lab/proc_signal"):
-                    launch.graph.wait_for_subscribers(topic, "/lab/record")
+                launch.graph.wait_for_subscribers("/lab/signal", "/lab/process", "/lab/record")
+                launch.graph.wait_for_subscribers("/lab/proc_signal", "/lab/record")
                 ear = Ear("/lab/proc_signal", Float32)
                 wait_until(lambda: len(ear.messages()) > 100, lambda: "there is no signal")
         # A bag has this name only when it is complete.
@@ -95,6 +94,4 @@ class PlotBag(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    # A program started in the background ignores Ctrl-C, and so would all that it starts.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     rostest.rosrun("topic_scope", "plot_bag", PlotBag)

@@ -9,6 +9,8 @@ import ipaddress
 import re
 from typing import List, NamedTuple, Sequence
 
+from rosgraph.names import get_ros_namespace, ns_join
+
 from topic_scope.fields import FieldError, expand
 
 #: Addresses that stand for all of a machine's.
@@ -62,16 +64,19 @@ def parse(arguments: Sequence[str]) -> Options:
     """Read a command line.
 
     :param arguments: without the name of the program; ``_port:=8081`` is another way to say
-        ``--port 8081``, and so for all options with a value
+        ``--port 8081``, and so for all options with a value; ``__ns:=lab``, or else the
+        environment's ``ROS_NAMESPACE``, is where relative names of fields are
     :raises SystemExit: if it cannot be understood, with the status 2
     """
     parser = _parser()
     read = parser.parse_intermixed_args(_as_options(arguments))
+    namespace = get_ros_namespace(argv=arguments)
     names: List[str] = []
     for argument in read.fields:
         for word in argument.split():  # a launch file hands them over in one
             try:
-                names += [name for name in expand(word) if name not in names]
+                expanded = expand(ns_join(namespace, word))
+                names += [name for name in expanded if name not in names]
             except FieldError as error:
                 parser.error(str(error))
     return Options(

@@ -25,8 +25,22 @@ def test_there_is_no_scope_unless_it_is_asked_for() -> None:
     assert sorted(programs()) == ["process.py", "signal_generator.py"]
 
 
-@pytest.mark.parametrize("space, begin", [("/", ""), ("robot", "/robot"), ("/a/b/", "/a/b")])
-def test_both_signals_are_chosen(space: str, begin: str) -> None:
-    options = parse(programs("plot:=true", "ns:=" + space)["scope.py"].split())
+@pytest.mark.parametrize(
+    "space, around, begin",
+    [
+        ("/", "/", ""),
+        ("robot", "/", "/robot"),
+        ("/a/b/", "/", "/a/b"),
+        ("/", "/lab", "/lab"),
+        ("robot", "/lab", "/lab/robot"),
+        ("/robot", "/lab", "/robot"),
+    ],
+)
+def test_both_signals_are_chosen(
+    space: str, around: str, begin: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    arguments = programs("plot:=true", "ns:=" + space)["scope.py"].split()
+    monkeypatch.setenv("ROS_NAMESPACE", around)  # as roslaunch __ns:= sets it for its nodes
+    options = parse(arguments)
     assert options.fields == (begin + "/signal/signal_y", begin + "/proc_signal/data")
     assert options.open_browser and options.is_local

@@ -17,6 +17,10 @@ def test_fields_are_expanded_wherever_they_stand() -> None:
     assert options.port == 8092
 
 
+def test_relative_names_are_in_the_namespace() -> None:
+    assert parse(["a/x", "/b/x", "__ns:=lab"]).fields == ("/lab/a/x", "/b/x")
+
+
 @pytest.mark.parametrize("address", ["0.0.0.0", "10.0.0.7", "::", "lab-7", ""])
 def test_any_other_address_is_open(address: str) -> None:
     options = parse(["_address:=" + address])

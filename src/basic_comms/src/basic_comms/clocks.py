@@ -6,7 +6,7 @@ ended, which is why a node at 0.1 Hz would notice a change ten seconds late.
 
 import threading
 import time
-from typing import Optional
+from typing import Callable, Optional
 
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -23,9 +23,8 @@ class MonotonicClock:
         self._wake = threading.Lock()
         self._wake.acquire()
 
-    def now(self) -> Optional[float]:
-        """Return the time since some fixed moment, s."""
-        return time.monotonic()
+    #: Returns the time since some fixed moment, s.
+    now: Callable[[], Optional[float]] = staticmethod(time.monotonic)
 
     def wait_until(self, moment: Optional[float]) -> None:
         """Wait for a moment or a :meth:`wake`; may return early.
@@ -33,8 +32,10 @@ class MonotonicClock:
         :param moment: on the scale of :meth:`now`, s; None to wait for a wake alone
         """
         timeout = _LONGEST_WAIT_S if moment is None else moment - time.monotonic()
+        if timeout > _LONGEST_WAIT_S:
+            timeout = _LONGEST_WAIT_S
         if timeout > 0.0:
-            self._wake.acquire(timeout=min(timeout, _LONGEST_WAIT_S))
+            self._wake.acquire(timeout=timeout)
 
     def wake(self) -> None:
         """End the wait under way, or else the next one at once."""

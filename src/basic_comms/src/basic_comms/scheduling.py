@@ -54,7 +54,7 @@ class Scheduler:
         self._lock = threading.Lock()
         self._tasks: List[PeriodicTask] = []
         self._unplanned: List[PeriodicTask] = []
-        #: (deadline, tie-break, generation, task), a heap.
+        #: (deadline, tie-break, generation, task) of what is planned, a heap.
         self._queue: List[Tuple[float, int, int, PeriodicTask]] = []
         self._order = itertools.count()
         self._latest = float("-inf")
@@ -101,16 +101,15 @@ class Scheduler:
             now = self._clock.now()
             if now is not None:
                 for callback, elapsed in self._take_due(now):
-                    self._call(callback, elapsed)
+                    if self._closed:
+                        return
+                    try:
+                        callback(elapsed)
+                    except Exception:  # one task's defect must not end the others
+                        rospy.logerr_throttle(
+                            5.0, "a periodic task failed:\n%s" % traceback.format_exc()
+                        )
             self._clock.wait_until(self._queue[0][0] if self._queue else None)
-
-    def _call(self, callback: Callback, elapsed: float) -> None:
-        if self._closed:
-            return
-        try:
-            callback(elapsed)
-        except Exception:  # one task's defect must not end the others
-            rospy.logerr_throttle(5.0, "a periodic task failed:\n%s" % traceback.format_exc())
 
     def _take_due(self, now: float) -> List[Tuple[Callback, float]]:
         """Return what is to be called now, and queue it for the next time."""
@@ -119,14 +118,19 @@ class Scheduler:
             if now < self._latest:
                 self._follow_clock_back(now)
             self._latest = now
-            for task in self._unplanned:
-                self._plan(task, now)
-            self._unplanned = []
-            while self._queue and self._queue[0][0] <= now + SLACK_S:
-                _, _, generation, task = heapq.heappop(self._queue)
-                if generation == task.generation and task.timetable is not None:
-                    due.append((task.callback, task.timetable.take(now)))
+            if self._unplanned:
+                for task in self._unplanned:
                     self._plan(task, now)
+                self._unplanned = []
+            queue = self._queue
+            while queue and queue[0][0] <= now + SLACK_S:
+                _, order, generation, task = queue[0]
+                if generation != task.generation or task.timetable is None:
+                    heapq.heappop(queue)
+                    continue
+                due.append((task.callback, task.timetable.take(now)))
+                deadline = task.timetable.deadline(now)
+                heapq.heapreplace(queue, (deadline, order, generation, task))
         return due
 
     def _plan(self, task: PeriodicTask, now: float) -> None:

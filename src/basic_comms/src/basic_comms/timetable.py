@@ -28,8 +28,9 @@ class Timetable:
         self._catch_up = catch_up
         self._anchor: Optional[float] = None
         self._elapsed_at_anchor = 0.0
-        #: Number of the next deadline, counted from 0 at the anchor.
+        #: Number of the next deadline, counted from 0 at the anchor, and that deadline.
         self._next = 0
+        self._deadline = 0.0
         self._taken_at = float("-inf")
 
     def deadline(self, now: float) -> float:
@@ -39,8 +40,8 @@ class Timetable:
         :returns: a moment on the same scale, s
         """
         if self._anchor is None:
-            self._anchor = now
-        return self._anchor + self._next / self._rate
+            self._anchor = self._deadline = now
+        return self._deadline
 
     def take(self, now: float) -> float:
         """Take a deadline that has passed: the next, or the latest if that is too late.
@@ -48,10 +49,13 @@ class Timetable:
         :param now: the time, at or after the deadline, s
         :returns: time from the first deadline to this one, s
         """
-        late = now - self.deadline(now)
+        anchor = self._anchor
+        if anchor is None:
+            anchor = self._anchor = self._deadline = now
         self._next += 1
-        if late > self._catch_up and self._anchor is not None:
-            self._next = max(self._next, self._first_after(now, self._anchor))
+        if now - self._deadline > self._catch_up:
+            self._next = max(self._next, self._first_after(now, anchor))
+        self._deadline = anchor + self._next / self._rate
         self._taken_at = now
         return self._elapsed_at_anchor + (self._next - 1) / self._rate
 
@@ -66,6 +70,7 @@ class Timetable:
             self._elapsed_at_anchor += last
             self._rate = rate
             self._next = self._first_after(self._taken_at, self._anchor)
+            self._deadline = self._anchor + self._next / rate
         self._rate = rate
 
     def restart(self, now: float) -> None:
@@ -74,7 +79,7 @@ class Timetable:
         :param now: the time that the clock was set to, s
         """
         self._elapsed_at_anchor += self._next / self._rate
-        self._anchor = now
+        self._anchor = self._deadline = now
         self._next = 0
 
     def _first_after(self, now: float, anchor: float) -> int:

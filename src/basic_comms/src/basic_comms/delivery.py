@@ -40,8 +40,8 @@ class Link:
     def __init__(self, name: str, sock: Any, lock: ContextManager[Any]) -> None:
         self.name = name
         self.lock = lock
-        self.sent = 0
-        self.lost = 0
+        #: messages, and their bytes, that have gone out as a whole; messages that were lost
+        self.sent = self.sent_bytes = self.lost = 0
         self.stalled = False
         self._socket = sock
         self._rest: Optional[memoryview] = None  # of a delivery that is partly on the wire
@@ -52,14 +52,6 @@ class Link:
         self._reported = 0
         self._warned = False
         self._quiet_until = {True: 0.0, False: 0.0}
-
-    def count(self, size: int, messages: int) -> None:
-        """Note that one more whole delivery has gone out.
-
-        :param size: its length, bytes
-        :param messages: how many messages it holds
-        """
-        self.sent += messages
 
     def drop(self) -> None:
         """Give the receiver up, as the other end is gone."""
@@ -97,7 +89,8 @@ class Link:
         if size != len(data):
             self._rest, self._rest_messages = memoryview(data)[size:], messages
             return False
-        self.count(size, messages)
+        self.sent += messages
+        self.sent_bytes += size
         return True
 
     def hold(self, data: bytes, messages: int) -> None:
@@ -121,7 +114,8 @@ class Link:
                 if size != self._rest.nbytes:
                     self._rest = self._rest[size:]
                     return False
-                self.count(memoryview(self._rest.obj).nbytes, self._rest_messages)
+                self.sent += self._rest_messages
+                self.sent_bytes += memoryview(self._rest.obj).nbytes
                 self._rest = None
         except BlockingIOError:
             return False

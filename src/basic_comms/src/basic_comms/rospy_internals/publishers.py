@@ -89,7 +89,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
-        self._links: Dict[Any, delivery.Link] = {}
+        self._links: Dict[Any, _SubscriberLink] = {}
 
     def set_queue_size(self, queue_size: Optional[int]) -> None:
         """Do without a queue, whatever another publisher of the topic asks for."""
@@ -133,7 +133,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 if not rospy.core.is_initialized():
                     raise rospy.ROSException("publish() before init_node()")
                 return
-            packets = [self._serialize(message) for message in messages]
+            packets = list(map(self._serialize, messages))
             if self._links:
                 data = b"".join(packets)
                 self.message_data_sent += len(data)
@@ -156,7 +156,13 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         body = buffer.getvalue()
         return _LENGTH.pack(len(body)) + body
 
-    def links(self) -> List[delivery.Link]:
+    def get_stats(self) -> Any:
+        """Return the statistics of this topic, in the format of ``getBusStats``."""
+        for link in self.links():
+            link.tell_rospy()
+        return super().get_stats()
+
+    def links(self) -> List["_SubscriberLink"]:
         """Tell who is subscribed now.
 
         :returns: a link for each subscriber
@@ -168,7 +174,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
     def _update_links(self) -> None:
         # rospy replaces the list on every change: while it is the same, nothing has changed.
         self._known_connections = self.connections
-        links: Dict[Any, delivery.Link] = {}
+        links: Dict[Any, _SubscriberLink] = {}
         for connection in self.connections:
             if connection in self._links:
                 links[connection] = self._links[connection]
@@ -188,15 +194,16 @@ class _SubscriberLink(delivery.Link):
     def __init__(self, transport: TCPROSTransport, lock: ContextManager[Any], topic: str) -> None:
         super().__init__(transport.endpoint_id, transport.socket, lock)
         self._transport = transport
+        self._header_bytes = transport.stat_bytes
         self._topic = topic
         # Or else TCP holds small messages back, by up to 40 ms, where the subscriber did not ask.
         with contextlib.suppress(OSError):
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    def count(self, size: int, messages: int) -> None:
-        self.sent += messages
-        self._transport.stat_bytes += size
-        self._transport.stat_num_msg += messages
+    def tell_rospy(self) -> None:
+        """Note in rospy's object what has been sent."""
+        self._transport.stat_bytes = self._header_bytes + self.sent_bytes
+        self._transport.stat_num_msg = self.sent
 
     def drop(self) -> None:
         self._transport.close()

@@ -208,13 +208,10 @@ class _Reader:
         :raises TransportException: if there is no connection, or it brings nonsense
         """
         transport = self._transport
-        data = b""
-        if transport.socket is not self._socket:
-            data = self._begin()
-        messages: List[Any] = []
+        data = self._begin() if transport.socket is not self._socket else b""
+        messages = self._unpack(data or self._read())
         while not messages and not transport.done and not rospy.core.is_shutdown():
-            messages = self._unpack(data or self._read())
-            data = b""
+            messages = self._unpack(self._read())
         transport.stat_num_msg += len(messages)
         if transport.is_latched and messages:
             transport.latch = messages[-1]

@@ -62,7 +62,9 @@ class PhaseDelayLine:
         else:
             phases.append(phase)
             values.append(value)
-            self._drop(phase - _TURN)
+            # Seldom, for it costs time; counting from zero again keeps phases small and so exact.
+            if phase > 2.0 * _TURN:
+                self._drop(phase - _TURN)
 
     def value(self, lead: float) -> Optional[float]:
         """Look up the value that belongs to a phase ahead of the latest sample.
@@ -105,12 +107,10 @@ class PhaseDelayLine:
     def _drop(self, oldest: float) -> None:
         """Forget what lies before a phase, but for two samples that interpolation needs."""
         phases = self._phases
-        spare = bisect.bisect_right(phases, oldest) - 2
-        # Seldom, for it costs time; counting from zero again keeps phases small and so exact.
-        if 2 * spare > len(phases):
-            start = phases[spare]
-            phases[:] = [phase - start for phase in phases[spare:]]
-            del self._values[:spare]
+        spare = max(0, bisect.bisect_right(phases, oldest) - 2)
+        start = phases[spare]
+        phases[:] = [phase - start for phase in phases[spare:]]
+        del self._values[:spare]
 
     def _retrace(self) -> None:
         """Turn the memory around for a phase that runs back: what lies ahead is a period old."""

@@ -6,7 +6,7 @@ with more of it: by as much as they are late. After them it falls back to what i
 """
 
 import math
-from typing import Sequence
+from typing import Any, Sequence
 
 #: from here on samples count as late, s: more than a generator catches up after a busy moment
 LATE = 1.0
@@ -32,25 +32,28 @@ class LatenessMonitor:
         self._time = math.inf
         self._since = 0.0
 
-    def update(self, now: float, times: Sequence[float]) -> None:
+    def update(self, now: float, samples: Sequence[Any]) -> bool:
         """Take in samples that came together.
 
         :param now: when they came, on a clock that runs as the signal does, s
-        :param times: time of each sample, the oldest first, s
+        :param samples: the samples, the oldest first; each has its time in s as ``time_x``
+        :returns: whether samples have begun or ceased to be late
         """
-        first, latest = times[0], times[-1]
+        first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
-            return  # none of a signal
+            return False  # none of a signal
         lateness = now - first - self._lag if first > self._time else 0.0
         self._time = latest
         if lateness < LATE or (self.is_late and now - self._since > SETTLED):
-            self.is_late = False
+            was_late, self.is_late = self.is_late, False
             self._lag = now - latest
-            return
-        if not self.is_late:
+            return was_late
+        begins = not self.is_late
+        if begins:
             self.is_late = True
             self._since = now
             self.count, self.worst = 0, 0.0
         self.worst = max(self.worst, lateness)
         limit = now - self._lag - LATE
-        self.count += sum(time_x <= limit for time_x in times)
+        self.count += sum(sample.time_x <= limit for sample in samples)
+        return begins

@@ -1,7 +1,7 @@
 """Samples that come late are told from those that do not."""
 
 import math
-from typing import List, Tuple
+from typing import List, NamedTuple, Tuple
 
 import pytest
 from hypothesis import given
@@ -12,6 +12,17 @@ from basic_comms.lateness import LATE, SETTLED, LatenessMonitor
 PERIOD = 0.1
 #: What the receiver's clock shows when the signal begins: it means nothing.
 BEGIN = 7000.0
+
+
+class Sample(NamedTuple):
+    time_x: float
+
+
+def take(monitor: LatenessMonitor, now: float, times: List[float]) -> None:
+    """Have a monitor take in samples; it is to say whether they change what it thinks."""
+    was_late = monitor.is_late
+    changes = monitor.update(now, [Sample(time_x) for time_x in times])
+    assert changes == (monitor.is_late != was_late)
 
 
 def steady(begin: float, end: float) -> List[Tuple[float, List[float]]]:
@@ -26,7 +37,7 @@ def fed(*parts: List[Tuple[float, List[float]]]) -> LatenessMonitor:
     monitor = LatenessMonitor()
     for part in parts:
         for now, times in part:
-            monitor.update(now, times)
+            take(monitor, now, times)
     return monitor
 
 
@@ -36,7 +47,7 @@ def was_ever_late(*parts: List[Tuple[float, List[float]]]) -> bool:
     late = False
     for part in parts:
         for now, times in part:
-            monitor.update(now, times)
+            take(monitor, now, times)
             late |= monitor.is_late
     return late
 
@@ -49,7 +60,7 @@ def held_back(begin: float, end: float) -> List[float]:
 @given(st.floats(1.5, 1e4))
 def test_samples_held_back_are_late_by_as_long(outage: float) -> None:
     monitor = fed(steady(0.0, 5.0))
-    monitor.update(BEGIN + 5.0 + outage, [5.0])
+    take(monitor, BEGIN + 5.0 + outage, [5.0])
     assert monitor.is_late
     assert monitor.worst == pytest.approx(outage)
 

@@ -54,7 +54,8 @@ class Process:
         settings = self._parameters.values
         answers = []
         with self._one_at_a_time:
-            self._watch_lateness(samples)
+            if self._lateness.update(self._now(), samples):
+                self._warn_of_lateness()
             for sample in samples:
                 value = self._condition(sample, settings)
                 if value is not None:
@@ -76,13 +77,6 @@ class Process:
         if value is None:
             self._warn_of_rejection()
         return value
-
-    def _watch_lateness(self, samples: List[signal_msg]) -> None:
-        lateness = self._lateness
-        was_late = lateness.is_late
-        lateness.update(self._now(), [sample.time_x for sample in samples])
-        if lateness.is_late != was_late:
-            self._warn_of_lateness()
 
     def _publish_latest(self, _elapsed: float) -> None:
         if self._latest is not None:

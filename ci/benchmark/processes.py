@@ -45,6 +45,8 @@ class Session:
             PYTHONPATH=os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]),
         )
         self.environment.pop("ROS_IP", None)
+        # Or else each start compiles the workspace's own modules anew, and nobody else's.
+        self.environment.pop("PYTHONDONTWRITEBYTECODE", None)
         self._running: List["subprocess.Popen[bytes]"] = []
         self._logs: Dict[int, pathlib.Path] = {}
         self._numbers = 0

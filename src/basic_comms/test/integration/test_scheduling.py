@@ -100,6 +100,20 @@ class OnSimulatedClock(OnClock):
         self.step(100.0, 100.1, 50.0, 50.05, 50.1, 2.0, 2.1)
         self.assert_calls(0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 
+    def test_tasks_that_start_together_stay_together(self) -> None:
+        scheduler = Scheduler()
+        scheduler.every(100000.0, self.count_step)
+        self.step(10.0)
+        with scheduler.starting_together():
+            self.schedule(scheduler, 10.0)
+            self.step(10.02)
+            self.schedule(scheduler, 10.0)
+            self.step(10.04)
+            self.assertEqual(self.calls, [])
+        self.assert_calls(0.0, 0.0)
+        self.step(10.13, 10.14)
+        self.assert_calls(0.0, 0.0, 0.1, 0.1)
+
     def test_slow_task_becomes_quick_without_a_step(self) -> None:
         task = self.start(QUARTER_OF_AN_HOUR)
         self.step(10.0, 13.0)

@@ -15,6 +15,7 @@ from basic_comms.parameter_watch import get_watcher
 from basic_comms.parameters import IntParameter, ParameterError, ParameterSet, StringParameter
 from basic_comms.rospy_internals import parameters
 from basic_comms.rospy_internals.registration import registering_together
+from basic_comms.scheduling import get_scheduler
 
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
@@ -61,8 +62,9 @@ class Fleet:
         ]
         with registering_together():
             with get_watcher().starting_together([scope.parameters for _, scope in scopes]):
-                for member, scope in scopes:
-                    self._start(member, scope)
+                with get_scheduler().starting_together():
+                    for member, scope in scopes:
+                        self._start(member, scope)
         rospy.loginfo("%d members of %d groups run", len(self._members), len(groups))
         self._parameters.start()
 

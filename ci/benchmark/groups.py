@@ -8,7 +8,7 @@ import stacks
 from context import Bench, Figures
 from observers import Counter, wait_until
 from peers import SCRIPTS
-from processes import cpu_share, descendants, resident_memory
+from processes import SETTLED, cpu_share, descendants, resident_memory
 from tcpros import Node
 
 RATE = 10.0
@@ -51,6 +51,7 @@ def thousand(bench: Bench, stack: str) -> Figures:
             for topic in topics:
                 counter.watch(topic, "std_msgs/Float32")
             wait_until(lambda: len(counter.first) == len(topics), LIMIT, "answer of all groups")
+            time.sleep(SETTLED)  # a thousand connections have held up samples, which still come
             before, start = counter.counts(), time.monotonic()
             watched = cpu_share(pids, seconds)
             after, lasted = counter.counts(), time.monotonic() - start

@@ -49,10 +49,17 @@ MEASUREMENTS = [
         latency.at_10_hz,
     ),
     Measurement(
-        "timing",
-        "drift and period of the generator at 1 kHz",
+        "drift",
+        "drift of the generator at 1 kHz",
+        [stacks.OURS],
+        timing.over_time,
+        repeats=2,
+    ),
+    Measurement(
+        "period",
+        "periods of the generator at 1 kHz",
         [stacks.OURS, timing.LOOP],
-        timing.at_1_khz,
+        timing.from_call_to_call,
     ),
     Measurement(
         "launch",

@@ -151,9 +151,12 @@ class Session:
     def stop(self, *processes: "subprocess.Popen[bytes]") -> float:
         """End processes as Ctrl-C would, or the hard way those that take too long.
 
+        What they have started ends with them.
+
         :returns: how long the last one took, s
         """
         began = time.monotonic()
+        started = [pid for process in processes for pid in descendants(process.pid)]
         for number in (signal.SIGINT, signal.SIGKILL):
             remaining = [process for process in processes if process.poll() is None]
             for process in remaining:
@@ -163,6 +166,10 @@ class Session:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     process.wait(max(0.0, give_up - time.monotonic()))
         lasted = time.monotonic() - began
+        for pid in started:
+            with contextlib.suppress(ProcessLookupError):
+                if self._is_of_session(pid):
+                    os.kill(pid, signal.SIGKILL)
         for process in processes:
             for pipe in (process.stdin, process.stdout):
                 if pipe is not None:
@@ -170,6 +177,13 @@ class Session:
             if process in self._running:
                 self._running.remove(process)
         return lasted
+
+    def _is_of_session(self, pid: int) -> bool:
+        """Tell whether a process is still there, and no other that has got its number since."""
+        with contextlib.suppress(OSError):
+            environment = pathlib.Path("/proc/%d/environ" % pid).read_bytes().split(b"\0")
+            return b"ROS_MASTER_URI=" + self.master_uri.encode() in environment
+        return False
 
     @contextlib.contextmanager
     def running(self, *commands: List[str]) -> Iterator[List[int]]:

@@ -1,10 +1,11 @@
 """How evenly the generator publishes at 1 kHz, beside the best loop that C++ offers."""
 
 import time
+from typing import List
 
 import record
 import stacks
-from analysis import drift, percentile, periods
+from analysis import Sample, drift, percentile, periods
 from context import Bench, Figures
 from observers import Counter
 
@@ -14,28 +15,43 @@ WARM_UP = 0.5
 LOOP = "clock_nanosleep"
 
 
-def at_1_khz(bench: Bench, stack: str) -> Figures:
-    """Measure the generator alone, an observer listening, or the loop in C++ alone."""
-    file = bench.session.directory / ("timing-%s-%d" % (stack, time.monotonic_ns()))
-    if stack == LOOP:
-        seconds = WARM_UP + bench.seconds(5.0, 2.0)
-        command = [str(bench.peers.roscpp / "periodic_loop"), str(file), "%g" % RATE]
-        bench.session.start(command + ["%g" % seconds]).wait()
-    else:
-        seconds = WARM_UP + bench.seconds(20.0, 2.0)
-        with bench.session.node() as node:
-            counter = Counter(node)
-            counter.watch("/signal", "basic_comms/signal_msg")
-            generator = stacks.generator_command(bench.peers, stack, file, RATE)
-            with bench.session.running(generator):
-                while not counter.first:
-                    time.sleep(0.01)
-                time.sleep(seconds)
-    calls = record.read(file)
-    calls = [call for call in calls if call.moment >= calls[0].moment + WARM_UP]
+def over_time(bench: Bench, stack: str) -> Figures:
+    """Measure how far the generator drifts in 20 s."""
+    return {"drift_ms": 1e3 * drift(_generator(bench, bench.seconds(20.0, 2.0)))}
+
+
+def from_call_to_call(bench: Bench, stack: str) -> Figures:
+    """Measure the periods of the generator, or of the loop in C++."""
+    seconds = bench.seconds(4.0, 2.0)
+    calls = _loop(bench, seconds) if stack == LOOP else _generator(bench, seconds)
     lengths = periods([call.moment for call in calls])
     return {
-        "drift_ms": 1e3 * drift(calls),
         "period_p99_us": 1e6 * percentile(lengths, 0.99),
         "deviation_p99_us": 1e6 * percentile([abs(s - 1.0 / RATE) for s in lengths], 0.99),
     }
+
+
+def _generator(bench: Bench, seconds: float) -> List[Sample]:
+    """Run the generator alone, with one observer that listens."""
+    file = bench.session.directory / ("timing-%d" % time.monotonic_ns())
+    with bench.session.node() as node:
+        counter = Counter(node)
+        counter.watch("/signal", "basic_comms/signal_msg")
+        generator = stacks.generator_command(bench.peers, stacks.OURS, file, RATE)
+        with bench.session.running(generator):
+            while not counter.first:
+                time.sleep(0.01)
+            time.sleep(WARM_UP + seconds)
+    return _settled(record.read(file))
+
+
+def _loop(bench: Bench, seconds: float) -> List[Sample]:
+    """Run the loop in C++ alone."""
+    file = bench.session.directory / ("timing-%d" % time.monotonic_ns())
+    command = [str(bench.peers.roscpp / "periodic_loop"), str(file)]
+    bench.session.start(command + ["%g" % RATE, "%g" % (WARM_UP + seconds)]).wait()
+    return _settled(record.read(file))
+
+
+def _settled(calls: List[Sample]) -> List[Sample]:
+    return [call for call in calls if call.moment >= calls[0].moment + WARM_UP]

@@ -59,6 +59,6 @@ def test_times_faster_has_the_slower_one_on_top():
 def test_drift_counts_in_either_direction_and_by_the_worst_repeat():
     results = Results()
     for repeat, drift in enumerate([0.01, -0.2, 0.02]):
-        results.add("timing", "basic_comms", repeat, {"drift_ms": drift})
+        results.add("drift", "basic_comms", repeat, {"drift_ms": drift})
     verdict = judged(results, "drift in 20 s at 1 kHz")
     assert verdict.value == 0.2 and not verdict.passed

@@ -11,7 +11,7 @@ from context import Bench, Figures
 from observers import Counter, wait_until
 
 #: rates to try, messages per second: each a quarter above the one before
-RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(24)]
+RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(32)]
 #: A source that falls behind by more is being held up by the process, s.
 LATEST = 0.1
 #: how long answers may still come after the last message, s

@@ -53,7 +53,7 @@ MEASUREMENTS = [
         "drift of the generator at 1 kHz",
         [stacks.OURS],
         timing.over_time,
-        repeats=2,
+        repeats=1,
     ),
     Measurement(
         "period",
@@ -72,7 +72,7 @@ MEASUREMENTS = [
         "the highest rate without loss",
         [stacks.OURS, stacks.ROSCPP],
         throughput.zero_loss_rate,
-        repeats=3,
+        repeats=2,
     ),
     Measurement(
         "groups",

@@ -14,9 +14,11 @@ from observers import Counter, wait_until
 RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(32)]
 #: A source that falls behind by more is being held up by the process, s.
 LATEST = 0.1
-#: how long answers may still come after the last message, s
-GRACE = 0.5
-PROBE_S = 0.6
+#: how long answers may still come after the last message, as a share of the time it took to send
+#: all, so that what a probe finds is near to what can be held
+GRACE = 0.05
+#: how long a rate is tried: in the search, before it is held, and held, s
+PROBE_S, TRIAL_S, HOLD_S = 1.0, 3.0, 10.0
 
 _numbers = itertools.count(1)
 
@@ -26,8 +28,9 @@ def zero_loss_rate(bench: Bench, stack: str) -> Figures:
     with _Source(bench, stack) as source:
         found = highest_passing(RATES, source.passes_probe)
         lower = [rate for rate in RATES if found is not None and rate <= found]
+        hold = bench.seconds(HOLD_S, PROBE_S)
         for rate in reversed(lower):
-            if source.passes(rate, bench.seconds(10.0, 1.0)):
+            if source.passes(rate, min(TRIAL_S, hold)) and source.passes(rate, hold):
                 return {"rate": rate}
     return {"rate": 0.0}
 
@@ -74,7 +77,7 @@ class _Source:
         self._source.stdin.flush()
         answer = self._source.stdout.readline().split()
         expected = before + int(answer[0])
-        give_up = time.monotonic() + GRACE
+        give_up = time.monotonic() + GRACE * seconds
         while self._count() < expected and time.monotonic() < give_up:
             time.sleep(Counter.PERIOD)
         good = self._count() == expected and float(answer[1]) <= LATEST

@@ -20,7 +20,7 @@ FRAME = struct.Struct("<Iffdf")
 AMPLITUDE, FREQUENCY = 2.0, 2.0 * math.pi
 TICK = 0.0002  # s
 #: A source that is so far behind is of no use any more, s.
-HOPELESS = 0.5
+HOPELESS = 0.15
 
 
 def frame(number: int, rate: float) -> bytes:

@@ -111,7 +111,7 @@ class Node:
         """Have each connection to a publisher of a topic handed to a function."""
         self._subscribed[topic] = TopicType(type_name), handler
         uris = self.master("registerSubscriber", topic, type_name, self._uri)
-        self.publisherUpdate("", topic, uris)
+        self._connect_to(topic, uris)
 
     def advertise(self, topic: str, topic_type: TopicType, handler: Handler) -> None:
         """Have each connection from a subscriber to a topic handed to a function."""
@@ -138,12 +138,11 @@ class Node:
 
     def publisherUpdate(self, _caller: str, topic: str, uris: List[str]) -> Tuple[int, str, int]:
         """Connect to publishers that are new."""
-        for uri in uris:
-            with self._lock:
-                if (topic, uri) in self._connected:
-                    continue
-                self._connected.add((topic, uri))
-            threading.Thread(target=self._connect, args=(topic, uri), daemon=True).start()
+        with self._lock:  # one that comes later may get the port of one that has gone
+            self._connected = {
+                (other, uri) for other, uri in self._connected if other != topic or uri in uris
+            }
+        self._connect_to(topic, uris)
         return 1, "", 0
 
     def requestTopic(self, _caller: str, _topic: str, _protocols: Any) -> Tuple[int, str, Any]:
@@ -155,6 +154,14 @@ class Node:
         return 1, "", os.getpid()
 
     # --- connections
+
+    def _connect_to(self, topic: str, uris: List[str]) -> None:
+        for uri in uris:
+            with self._lock:
+                if (topic, uri) in self._connected:
+                    continue
+                self._connected.add((topic, uri))
+            threading.Thread(target=self._connect, args=(topic, uri), daemon=True).start()
 
     def _connect(self, topic: str, uri: str) -> None:
         topic_type, handler = self._subscribed[topic]

@@ -5,6 +5,7 @@ import struct
 import tcpros
 from hypothesis import given
 from hypothesis import strategies as st
+from observers import wait_until
 
 names = st.text("abcdefghij_", min_size=1, max_size=8)
 
@@ -23,3 +24,14 @@ def test_messages_are_whole_wherever_the_stream_is_cut(messages, cut):
     more, end = tcpros.split_messages(rest + stream[cut:])
     assert found + more == messages
     assert end == b""
+
+
+def test_a_port_that_comes_back_is_connected_to_anew(monkeypatch):
+    connected = []
+    monkeypatch.setattr(tcpros.Node, "_connect", lambda self, topic, uri: connected.append(uri))
+    node = tcpros.Node("/node", "http://localhost:1")
+    for uris in (["a"], ["a", "b"], ["b"], ["b", "a"]):
+        node.publisherUpdate("/master", "/topic", uris)
+    node.close()
+    wait_until(lambda: len(connected) >= 3, 30.0, "connection")
+    assert sorted(connected) == ["a", "a", "b"]

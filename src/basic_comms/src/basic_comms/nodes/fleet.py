@@ -60,11 +60,11 @@ class Fleet:
             for group in groups
             for member, name in ((Process, "process"), (SignalGenerator, "signal_generator"))
         ]
-        with registering_together():
-            with get_watcher().starting_together([scope.parameters for _, scope in scopes]):
-                with get_scheduler().starting_together():
-                    for member, scope in scopes:
-                        self._start(member, scope)
+        keys = [scope.parameters for _, scope in scopes]
+        with get_scheduler().starting_together(), registering_together():
+            with get_watcher().starting_together(keys):
+                for member, scope in scopes:
+                    self._start(member, scope)
         rospy.loginfo("%d members of %d groups run", len(self._members), len(groups))
         self._parameters.start()
 

@@ -100,7 +100,7 @@ class Surroundings(unittest.TestCase):
                 self.assertEqual(errors.count("lines of the log are lost"), 1)
 
     def test_log_directory_that_cannot_be_written(self) -> None:
-        for place in ({"ROS_LOG_DIR": "/sys"}, {"ROS_LOG_DIR": None, "ROS_HOME": "/sys"}):
+        for place in ({"ROS_LOG_DIR": "/proc"}, {"ROS_LOG_DIR": None, "ROS_HOME": "/proc"}):
             with self.subTest(place=place):
                 node = self.start(find_node("basic_comms", "talker.py")[0], **place)
                 chatter = self.ear("/chatter", String)

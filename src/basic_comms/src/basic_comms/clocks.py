@@ -6,7 +6,7 @@ ended, which is why a node at 0.1 Hz would notice a change ten seconds late.
 
 import threading
 import time
-from typing import Callable, Optional
+from typing import Optional
 
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -23,8 +23,9 @@ class MonotonicClock:
         self._wake = threading.Lock()
         self._wake.acquire()
 
-    #: Returns the time since some fixed moment, s.
-    now: Callable[[], Optional[float]] = staticmethod(time.monotonic)
+    def now(self) -> Optional[float]:
+        """Return the time since some fixed moment, s."""
+        return time.monotonic()
 
     def wait_until(self, moment: Optional[float]) -> None:
         """Wait for a moment or a :meth:`wake`; may return early.

@@ -35,8 +35,6 @@ class Conditioner:
     def __init__(self) -> None:
         #: How many samples gave no output, see :meth:`process`.
         self.rejected = 0
-        #: How often time_x repeated itself or ran backwards, which starts the phase anew.
-        self.restarts = 0
         self._tracker = PhaseTracker()
         self._line = PhaseDelayLine()
         self._settings: Optional[ProcessParameters] = None
@@ -44,6 +42,11 @@ class Conditioner:
         self._sine = self._offset = self._input_offset = 0.0
         self._phase_shift = 0.0
         self._keep_positive = self._delays = False
+
+    @property
+    def restarts(self) -> int:
+        """How often time_x repeated itself or ran backwards, which starts the phase anew."""
+        return self._tracker.restarts
 
     def process(
         self,
@@ -84,7 +87,6 @@ class Conditioner:
         quadrature = self._tracker.update(
             amplitude, frequency, time_x, signal_y, self._input_offset
         )
-        self.restarts = self._tracker.restarts
         self._line.push(frequency, time_x, signal_y)
         if self._delays:
             earlier = self._line.value(self._phase_shift)

@@ -52,9 +52,7 @@ class RunControl:
         """
         if enabled == self._enabled:
             return
-        if now < self._latest_reading:
-            self._follow_clock_back(now)
-        self._latest_reading = now
+        self._read(now)
         self._enabled = enabled
         if enabled:
             self._since = now
@@ -75,9 +73,7 @@ class RunControl:
         :param duration: time after which the signal is finished, s; 0 for never
         :returns: state and time of the signal
         """
-        if now < self._latest_reading:
-            self._follow_clock_back(now)
-        self._latest_reading = now
+        self._read(now)
         if self._enabled and self._since is None:
             self._since = now
         seconds = self._seconds(now)
@@ -97,11 +93,12 @@ class RunControl:
         self._time_x = seconds
         return RunStatus(state, seconds)
 
-    def _follow_clock_back(self, now: float) -> None:
-        """Count on from a reading of a clock that has been set back."""
-        if self._since is not None:
+    def _read(self, now: float) -> None:
+        """Note a reading of the clock, and count on from it if the clock has been set back."""
+        if now < self._latest_reading and self._since is not None:
             self._collected = self._seconds(self._latest_reading)
             self._since = now
+        self._latest_reading = now
 
     def _seconds(self, now: float) -> float:
         """Return the time collected at a reading that is not before the one last noted, s."""

@@ -9,7 +9,7 @@ from typing import Any, List
 
 import rosbag
 import rospy
-from basic_comms.subscribing import Subscriber
+from nodekit.messaging.subscriber import Subscriber
 from roslib.message import get_message_class
 
 

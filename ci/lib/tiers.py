@@ -54,6 +54,7 @@ def lint() -> List[Step]:
         "mypy": ["mypy", "--exclude", "/peers/"]
         + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
         + libraries,
+        "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
     }
     for package in packages():

@@ -1,13 +1,13 @@
 """The directive ``{parameters} MODULE CLASS``: a table of what a node declares.
 
-The class is a :class:`basic_comms.parameters.ParameterSet`, the very one that
+The class is a :class:`nodekit.parameters.declaration.ParameterSet`, the very one that
 the node validates by, so the table cannot say anything else than the node does.
 """
 
 import importlib
 from typing import Any, Dict, List
 
-from basic_comms.parameters import ParameterSet, describe, shown
+from nodekit.parameters.declaration import ParameterSet, describe, shown
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from tables import table

@@ -9,9 +9,9 @@ from typing import Any, Dict, List
 
 import matplotlib
 import yaml
-from basic_comms.shapes import WAVEFORMS
-from basic_comms.signal_parameters import SignalParameters
-from basic_comms.signal_source import SignalSource
+from basic_comms.signals.shapes import WAVEFORMS
+from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_source import SignalSource
 from docutils import nodes
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Publish a beat whose tempo can be changed while it runs."""
 
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.node_main import run
-from basic_comms.parameters import FloatParameter, ParameterSet, StringParameter
-from basic_comms.publishing import Publisher
-from basic_comms.scheduling import get_scheduler
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.process.run import run
+from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
+from nodekit.messaging.publisher import Publisher
+from nodekit.timing.scheduler import get_scheduler
 from std_msgs.msg import String
 
 

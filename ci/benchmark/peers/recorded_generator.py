@@ -6,7 +6,7 @@ from typing import Any
 
 from basic_comms.msg import signal_msg
 from basic_comms.nodes import signal_generator
-from basic_comms.publishing import Publisher
+from nodekit.messaging.publisher import Publisher
 from record import Record
 
 record = Record()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Run the signal_generator node: see basic_comms.nodes.signal_generator."""
 
-from basic_comms.entry_point import main
+from nodekit.entry_point import main
 
 if __name__ == "__main__":
     main("basic_comms.nodes.signal_generator")

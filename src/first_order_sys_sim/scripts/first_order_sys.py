@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Run the first_order_sys node: see first_order_sys_sim.nodes.first_order_sys."""
 
-from basic_comms.entry_point import main
+from nodekit.entry_point import main
 
 if __name__ == "__main__":
     main("first_order_sys_sim.nodes.first_order_sys")

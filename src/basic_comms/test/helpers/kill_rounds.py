@@ -12,8 +12,8 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 
-from helpers.launching import Launched
-from helpers.waiting import wait_until
+from nodekit.testing.launching import Launched
+from nodekit.testing.waiting import wait_until
 
 #: Counts what has been heard so far of something that a node publishes or causes.
 Stream = Callable[[], int]

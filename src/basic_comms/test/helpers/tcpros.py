@@ -8,7 +8,7 @@ from xmlrpc.client import ServerProxy
 
 from rosgraph.network import encode_ros_handshake_header
 
-from helpers.waiting import TIMEOUT
+from nodekit.testing.waiting import TIMEOUT
 
 _LENGTH = struct.Struct("<I")
 # A name of its own for each: rospy hangs up on the older of two connections with one name.

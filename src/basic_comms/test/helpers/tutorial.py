@@ -10,7 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Callable, Dict, List, Optional, Type
 
-from helpers.console import INTERRUPT, Step, find, is_all, plain, steps_of
+from nodekit.testing.console import INTERRUPT, Step, find, is_all, plain, steps_of
 
 #: The root of the workspace, where a reader is.
 WORKSPACE = Path(__file__).resolve().parents[4]

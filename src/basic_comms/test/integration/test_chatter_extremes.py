@@ -8,13 +8,13 @@ from typing import List
 
 import rospy
 import rostest
-from helpers.parameter_rig import Process
 from helpers.process_facts import usage
-from helpers.waiting import wait_until
 from roslib.packages import find_node
 from std_msgs.msg import String
 
-from basic_comms.publishing import Publisher
+from nodekit.messaging.publisher import Publisher
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
 
 RATE, COUNT = 10000.0, 20000
 HUGE = 10_000_000  # characters

@@ -10,13 +10,13 @@ import rospy
 import rostest
 import yaml
 from dynamic_reconfigure.client import Client
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
-from basic_comms.process_parameters import ProcessParameters
-from basic_comms.signal_parameters import SignalParameters
+from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.signals.signal_parameters import SignalParameters
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 
 def describe(*arguments: str) -> "subprocess.CompletedProcess[str]":

@@ -7,15 +7,15 @@ import xmlrpc.client
 import rosgraph
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from std_msgs.msg import Float32
 from std_srvs.srv import SetBool, Trigger
 
 from basic_comms.msg import signal_msg
-from basic_comms.process_parameters import ProcessParameters
-from basic_comms.signal_parameters import SignalParameters
+from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.signals.signal_parameters import SignalParameters
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 
 class FleetOfThree(unittest.TestCase):

@@ -10,14 +10,14 @@ from urllib.parse import urlparse
 import rosgraph
 import rostest
 from helpers.fuzzing import Fuzzer
-from helpers.graph import Graph
 from helpers.process_facts import Usage, usage
 from helpers.tcpros import Tap, address, connect
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.graph import Graph
+from nodekit.testing.waiting import wait_until
 
 CASES = 400
 STREAMS = {

@@ -12,15 +12,15 @@ from typing import Iterator, List, Tuple
 import rosgraph
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.hearing import Ear
 from helpers.process_facts import Usage, listening, usage
 from helpers.tcpros import Tap, address, connect, header
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet")
 GENERATOR, TOPIC = "/signal_generator", "/signal"

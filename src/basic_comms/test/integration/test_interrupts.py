@@ -5,8 +5,9 @@ import unittest
 
 import rosgraph
 import rostest
-from helpers.graph import Graph
 from helpers.interrupt_rounds import interrupt_rounds
+
+from nodekit.testing.graph import Graph
 
 PROGRAMS = ("talker.py", "listener.py", "signal_generator.py", "process.py", "fleet")
 ROUNDS = 15

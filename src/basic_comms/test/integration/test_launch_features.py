@@ -12,8 +12,9 @@ from typing import Dict
 import rosgraph
 import rospkg
 import rostest
-from helpers.launching import Launched, Process, launch_file, launched
-from helpers.waiting import wait_until
+
+from nodekit.testing.launching import Launched, Process, launch_file, launched
+from nodekit.testing.waiting import wait_until
 
 #: What is started once for all tests, each in the namespace that comes first.
 TOGETHER = {
@@ -48,7 +49,7 @@ class LaunchFeatures(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rosgraph.Master("/test").setParam("/rosparam/rosparam_demo/stale", 1)
-        commands = ["features/%s __ns:=%s" % (TOGETHER[ns], ns) for ns in TOGETHER]
+        commands = ["basic_comms features/%s __ns:=%s" % (TOGETHER[ns], ns) for ns in TOGETHER]
         with ExitStack() as stack:
             cls.launch = stack.enter_context(launched(*commands))
             cls.at_once = cls.launch.processes()
@@ -96,7 +97,7 @@ class LaunchFeatures(unittest.TestCase):
                 "env": os.environ["ROS_MASTER_URI"],
                 "optenv": os.environ.get("ROBOT_NAME", "no name"),
                 "find": rospkg.RosPack().get_path("basic_comms"),
-                "dirname": os.path.dirname(launch_file("features/any")),
+                "dirname": os.path.dirname(launch_file("basic_comms", "features/any")),
                 "arg": "at 3.0 Hz",
                 "eval": 1.5,
                 "anon": name,
@@ -183,7 +184,9 @@ class LaunchFeatures(unittest.TestCase):
         self.assertEqual(machines["/machine/listener"], "")
 
     def test_param_types(self) -> None:
-        with open(os.path.join(launch_file(".."), "config", "params.yaml"), "rb") as source:
+        with open(
+            os.path.join(launch_file("basic_comms", ".."), "config", "params.yaml"), "rb"
+        ) as source:
             content = source.read()
         self.launch.graph.wait_for_parameters(
             "/with_bytes/types",
@@ -222,13 +225,13 @@ class LaunchFeatures(unittest.TestCase):
     def test_self_test_passes_under_rostest(self) -> None:
         with tempfile.TemporaryDirectory() as results:
             command = ["rostest", "--results-base-dir", results]
-            command.append(launch_file("features/self_test.launch"))
+            command.append(launch_file("basic_comms", "features/self_test.launch"))
             ended = subprocess.run(command, stdout=subprocess.PIPE, timeout=120)
         self.assertEqual(ended.returncode, 0, ended.stdout.decode())
         self.assertIn("TESTS: 1", ended.stdout.decode())
 
     def test_the_end_of_a_required_node_ends_the_launch(self) -> None:
-        file = "features/required.launch"
+        file = "basic_comms features/required.launch"
         with launched(file + " __ns:=required/one", file + " __ns:=required/other") as launch:
             one, other = "/required/one/", "/required/other/"
             everybody = {one + "talker", one + "listener", other + "talker", other + "listener"}

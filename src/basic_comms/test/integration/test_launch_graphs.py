@@ -11,19 +11,20 @@ from typing import Tuple
 from unittest import mock
 
 import rostest
-from helpers.graph import Graph
-from helpers.launching import Launched, launched
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.launching import Launched, launched
 
 #: What is started once for all tests; activities 1 to 3 share their nodes' names.
 TOGETHER = (
-    "activity4.launch",
-    "cw1.launch",
-    "cw1.launch ns:=robot/arm signal_amplitude:=4 process_offset:=-1.5",
-    "signal_gen.launch __ns:=generator amplitude:=1e1 rate:=20",
-    "process.launch __ns:=conditioner keep_positive:=false",
-    "talker_listener.launch",
-    "talker_listener.launch prefix:=lab topic_name:=gossip rate:=5",
-    "groups.launch prefix:=Member count:=2",
+    "basic_comms activity4.launch",
+    "basic_comms cw1.launch",
+    "basic_comms cw1.launch ns:=robot/arm signal_amplitude:=4 process_offset:=-1.5",
+    "basic_comms signal_gen.launch __ns:=generator amplitude:=1e1 rate:=20",
+    "basic_comms process.launch __ns:=conditioner keep_positive:=false",
+    "basic_comms talker_listener.launch",
+    "basic_comms talker_listener.launch prefix:=lab topic_name:=gossip rate:=5",
+    "basic_comms groups.launch prefix:=Member count:=2",
 )
 GROUPS = ("/Group1/talker", "/Group1/listener", "/Group2/talker", "/Group2/listener")
 TEXTS = {
@@ -68,12 +69,12 @@ class LaunchGraphs(unittest.TestCase):
         self.assertEqual(self.graph.topics()[namespace + "/proc_signal"], "std_msgs/Float32")
 
     def test_activity1(self) -> None:
-        with launched("activity1.launch") as launch:
+        with launched("basic_comms activity1.launch") as launch:
             self.assert_isolated_groups(launch)
 
     def assert_texts(self, activity: str) -> None:
         """Check the parameters of activities 2 and 3, which differ in where they come from."""
-        with launched(activity + " scope:=local") as launch:
+        with launched("basic_comms %s scope:=local" % activity) as launch:
             self.assert_isolated_groups(launch)
             found = {path: launch.graph.parameter(path) for path in TEXTS}
             self.assertEqual(found, TEXTS)
@@ -139,7 +140,7 @@ class LaunchGraphs(unittest.TestCase):
     def test_terminals_open_an_xterm_per_node(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             journal, path = self.fake_xterm(folder)
-            command = "talker_listener.launch prefix:=in_xterm terminals:=true"
+            command = "basic_comms talker_listener.launch prefix:=in_xterm terminals:=true"
             with mock.patch.dict(os.environ, PATH=path), launched(command) as launch:
                 launch.graph.wait_for_nodes("/in_xterm/talker", "/in_xterm/listener")
             with open(journal) as lines:

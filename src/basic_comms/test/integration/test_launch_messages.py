@@ -7,10 +7,11 @@ from typing import Dict, List
 
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.hearing import Ear
-from helpers.launching import launched
 from std_msgs.msg import String
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
 
 SCOPES = ("closest", "global", "local", "private")
 GLOBAL, LOCAL = "/Message", "/lab/Message"
@@ -107,7 +108,7 @@ class LaunchMessages(unittest.TestCase):
         self.assert_says("closest", "private text")
 
     def test_a_parameter_outlives_its_node(self) -> None:
-        with launched("talker_listener.launch prefix:=outlive") as launch:
+        with launched("basic_comms talker_listener.launch prefix:=outlive") as launch:
             launch.graph.wait_for_nodes("/outlive/talker", "/outlive/listener", under="/outlive/")
             launch.graph.set_parameter("/outlive/talker/Message", "still here")
             launch.graph.kill("/outlive/talker")
@@ -117,7 +118,7 @@ class LaunchMessages(unittest.TestCase):
 
     def test_a_node_that_starts_again_finds_what_was_set_before(self) -> None:
         ear = Ear("/again/chatter", String)
-        with launched("features/respawn.launch __ns:=again delay:=0.1") as launch:
+        with launched("basic_comms features/respawn.launch __ns:=again delay:=0.1") as launch:
             launch.graph.wait_for_nodes("/again/talker", under="/again/")
             launch.graph.set_parameter("/again/talker/rate", 25.0)
             launch.graph.set_parameter("/again/Message", "from the first life")

@@ -1,22 +1,23 @@
 #!/usr/bin/env python3
 """Nodes that talk to each other go on without a master, and tell a new one all that they told."""
 
+import unittest
 from typing import Any
 
 import rosgraph
 import rostest
-from helpers.parameter_rig import Master, ParameterCase, Process, Server
 from helpers.tcpros import Tap
-from helpers.waiting import wait_until
 from roslib.packages import find_node
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.processes import Master, Process, Server
+from nodekit.testing.waiting import wait_until
 
 RATE = 100.0  # Hz
 
 
-class RestartedMaster(ParameterCase):
+class RestartedMaster(unittest.TestCase):
     """The chain of talker and listener, and the one of signal generator and process."""
 
     def setUp(self) -> None:

@@ -9,8 +9,9 @@ from typing import Iterator
 
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.waiting import TIMEOUT, wait_until
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 NODES = ("talker", "listener", "signal_generator", "process", "fleet")
 
@@ -70,6 +71,15 @@ class NodeLife(unittest.TestCase):
                 self.wait_until_up(node)
                 self.graph.kill("/" + node)
                 self.assert_ends_cleanly(node, process)
+
+    def test_interrupt_of_a_talker_that_sleeps_for_a_quarter_of_an_hour(self) -> None:
+        with self.started("talker", "_rate:=0.001") as process:
+            wait_until(
+                lambda: "/chatter" in self.graph.topics(), lambda: "the talker did not come up"
+            )
+            process.send_signal(signal.SIGINT)
+            self.assert_ends_cleanly("talker", process)
+        self.graph.delete_parameter("/talker/rate")
 
     def test_a_refused_start_ends_with_status_1_and_a_sentence(self) -> None:
         cases = {

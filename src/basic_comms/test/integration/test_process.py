@@ -9,12 +9,12 @@ from typing import List, Optional
 
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 W, RATE = 7.3, 50.0
 

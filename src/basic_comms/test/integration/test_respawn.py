@@ -3,17 +3,20 @@
 
 import statistics
 import unittest
+from pathlib import Path
 from typing import List
 
 import rospy
 import rostest
-from helpers.hearing import Ear
 from helpers.kill_rounds import Stream, kill_rounds
-from helpers.launching import EVERY_NODE, Launched, launched
 from rosgraph_msgs.msg import Log
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import Launched, launched
 
+#: A launch file with every node of the package; see there for its args.
+EVERY_NODE = str(Path(__file__).resolve().parents[1] / "helpers" / "every_node.launch")
 #: How often each node is killed here.
 ROUNDS = 3
 

@@ -10,13 +10,13 @@ from typing import List
 import numpy as np
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 RATE = 500.0
 

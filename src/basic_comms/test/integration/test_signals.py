@@ -10,9 +10,10 @@ import unittest
 import rosgraph
 import roslib.packages
 import rostest
-from helpers.graph import Graph
-from helpers.slow_master import SlowMaster
-from helpers.waiting import TIMEOUT, wait_until
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.slow_master import SlowMaster
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 #: Shorter than TIMEOUT, for the cases that follow when one of them hangs, s.
 END_TIMEOUT = 15.0

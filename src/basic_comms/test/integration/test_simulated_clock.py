@@ -14,13 +14,13 @@ import rosbag
 import rosgraph
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.hearing import Ear
-from helpers.waiting import TIMEOUT, wait_until
 from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet", "/recorded/process")
 PERIOD = 0.1  # s, of the generator and the talker

@@ -11,14 +11,13 @@ from typing import IO, Any, List, Optional, Tuple
 
 import rospy
 import rostest
-from helpers.graph import Graph
-from helpers.hearing import Ear
-from helpers.parameter_rig import HELPERS
-from helpers.waiting import TIMEOUT, wait_until
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 #: By node its program, its module and a topic that shows that it works.
 NODES = {
@@ -143,10 +142,13 @@ class Surroundings(unittest.TestCase):
         return line
 
     def test_wall_clock_that_is_set(self) -> None:
-        wrapper = os.path.join(HELPERS, "stepping_clock.py")
         talker, generator = (
             self.start(
-                sys.executable, wrapper, "basic_comms.nodes." + name, stdout=subprocess.DEVNULL
+                sys.executable,
+                "-m",
+                "nodekit.testing.stepping_clock",
+                "basic_comms.nodes." + name,
+                stdout=subprocess.DEVNULL,
             )
             for name in ("talker", "signal_generator")
         )

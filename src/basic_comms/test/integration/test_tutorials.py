@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Callable
 
 import rostest
-from helpers.console import steps_of
 from helpers.tutorial import WORKSPACE, Reader
+
+from nodekit.testing.console import steps_of
 
 PAGES = [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
 

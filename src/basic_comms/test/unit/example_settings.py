@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 from hypothesis import strategies as st
 
-from basic_comms.replay import Series
-from basic_comms.shapes import WAVEFORMS
+from basic_comms.signals.replay import Series
+from basic_comms.signals.shapes import WAVEFORMS
 
 DEFAULTS = {
     "waveform": "sine",

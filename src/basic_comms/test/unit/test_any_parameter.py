@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from basic_comms.nodes.fleet import FleetParameters
 from basic_comms.nodes.talker import TalkerParameters
-from basic_comms.process_parameters import ProcessParameters
-from basic_comms.settling import settle
-from basic_comms.signal_parameters import SignalParameters
+from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.signals.signal_parameters import SignalParameters
+from nodekit.parameters.settling import settle
 
 SETS = [FleetParameters, ProcessParameters, SignalParameters, TalkerParameters]
 DECLARED = [(kind, name) for kind in SETS for name in kind.declared]

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.conditioning import Conditioner
-from basic_comms.process_parameters import ProcessParameters
+from basic_comms.signals.conditioning import Conditioner
+from basic_comms.signals.process_parameters import ProcessParameters
 
 TURN = 2.0 * math.pi
 METHODS = ProcessParameters.method.choices

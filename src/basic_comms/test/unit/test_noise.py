@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal, stats
 
-from basic_comms.noise import Noise
-from basic_comms.prbs import TAPS, Prbs
+from basic_comms.signals.noise import Noise
+from basic_comms.signals.prbs import TAPS, Prbs
 
 COUNT = 20_000
 ORDERS = sorted(TAPS)

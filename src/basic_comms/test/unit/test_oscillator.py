@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.oscillator import PhaseAccumulator
+from basic_comms.signals.oscillator import PhaseAccumulator
 
 BOUND = 1e-12
 

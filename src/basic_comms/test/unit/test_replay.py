@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms import replay
-from basic_comms.replay import Series, SeriesError, load_series
+from basic_comms.signals import replay
+from basic_comms.signals.replay import Series, SeriesError, load_series
 
 RECORDING = Series([10.0, 11.0, 13.0], [0.0, -4.0, 8.0])
 

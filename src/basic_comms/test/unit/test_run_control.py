@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.run_control import RunControl
+from basic_comms.signals.run_control import RunControl
 
 
 def states(control, readings, start_delay=0.0, duration=0.0):

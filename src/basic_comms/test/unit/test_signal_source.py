@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from basic_comms.noise import Noise
-from basic_comms.prbs import Prbs
-from basic_comms.shapes import WAVEFORMS
-from basic_comms.signal_settings import highest_frequency
-from basic_comms.signal_source import SignalSource
-from basic_comms.waveforms import TWO_PI
+from basic_comms.signals.noise import Noise
+from basic_comms.signals.prbs import Prbs
+from basic_comms.signals.shapes import WAVEFORMS
+from basic_comms.signals.signal_settings import highest_frequency
+from basic_comms.signals.signal_source import SignalSource
+from basic_comms.signals.waveforms import TWO_PI
 
 intervals = st.floats(0.0, 10.0)
 

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import integrate, signal
 
-from basic_comms.oscillator import PhaseAccumulator
-from basic_comms.sweeps import Chirp
-from basic_comms.waveforms import TWO_PI, sine
+from basic_comms.signals.oscillator import PhaseAccumulator
+from basic_comms.signals.sweeps import Chirp
+from basic_comms.signals.waveforms import TWO_PI, sine
 
 times = st.floats(0.0, 100.0)
 frequencies = st.floats(0.01, 100.0)

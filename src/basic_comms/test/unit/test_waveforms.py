@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from basic_comms import waveforms
-from basic_comms.waveforms import TWO_PI
+from basic_comms.signals import waveforms
+from basic_comms.signals.waveforms import TWO_PI
 
 phases = st.floats(-1e4, 1e4)
 duties = st.floats(0.01, 0.99)

@@ -7,10 +7,11 @@ from typing import List
 
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 TAU, RATE = 0.05, 150.0
 #: Rounding of a float32 of a magnitude from 4 to 8, and from 8 to 16.

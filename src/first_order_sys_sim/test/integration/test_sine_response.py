@@ -9,12 +9,12 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
 
 from first_order_sys_sim.float32 import to_float32
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME, RATE = 13.2, 0.05, 0.02, 150.0
 AMPLITUDE, OMEGA = 0.5, 2.0

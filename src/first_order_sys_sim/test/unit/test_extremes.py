@@ -4,13 +4,13 @@ import math
 from typing import Any, List, Tuple
 
 import pytest
-from basic_comms.settling import settle
 from hypothesis import given
 from hypothesis import strategies as st
 
 from first_order_sys_sim.float32 import LARGEST
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
+from nodekit.parameters.settling import settle
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5) | st.just("euler")

@@ -5,14 +5,14 @@ import time
 from typing import Callable, Tuple
 
 import rospy
-from basic_comms.clocks import MonotonicClock
-from basic_comms.node_scope import NodeScope
-from basic_comms.scheduling import Scheduler
-from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from std_msgs.msg import String
 
 from motor_control.back_off import BackOff
 from motor_control.enable_sequence import EnableSequence
+from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
+from nodekit.life.names import NodeScope
+from nodekit.timing.clocks import MonotonicClock
+from nodekit.timing.scheduler import Scheduler
 
 #: Pauses between calls that fail: the first one and the longest, s.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0

@@ -1,8 +1,8 @@
 """The parameters of the motor, under the names that the course gave them."""
 
-from basic_comms.parameters import FloatParameter, ParameterSet
 from first_order_sys_sim.first_order_plant import PlantSettings
 from first_order_sys_sim.float32 import LARGEST
+from nodekit.parameters.declaration import FloatParameter, ParameterSet
 
 
 class MotorParameters(ParameterSet):

@@ -3,7 +3,7 @@
 import copy
 from typing import Any
 
-from basic_comms.signal_parameters import SignalParameters
+from basic_comms.signals.signal_parameters import SignalParameters
 
 
 def _with_default(name: str, default: float) -> Any:

@@ -7,11 +7,12 @@ from typing import List
 
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
-from motor_control_msgs.srv import SetProcessBool
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
+
+from motor_control_msgs.srv import SetProcessBool
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
 #: Rounding of a float32 of a magnitude from 2 to 4.

@@ -11,11 +11,12 @@ from typing import List
 import rospkg
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import TIMEOUT, wait_until
-from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
+
+from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("motor_control"), "scripts")
 

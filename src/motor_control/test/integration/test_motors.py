@@ -6,10 +6,11 @@ import unittest
 import rosgraph
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.waiting import wait_until
-from motor_control_msgs.srv import SetProcessBool
 from std_msgs.msg import Float32
+
+from motor_control_msgs.srv import SetProcessBool
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
 
 GROUPS = ["/group%d" % number for number in range(1, 11)]
 #: Twelve groups of two nodes each, on a machine that may have other things to do.

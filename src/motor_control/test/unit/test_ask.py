@@ -4,10 +4,10 @@ from typing import Callable
 
 import pytest
 import rospy
-from motor_control_msgs.srv import SetProcessBoolResponse
 from rospy.exceptions import TransportTerminated
 
 from motor_control.motor_enabler import ask
+from motor_control_msgs.srv import SetProcessBoolResponse
 
 
 def failing(error: Exception) -> Callable[[bool], SetProcessBoolResponse]:

@@ -4,14 +4,14 @@ import math
 from typing import Any, List, Tuple, Type
 
 import pytest
-from basic_comms.settling import settle
-from first_order_sys_sim.first_order_plant import FirstOrderPlant
-from first_order_sys_sim.float32 import LARGEST
 from hypothesis import given
 from hypothesis import strategies as st
 
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from first_order_sys_sim.float32 import LARGEST
 from motor_control.motor_parameters import MotorParameters
 from motor_control.set_point_parameters import SetPointParameters
+from nodekit.parameters.settling import settle
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5)

@@ -3,14 +3,14 @@
 import math
 
 import pytest
-from basic_comms.parameters import ParameterError
-from basic_comms.shapes import WAVEFORMS
-from basic_comms.signal_parameters import SignalParameters
-from basic_comms.signal_source import SignalSource
-from first_order_sys_sim.first_order_plant import FirstOrderPlant
 
+from basic_comms.signals.shapes import WAVEFORMS
+from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_source import SignalSource
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.set_point_parameters import SetPointParameters
+from nodekit.parameters.declaration import ParameterError
 
 
 def test_motor_has_the_courses_values() -> None:

@@ -6,11 +6,11 @@ from functools import partial
 from typing import Any, Callable, Collection, Deque, Dict, List, Tuple
 
 import rospy
-from basic_comms.description import SERVICE
-from basic_comms.parameter_watch import Observation, Watch, get_watcher
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
+from nodekit.live.description import SERVICE
+from nodekit.live.watcher import Observation, Watch, get_watcher
 from topic_scope import services
 from topic_scope.background import Background
 from topic_scope.panels import DescriptionError, Panel

@@ -7,7 +7,6 @@ import numpy
 
 from topic_scope.ring import Samples
 
-
 _NOTHING = numpy.empty(0)
 
 

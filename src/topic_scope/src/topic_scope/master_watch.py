@@ -5,8 +5,8 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 
 import rosgraph
 import rospy
-from basic_comms.parameter_server import UNREACHABLE
 
+from nodekit.live.parameter_server import UNREACHABLE
 from topic_scope.layouts import Layouts
 from topic_scope.taps import Taps
 

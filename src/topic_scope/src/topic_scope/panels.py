@@ -9,7 +9,8 @@ import re
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import yaml
-from basic_comms.parameter_kinds import (
+
+from nodekit.parameters.kinds import (
     BoolParameter,
     EnumParameter,
     FloatParameter,

@@ -9,8 +9,7 @@ import time
 from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Set, Tuple
 
-from basic_comms.parameter_kinds import ParameterError, to_wire
-
+from nodekit.parameters.kinds import ParameterError, to_wire
 from topic_scope.background import Background
 from topic_scope.panels import DescriptionError, Panel, refusal_in, values_in
 

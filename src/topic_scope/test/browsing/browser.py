@@ -7,13 +7,12 @@ import tempfile
 from pathlib import Path
 from typing import Any, List
 
+from browsing.waiting import wait_until
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webelement import WebElement
-
-from browsing.waiting import wait_until
 
 WIDTH, HEIGHT = 1280, 720
 

@@ -5,7 +5,6 @@ import subprocess
 from urllib.request import urlopen
 
 import roslib.packages
-
 from browsing.waiting import wait_until
 
 

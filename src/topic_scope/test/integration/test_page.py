@@ -13,11 +13,12 @@ from urllib.request import urlopen
 import rosbag
 import rospy
 import rostest
-from basic_comms.msg import signal_msg
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
+
+from basic_comms.msg import signal_msg
 
 
 class Page(PageTest):

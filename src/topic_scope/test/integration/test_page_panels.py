@@ -9,10 +9,11 @@ from typing import Iterator, List
 import roslib.packages
 import rospy
 import rostest
-from basic_comms.msg import signal_msg
 from browsing.page_test import PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
+
+from basic_comms.msg import signal_msg
 
 GENERATOR = "/signal_generator"
 

@@ -13,10 +13,11 @@ from unittest import mock
 import rosbag
 import rospy
 import rostest
-from helpers.hearing import Ear
-from helpers.launching import launched
-from helpers.waiting import wait_until
 from std_msgs.msg import Float32
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
+from nodekit.testing.waiting import wait_until
 
 FIELDS = ["/lab/signal/signal_y", "/lab/signal/time_x", "/lab/proc_signal/data"]
 
@@ -34,7 +35,7 @@ class PlotBag(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
         with mock.patch.dict(os.environ, PWD=folder.name):
-            with launched("cw1.launch ns:=lab record:=true signal_rate:=100") as launch:
+            with launched("basic_comms cw1.launch ns:=lab record:=true signal_rate:=100") as launch:
                 launch.graph.wait_for_subscribers("/lab/signal", "/lab/process", "/lab/record")
                 launch.graph.wait_for_subscribers("/lab/proc_signal", "/lab/record")
                 ear = Ear("/lab/proc_signal", Float32)

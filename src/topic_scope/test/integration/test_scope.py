@@ -10,10 +10,11 @@ from typing import List, Tuple
 import genpy.dynamic
 import rospy
 import rostest
-from helpers.waiting import wait_until
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 from wire.client import fetch
 from wire.scope_test import ScopeTest
+
+from nodekit.testing.waiting import wait_until
 
 PEAK = 1e6
 

@@ -6,10 +6,11 @@ from typing import Any
 import rosnode
 import rospy
 import rostest
-from helpers.waiting import wait_until
 from std_srvs.srv import Trigger
 from wire.client import Client
 from wire.scope_test import ScopeTest
+
+from nodekit.testing.waiting import wait_until
 
 NODE = "/signal_generator"
 

@@ -12,11 +12,12 @@ from typing import Any, Dict
 
 import rospy
 import rostest
-from helpers.waiting import wait_until
 from std_msgs.msg import Float32
 from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
+
+from nodekit.testing.waiting import wait_until
 
 FIELDS = ["/signal/%s" % name for name in ("signal_y", "time_x", "amplitude", "frequency")]
 

@@ -11,8 +11,9 @@ from typing import Any, Dict, List
 
 import roslib.packages
 import rosunit
-from helpers.waiting import wait_until
 from wire.client import Client, fetch
+
+from nodekit.testing.waiting import wait_until
 
 
 def free_port() -> int:

@@ -24,8 +24,9 @@ BINS, WINDOW = 1200, 10.0
 def publish() -> None:
     """Publish sines that are a tenth of a period apart."""
     import rospy
-    from basic_comms.publishing import Publisher
     from std_msgs.msg import Float32
+
+    from nodekit.messaging.publisher import Publisher
 
     rospy.init_node("load")
     publishers = [Publisher("load%d" % index, Float32) for index in range(TOPICS)]
@@ -56,8 +57,9 @@ def measure(seconds: float) -> None:
     :param seconds: how long each row is measured
     """
     from browsing.scope_process import ScopeProcess
-    from helpers.waiting import wait_until
     from wire.client import Client
+
+    from nodekit.testing.waiting import wait_until
 
     with socket.socket() as probe:
         probe.bind(("localhost", 0))

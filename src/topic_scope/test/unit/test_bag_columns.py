@@ -3,9 +3,9 @@
 from typing import List
 
 import pytest
-from basic_comms.msg import signal_msg
 from std_msgs.msg import Bool, Float64MultiArray, Header, String
 
+from basic_comms.msg import signal_msg
 from topic_scope.bag_columns import all_columns, choose
 from topic_scope.fields import FieldError
 

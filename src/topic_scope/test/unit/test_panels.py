@@ -4,9 +4,11 @@ from typing import Any
 
 import pytest
 import yaml
-from basic_comms.description import as_yaml
-from basic_comms.parameter_kinds import ParameterError
-from basic_comms.parameters import (
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.live.description import as_yaml
+from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
     FloatParameter,
@@ -16,9 +18,7 @@ from basic_comms.parameters import (
     StringParameter,
     describe,
 )
-from hypothesis import given
-from hypothesis import strategies as st
-
+from nodekit.parameters.kinds import ParameterError
 from topic_scope.panels import DescriptionError, Panel, refusal_in, values_in
 
 NODE = "/lab/gauge"

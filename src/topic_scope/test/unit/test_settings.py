@@ -3,9 +3,9 @@
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import pytest
-from basic_comms.description import as_yaml
-from basic_comms.parameters import FloatParameter, ParameterSet, describe
 
+from nodekit.live.description import as_yaml
+from nodekit.parameters.declaration import FloatParameter, ParameterSet, describe
 from topic_scope import settings
 from topic_scope.background import Background
 from topic_scope.panels import Panel

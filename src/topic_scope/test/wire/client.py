@@ -11,7 +11,8 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import tornado.httpclient
 import tornado.ioloop
 import tornado.websocket
-from helpers.waiting import TIMEOUT, wait_until
+
+from nodekit.testing.waiting import TIMEOUT, wait_until
 
 Message = Dict[str, Any]
 

@@ -5,9 +5,9 @@ from typing import Any, ClassVar, List
 
 import rospy
 from browsing.scope_process import ScopeProcess
-from helpers.waiting import wait_until
-
 from wire.client import Client
+
+from nodekit.testing.waiting import wait_until
 
 
 class ScopeTest(unittest.TestCase):

@@ -6,17 +6,21 @@ from typing import Callable, List
 
 import rospy
 
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
-from basic_comms.parameter_watch import get_watcher
-from basic_comms.parameters import IntParameter, ParameterError, ParameterSet, StringParameter
-from basic_comms.rospy_internals import parameters
-from basic_comms.rospy_internals.registration import registering_together
-from basic_comms.scheduling import get_scheduler
-
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.watcher import get_watcher
+from nodekit.parameters.declaration import (
+    IntParameter,
+    ParameterError,
+    ParameterSet,
+    StringParameter,
+)
+from nodekit.process.run import run
+from nodekit.rospy_internals import parameters
+from nodekit.rospy_internals.registration import registering_together
+from nodekit.timing.scheduler import get_scheduler
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
 #: that connects would wait as long at each of its steps while the members' signals are made.

@@ -3,8 +3,8 @@
 import rospy
 from std_msgs.msg import String
 
-from basic_comms.node_main import run
-from basic_comms.stream_log import StreamLog
+from nodekit.messaging.stream_log import StreamLog
+from nodekit.process.run import run
 
 
 class Listener:

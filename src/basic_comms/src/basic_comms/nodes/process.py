@@ -7,16 +7,16 @@ from typing import List, Optional
 import rospy
 from std_msgs.msg import Float32
 
-from basic_comms.conditioning import Conditioner
-from basic_comms.lateness import LatenessMonitor
-from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
-from basic_comms.process_parameters import ProcessParameters
-from basic_comms.publishing import Publisher
-from basic_comms.scheduling import get_scheduler
-from basic_comms.subscribing import Subscriber
+from basic_comms.signals.conditioning import Conditioner
+from basic_comms.signals.lateness import LatenessMonitor
+from basic_comms.signals.process_parameters import ProcessParameters
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.subscriber import Subscriber
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0

@@ -6,19 +6,25 @@ from typing import Optional
 
 import rospy
 from std_msgs.msg import String
-from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
-from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+from std_srvs.srv import (
+    SetBool,
+    SetBoolRequest,
+    SetBoolResponse,
+    Trigger,
+    TriggerRequest,
+    TriggerResponse,
+)
 
-from basic_comms.live_parameters import LiveParameters
 from basic_comms.msg import signal_msg
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
-from basic_comms.publishing import Publisher
-from basic_comms.run_control import RUNNING, RunControl, RunStatus
-from basic_comms.scheduling import get_scheduler
-from basic_comms.signal_parameters import SignalParameters
-from basic_comms.signal_settings import highest_frequency
-from basic_comms.signal_source import SignalSource
+from basic_comms.signals.run_control import RUNNING, RunControl, RunStatus
+from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_settings import highest_frequency
+from basic_comms.signals.signal_source import SignalSource
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.messaging.publisher import Publisher
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
 
 #: A machine that is busy for up to this long makes samples late, but loses none, s.
 _CATCH_UP_S = 0.5

@@ -5,16 +5,16 @@ from typing import Dict, Optional
 import rospy
 from std_msgs.msg import String
 
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.message_scope import SCOPES, as_text, candidates, message_text
-from basic_comms.node_main import run
-from basic_comms.parameter_server import MISSING
-from basic_comms.parameter_watch import Observation, Watch, get_watcher
-from basic_comms.parameters import EnumParameter, FloatParameter, ParameterSet
-from basic_comms.publishing import Publisher
-from basic_comms.scheduling import get_scheduler
-from basic_comms.stream_log import StreamLog
-from basic_comms.timetable import SLOWEST_HZ
+from basic_comms.chatter.message_scope import SCOPES, as_text, candidates, message_text
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.watcher import Observation, Watch, get_watcher
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.stream_log import StreamLog
+from nodekit.parameters.declaration import EnumParameter, FloatParameter, ParameterSet
+from nodekit.parameters.no_value import MISSING
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
+from nodekit.timing.timetable import SLOWEST_HZ
 
 
 class TalkerParameters(ParameterSet):

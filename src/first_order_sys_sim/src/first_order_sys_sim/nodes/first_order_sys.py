@@ -4,15 +4,15 @@ import math
 import threading
 
 import rospy
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
-from basic_comms.publishing import Publisher
-from basic_comms.scheduling import get_scheduler
 from std_msgs.msg import Float32
 
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.messaging.publisher import Publisher
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
 
 #: A machine that is busy for up to this long makes outputs late, but loses none, s.
 _CATCH_UP_S = 0.5

@@ -5,17 +5,17 @@ import threading
 from typing import Optional
 
 import rospy
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
-from basic_comms.publishing import Publisher
-from basic_comms.scheduling import get_scheduler
-from first_order_sys_sim.first_order_plant import FirstOrderPlant
-from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest, SetProcessBoolResponse
 from std_msgs.msg import Float32, String
 
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.motor_state import DISABLED, ENABLED, WAITING
+from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest, SetProcessBoolResponse
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.messaging.publisher import Publisher
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
 
 #: Least time between two warnings about inputs that are not finite, s.
 _WARN_EVERY_S = 10.0

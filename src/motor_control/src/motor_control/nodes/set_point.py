@@ -1,16 +1,16 @@
 """The set point: tells a motor what to do, once that is enabled."""
 
-from basic_comms.live_parameters import LiveParameters
-from basic_comms.node_main import run
-from basic_comms.node_scope import NodeScope
-from basic_comms.publishing import Publisher
-from basic_comms.run_control import RUNNING, RunControl
-from basic_comms.scheduling import get_scheduler
-from basic_comms.signal_source import SignalSource
 from std_msgs.msg import Float32
 
+from basic_comms.signals.run_control import RUNNING, RunControl
+from basic_comms.signals.signal_source import SignalSource
 from motor_control.motor_enabler import MotorEnabler
 from motor_control.set_point_parameters import SetPointParameters
+from nodekit.life.names import NodeScope
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.messaging.publisher import Publisher
+from nodekit.process.run import run
+from nodekit.timing.scheduler import get_scheduler
 
 
 class SetPoint:

@@ -15,8 +15,8 @@ import roslib.packages
 import rospy
 import tornado.httpserver
 import tornado.ioloop
-from basic_comms.node_main import run
 
+from nodekit.process.run import run
 from topic_scope import options, web
 from topic_scope.layouts import Layouts
 from topic_scope.master_watch import MasterWatch

@@ -1,0 +1,124 @@
+"""Check what no linter knows: who may import whom, and that no input can become code.
+
+``python3 ci/lib/code_rules.py`` prints each breach and ends with status 1 if there is one.
+"""
+
+import ast
+import pathlib
+import sys
+from typing import Dict, Iterator, List, Set, Tuple
+
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
+
+#: The workspace's packages that each package's code may import, besides itself.
+SIBLINGS: Dict[str, Set[str]] = {
+    "nodekit": {"nodekit_msgs"},
+    "basic_comms": {"nodekit"},
+    "first_order_sys_sim": {"nodekit"},
+    "motor_control": {
+        "nodekit",
+        "motor_control_msgs",
+        "first_order_sys_sim",
+        "basic_comms.signals",
+    },
+    "topic_scope": {"nodekit", "nodekit_msgs"},
+}
+#: The rooms of a library from the ground up: each imports only what stands before it.
+ROOMS: Dict[str, List[str]] = {
+    "nodekit": [
+        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live", "life"),
+        *("process", "entry_point", "commands", "testing"),
+    ],
+    "basic_comms": ["msg", "signals", "chatter", "nodes"],
+}
+#: Rooms and modules that know no ROS, so that they are tested without a master.
+PURE = (
+    *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
+    *("basic_comms.signals", "basic_comms.chatter"),
+)
+ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
+
+#: What turns text into code or a command.
+CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load", "full_load"}
+#: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
+MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
+#: Where tests start processes: not input, but what a test's author wrote.
+MAY_START_PROCESSES = ("nodekit.testing",)
+
+
+def modules() -> Iterator[Tuple[str, pathlib.Path]]:
+    """Return the name and the path of each module of each package, scripts included."""
+    for library in sorted(SOURCES.glob("*/src")):
+        for path in sorted(library.rglob("*.py")):
+            parts = path.relative_to(library).with_suffix("").parts
+            yield ".".join(part for part in parts if part != "__init__"), path
+    for path in sorted(SOURCES.glob("*/scripts/*")):
+        yield "%s.scripts.%s" % (path.parts[-3], path.stem), path
+
+
+def imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
+    """Return line and full name of all that a module imports, wherever it does."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                yield node.lineno, "%s.%s" % (node.module, alias.name)
+
+
+def calls(tree: ast.AST) -> Iterator[Tuple[int, str]]:
+    """Return line and bare name of all that a module calls."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            function = node.func
+            if isinstance(function, ast.Name):
+                yield node.lineno, function.id
+            elif isinstance(function, ast.Attribute) and function.attr != "compile":
+                yield node.lineno, function.attr
+
+
+def is_in(name: str, places: object) -> bool:
+    """Tell whether a dotted name is one of some places, or lies below one."""
+    return any((name + ".").startswith(place + ".") for place in places)  # type: ignore
+
+
+def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int, str]]:
+    """Return line and sentence of all that a module may not do."""
+    package, _, room = name.partition(".")
+    room = room.partition(".")[0]
+    rooms = ROOMS.get(package, [])
+    for line, imported in imports(tree):
+        top, _, other = imported.partition(".")
+        other = other.partition(".")[0]
+        if top in packages and top != package and not is_in(imported, SIBLINGS.get(package, ())):
+            yield line, "%s may not import %s" % (package, imported)
+        if top == package and room in rooms and other in rooms:
+            if rooms.index(other) > rooms.index(room):
+                yield line, "%s stands below %s and may not import it" % (room, other)
+        if is_in(name, PURE) and top in ROS:
+            yield line, "it is to know no ROS, and imports %s" % imported
+        if top in MODULES and not is_in(name, MAY_START_PROCESSES):
+            yield line, "%s could make code of input" % top
+    for line, called in calls(tree):
+        if called in CODE:
+            yield line, "%s could make code of input" % called
+
+
+def main() -> int:
+    """Print all breaches.
+
+    :returns: exit status
+    """
+    packages = {manifest.parent.name for manifest in SOURCES.glob("*/package.xml")}
+    found = [
+        "%s:%d: %s" % (path.relative_to(SOURCES.parent), line, sentence)
+        for name, path in modules()
+        for line, sentence in breaches(name, ast.parse(path.read_text("utf-8")), packages)
+    ]
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,105 @@
+"""Condition a signal sample by sample: scale, phase shift, offset and a lift above zero.
+
+For samples of A sin(theta) the result is
+
+    scale * A * sin(theta + shift) + offset + lift,   lift = max(0, |scale * A| - offset) or 0
+
+where sin(theta + shift) = sin(theta) cos(shift) + cos(theta) sin(shift). The first sine is the
+sample itself: without a phase shift any signal passes unchanged but for scale, offset and lift.
+That is the method ``sine``. The method ``delay`` takes any periodic shape f in place of A sin: it
+looks f(theta + shift) up in the latest period, and does without the shift until there is one.
+"""
+
+import math
+from typing import TYPE_CHECKING, Optional
+
+from basic_comms.signals.delay_line import PhaseDelayLine
+from basic_comms.signals.phase_tracking import PhaseTracker
+
+if TYPE_CHECKING:
+    from basic_comms.signals.process_parameters import ProcessParameters
+
+_FLOAT32_MAX = (2.0 - 2.0**-23) * 2.0**127
+
+
+class Conditioner:
+    """Turn samples of a signal into samples of the conditioned signal.
+
+    A sample with neither amplitude nor frequency is none of a signal: a generator that is stopped
+    sends it. Such a value passes without a shift, and the phase is kept until the signal goes on.
+
+    Settings act on the output alone, and both methods follow every sample: a change of settings
+    takes effect at the next sample and leaves no trace behind.
+    """
+
+    def __init__(self) -> None:
+        #: How many samples gave no output, see :meth:`process`.
+        self.rejected = 0
+        self._tracker = PhaseTracker()
+        self._line = PhaseDelayLine()
+        self._settings: Optional[ProcessParameters] = None
+        self._scale = self._cosine = 1.0
+        self._sine = self._offset = self._input_offset = 0.0
+        self._phase_shift = 0.0
+        self._keep_positive = self._delays = False
+
+    @property
+    def restarts(self) -> int:
+        """How often time_x repeated itself or ran backwards, which starts the phase anew."""
+        return self._tracker.restarts
+
+    def process(
+        self,
+        amplitude: float,
+        frequency: float,
+        time_x: float,
+        signal_y: float,
+        settings: "ProcessParameters",
+    ) -> Optional[float]:
+        """Take in one sample and give the conditioned one.
+
+        :param amplitude: peak of the signal around input_offset
+        :param frequency: angular frequency since the previous sample, rad/s
+        :param time_x: time of the sample, s
+        :param signal_y: value of the signal
+        :param settings: what to do, a snapshot; read only when it is another one than last time
+        :returns: conditioned value; None if a field is not finite (then the sample is as good as
+            lost) or the value does not fit into a float32
+        """
+        if not math.isfinite(amplitude + frequency + time_x + signal_y):
+            self.rejected += 1
+            return None
+        if settings is not self._settings:
+            self._adopt(settings)
+        if amplitude or frequency:
+            shifted = self._shift(amplitude, frequency, time_x, signal_y)
+        else:
+            shifted = signal_y - self._input_offset
+        result = self._scale * shifted + self._offset
+        if self._keep_positive:
+            result += max(0.0, abs(self._scale * amplitude) - self._offset)
+        if not abs(result) <= _FLOAT32_MAX:
+            self.rejected += 1
+            return None
+        return result
+
+    def _shift(self, amplitude: float, frequency: float, time_x: float, signal_y: float) -> float:
+        quadrature = self._tracker.update(
+            amplitude, frequency, time_x, signal_y, self._input_offset
+        )
+        self._line.push(frequency, time_x, signal_y)
+        if self._delays:
+            earlier = self._line.value(self._phase_shift)
+            return (signal_y if earlier is None else earlier) - self._input_offset
+        return (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
+
+    def _adopt(self, settings: "ProcessParameters") -> None:
+        self._settings = settings
+        self._scale = settings.amplitude_scale
+        self._delays = settings.method == "delay"
+        self._phase_shift = settings.phase_shift
+        self._cosine = math.cos(settings.phase_shift)
+        self._sine = math.sin(settings.phase_shift)
+        self._offset = settings.offset
+        self._keep_positive = settings.keep_positive
+        self._input_offset = settings.input_offset

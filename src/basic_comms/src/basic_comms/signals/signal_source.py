@@ -1,0 +1,92 @@
+"""Signal source: from settings and time to one sample after another."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from basic_comms.signals.oscillator import PhaseAccumulator
+from basic_comms.signals.shapes import SHAPES
+from basic_comms.signals.sweeps import Chirp
+
+if TYPE_CHECKING:
+    from basic_comms.signals.signal_parameters import SignalParameters
+
+
+class Sample(NamedTuple):
+    """One sample of a signal and the settings that were in force for it.
+
+    :ivar value: the signal, offset included
+    :ivar amplitude: peak around the offset
+    :ivar frequency: angular frequency, rad/s; of a chirp the instantaneous one
+    :ivar phase: phase of the oscillator, the constant ``phase`` included, rad, up to whole turns
+    """
+
+    value: float
+    amplitude: float
+    frequency: float
+    phase: float
+
+
+class SignalSource:
+    """Make the samples of a signal whose settings may change at any of them.
+
+    One oscillator runs through all waveforms. From one sample to the next its phase advances with
+    the later sample's frequency, so no change of frequency, amplitude, waveform or sample rate
+    makes it jump, and a sine is ``offset + amplitude * sin(frequency * time_x + phase)`` as long as
+    its frequency has not been changed. Only ``phase`` shifts it, by exactly its change.
+
+    ==================================  ===========================================================
+    sine, square, triangle, sawtooth    ``offset +- amplitude``, by the phase
+    pulse                               ``offset`` or ``offset + amplitude``, by the phase
+    chirp                               a sine whose frequency sweeps, see :class:`.Chirp`
+    constant                            ``offset + amplitude``
+    step                                ``offset``, from ``step_time`` on ``offset + amplitude``
+    ramp                                ``offset + slope * t`` until ``offset +- amplitude``
+    gaussian_noise, uniform_noise       a new value with each sample, see :class:`.Noise`
+    prbs                                ``offset +- amplitude``, see :class:`.Prbs`
+    multisine                           scaled to ``offset +- amplitude``, see :class:`.Multisine`
+    file                                scaled to ``offset +- amplitude``, see :class:`.Series`
+    ==================================  ===========================================================
+
+    The shapes that begin somewhere (chirp, step, ramp, noise, prbs, multisine, file) begin at time
+    0, or at the sample with which they are chosen later. Meanwhile the oscillator goes on, with
+    ``frequency`` or with that of the chirp, so that a periodic shape finds its phase again.
+    """
+
+    def __init__(self) -> None:
+        self._oscillator = PhaseAccumulator()
+        self.reset()
+
+    def reset(self) -> None:
+        """Start again: phase 0 at time 0, and the waveform anew."""
+        self._oscillator.reset()
+        self._waveform = ""
+        self._time = 0.0
+
+    def sample(self, time_x: float, settings: "SignalParameters") -> Sample:
+        """Return the next sample.
+
+        :param time_x: time of the sample, s since the start of the signal, never decreasing
+        :param settings: the settings in force for this sample
+        :returns: the sample
+        """
+        if settings.waveform != self._waveform:
+            self._shape = SHAPES[settings.waveform]()
+            self._begun = time_x if self._waveform else 0.0
+            self._waveform = settings.waveform
+        elapsed = time_x - self._begun
+        frequency = mean_frequency = settings.frequency
+        if self._waveform == "chirp":
+            chirp = Chirp(
+                settings.chirp_f0,
+                settings.chirp_f1,
+                settings.chirp_duration,
+                settings.chirp_shape == "logarithmic",
+                settings.chirp_repeat,
+            )
+            frequency = chirp.frequency(elapsed)
+            before = max(0.0, self._time - self._begun)
+            mean_frequency = chirp.mean_frequency(before, elapsed)
+        self._time = time_x
+        phase = self._oscillator.advance(time_x, mean_frequency) + settings.phase
+        amplitude = settings.amplitude
+        value = settings.offset + amplitude * self._shape(phase, elapsed, settings)
+        return Sample(value, amplitude, frequency, phase)

@@ -1,0 +1,23 @@
+# The tests of a package, where they are expected: pytest on test/unit, rostest on each
+# test/integration/*.test, and a check of the folder launch, as far as there are any. Arguments are
+# passed on to roslaunch_add_file_check.
+#
+#   if(CATKIN_ENABLE_TESTING)
+#     nodekit_tests()
+#   endif()
+#catkin_lint: ignore_once literal_project_name
+macro(nodekit_tests)
+  catkin_run_tests_target("pytest" "unit" "pytest-unit.xml"
+    COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
+
+  find_package(rostest REQUIRED)
+  file(GLOB rostest_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test)
+  foreach(rostest_file ${rostest_files})
+    add_rostest(${rostest_file})
+  endforeach()
+
+  if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/launch)
+    find_package(roslaunch REQUIRED)
+    roslaunch_add_file_check(launch USE_TEST_DEPENDENCIES ${ARGN})
+  endif()
+endmacro()

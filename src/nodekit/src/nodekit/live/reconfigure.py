@@ -1,0 +1,159 @@
+"""The dynamic_reconfigure interface over live parameters.
+
+With it ``dynamic_reconfigure.client.Client`` and rqt_reconfigure work on the
+same values as ``rosparam``. Only the messages of the package are used: its own
+server does not follow ``rosparam set``, clamps silently and lets NaN through.
+Lists are left out, because the interface has none.
+"""
+
+import functools
+import sys
+from typing import TYPE_CHECKING, Any, Dict, Type
+
+import rospy
+
+from nodekit.live.parameter_server import UNREACHABLE
+from nodekit.parameters.declaration import (
+    EnumParameter,
+    ListParameter,
+    Parameter,
+    ParameterError,
+    ParameterSet,
+)
+
+try:
+    from dynamic_reconfigure.msg import (
+        BoolParameter,
+        Config,
+        ConfigDescription,
+        DoubleParameter,
+        Group,
+        GroupState,
+        IntParameter,
+        ParamDescription,
+        StrParameter,
+    )
+    from dynamic_reconfigure.srv import Reconfigure, ReconfigureRequest
+
+    AVAILABLE = True
+except ImportError:  # the package is optional
+    AVAILABLE = False
+
+if TYPE_CHECKING:
+    from nodekit.live.live_parameters import LiveParameters
+
+_GROUP = "Default"
+_INT_RANGE = (-(2**31), 2**31 - 1)
+_FLOAT_RANGE = (-sys.float_info.max, sys.float_info.max)
+_TYPES = {"bool": "bool", "int": "int", "float": "double", "str": "str", "enum": "str"}
+
+
+class ReconfigureInterface:
+    """Serves one set of live parameters to the dynamic_reconfigure tools.
+
+    :ROS Publishers:
+        - ``parameter_descriptions`` (dynamic_reconfigure/ConfigDescription), latched
+        - ``parameter_updates`` (dynamic_reconfigure/Config), latched
+
+    :ROS Services:
+        - ``set_parameters`` (dynamic_reconfigure/Reconfigure): all changes or,
+          where one is refused, none; the answer holds the values in force
+
+    :param parameters: the parameters, whose namespace the names above are in
+    """
+
+    def __init__(self, parameters: "LiveParameters[Any]") -> None:
+        self._parameters = parameters
+        values = parameters.values
+        self._descriptions = rospy.Publisher(
+            parameters.key + "/parameter_descriptions", ConfigDescription, latch=True, queue_size=1
+        )
+        self._descriptions.publish(_description(type(values)))  # type: ignore[arg-type]
+        self._updates = rospy.Publisher(
+            parameters.key + "/parameter_updates", Config, latch=True, queue_size=1
+        )
+        self._publish(values, values)
+        parameters.add_listener(self._publish)
+        rospy.Service(parameters.key + "/set_parameters", Reconfigure, self._set)
+
+    def _publish(self, new: ParameterSet, _old: ParameterSet) -> None:
+        self._updates.publish(_config(_offered(new)))
+
+    def _set(self, request: "ReconfigureRequest") -> "Config":
+        parts = (request.config.bools, request.config.ints, request.config.doubles)
+        changes = {item.name: item.value for part in parts for item in part}
+        changes.update((item.name, item.value) for item in request.config.strs)
+        known = {
+            name: changes[name] for name in changes if name in self._parameters.values.declared
+        }
+        try:
+            self._parameters.update(**known)
+        except ParameterError as error:
+            rospy.logwarn("%s", error)
+        except UNREACHABLE as error:
+            rospy.logwarn("the master does not answer (%s): nothing is changed", error)
+        return _config(_offered(self._parameters.values))
+
+
+def _offered(values: ParameterSet) -> Dict[str, Any]:
+    return {k: v for k, v in values.as_dict().items() if not isinstance(v, tuple)}
+
+
+@functools.lru_cache(maxsize=None)
+def _description(kind: Type[ParameterSet]) -> "ConfigDescription":
+    declared = {k: p for k, p in kind.declared.items() if not isinstance(p, ListParameter)}
+    described = [
+        ParamDescription(name, _TYPES[item.type_name], 0, _help(item), _edit_method(item))
+        for name, item in declared.items()
+    ]
+    return ConfigDescription(
+        groups=[Group(_GROUP, "", described, 0, 0)],
+        min=_config({name: _bounds(item)[0] for name, item in declared.items()}),
+        max=_config({name: _bounds(item)[1] for name, item in declared.items()}),
+        dflt=_config({name: item.default for name, item in declared.items()}),
+    )
+
+
+def _help(item: Parameter[Any]) -> str:
+    return "%s (%s)" % (item.help, item.unit) if item.unit else item.help
+
+
+def _edit_method(item: Parameter[Any]) -> str:
+    """Return the words of an enum in the notation that the clients evaluate."""
+    if not isinstance(item, EnumParameter):
+        return ""
+    words = [
+        {"name": word, "type": "str", "value": word, "description": ""} for word in item.choices
+    ]
+    return repr({"enum": words, "enum_description": item.help})
+
+
+def _bounds(item: Parameter[Any]) -> Any:
+    """Return the least and the greatest value as the tools show them (open ends closed)."""
+    if item.type_name == "bool":
+        return False, True
+    if item.type_name not in ("int", "float"):
+        return "", ""
+    number, widest = (int, _INT_RANGE) if item.type_name == "int" else (float, _FLOAT_RANGE)
+    ends = (
+        next((end for end in pair if end is not None), limit)
+        for pair, limit in zip(
+            ((item.above, item.minimum), (item.below, item.maximum)),  # type: ignore[attr-defined]
+            widest,
+        )
+    )
+    return tuple(number(end) for end in ends)
+
+
+def _config(values: Dict[str, Any]) -> "Config":
+    config = Config(groups=[GroupState(_GROUP, True, 0, 0)])
+    for name, value in values.items():
+        if isinstance(value, bool):
+            config.bools.append(BoolParameter(name, value))
+        elif isinstance(value, int):
+            config.ints.append(IntParameter(name, value))
+        elif isinstance(value, float):
+            config.doubles.append(DoubleParameter(name, value))
+        else:
+            config.strs.append(StrParameter(name, value))
+    return config

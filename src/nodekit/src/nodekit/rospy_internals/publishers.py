@@ -1,0 +1,218 @@
+"""How rospy publishes.
+
+One implementation object serves all publishers of a topic in a process; rospy itself sends through
+it the last message to a late joiner of a latched topic. The one here sends without a queue, and
+hands messages to subscribers of the same process without a connection.
+"""
+
+import contextlib
+import functools
+import inspect
+import io
+import socket
+import struct
+from typing import Any, ContextManager, Dict, List, Optional, Sequence
+
+import rospy
+import rospy.core
+import rospy.msg
+import rospy.topics
+from rospy.impl.registration import Registration, get_topic_manager
+from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_pubsub import TCPROSPub
+
+from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
+from nodekit.transport import delivery
+
+_PUBLISHER_ATTRIBUTES = "publock closed connections is_latch latch seq message_data_sent"
+_TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
+
+_LENGTH = struct.Struct("<I")
+
+
+@functools.lru_cache(maxsize=None)
+def publisher_mismatch() -> str:
+    """Compare rospy's publishers with what this section takes for granted.
+
+    :returns: what is different; empty if nothing is
+    """
+    try:
+        topic = rospy.topics._PublisherImpl("/mismatch", rospy.AnyMsg)
+        transport = TCPROSTransport(TCPROSPub("/mismatch", rospy.AnyMsg), "/mismatch")
+        for part, names in ((topic, _PUBLISHER_ATTRIBUTES), (transport, _TRANSPORT_ATTRIBUTES)):
+            missing = [name for name in names.split() if not hasattr(part, name)]
+            if missing:
+                return f"{type(part).__name__} has no {', '.join(missing)}"
+        if list(inspect.signature(topic.publish).parameters) != ["message", "connection_override"]:
+            return "publish has other parameters"
+        topic.close()
+        if not isinstance(get_topic_manager().subs, dict):
+            return "subscriptions are kept in another way"
+        return subscriber_mismatch()
+    except Exception as error:  # whatever an unknown rospy may raise
+        return repr(error)
+
+
+def send_at_once(name: str, data_class: type, latch: bool) -> bool:
+    """Have a topic's messages sent through :mod:`nodekit.transport.delivery`.
+
+    To be called before the topic is advertised.
+
+    :param name: topic
+    :param data_class: message class
+    :param latch: whether later subscribers get the last message
+    :returns: whether that is possible; not where there is a plain ``rospy.Publisher`` already
+    """
+    manager = get_topic_manager()
+    resolved_name = rospy.resolve_name(name)
+    with manager.lock:
+        topic = manager.get_publisher_impl(resolved_name)
+        if topic is None:
+            topic = OutgoingTopic(resolved_name, data_class)
+            manager._add(topic, manager.pubs, Registration.PUB)
+    if not isinstance(topic, OutgoingTopic):
+        return False
+    if latch:
+        topic.enable_latch()
+    return True
+
+
+class OutgoingTopic(rospy.topics._PublisherImpl):
+    """A published topic without a queue; one of rospy's implementation objects.
+
+    :param name: topic, resolved
+    :param data_class: message class
+    """
+
+    def __init__(self, name: str, data_class: type) -> None:
+        super().__init__(name, data_class)
+        self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
+        self._subscriptions: Dict[str, Any] = get_topic_manager().subs
+        self._known_connections: Optional[List[Any]] = None
+        self._links: Dict[Any, _SubscriberLink] = {}
+
+    def set_queue_size(self, queue_size: Optional[int]) -> None:
+        """Do without a queue, whatever another publisher of the topic asks for."""
+
+    def publish(self, message: Any, connection_override: Any = None) -> None:
+        """Send a message.
+
+        :param message: what to send
+        :param connection_override: the one connection to send it to, if not all
+        :raises rospy.ROSException: if the topic is closed (but not while the node shuts down) or
+            the node is not initialised
+        """
+        if connection_override is None:
+            self.publish_all((message,))
+            return
+        with self._lock:
+            self._update_links()
+            link = self._links.get(connection_override)
+            if link is not None:
+                delivery.deliver(self._serialize(message), [link])
+
+    def publish_all(self, messages: Sequence[Any]) -> None:
+        """Send messages, all at once.
+
+        :param messages: what to send, at least one
+        :raises rospy.ROSException: as in :meth:`publish`
+        """
+        with self._lock:
+            if self.closed:
+                if rospy.core.is_shutdown_requested():  # topics close before is_shutdown() is true
+                    return
+                raise rospy.ROSException("publish() to a closed topic")
+            if self.is_latch:
+                self.latch = messages[-1]
+            if self.connections is not self._known_connections:
+                self._update_links()
+            listener = self._subscriptions.get(self.resolved_name)
+            if listener is not None and not self._is_heard_by(listener):
+                listener = None
+            if not self._links and listener is None:
+                if not rospy.core.is_initialized():
+                    raise rospy.ROSException("publish() before init_node()")
+                return
+            packets = list(map(self._serialize, messages))
+            if self._links:
+                data = b"".join(packets)
+                self.message_data_sent += len(data)
+                delivery.deliver(data, self._links.values(), len(packets))
+        if listener is not None:  # without the lock: it may publish on other topics
+            listener.receive_here([packet[_LENGTH.size :] for packet in packets])
+
+    def _is_heard_by(self, topic: Any) -> bool:
+        """Tell whether the subscribers in this process are spared a connection."""
+        return isinstance(topic, IncomingTopic) and topic.hears(self)
+
+    def _serialize(self, message: Any) -> bytes:
+        """Return a message as it goes on the wire, its length before it."""
+        self.seq += 1
+        buffer = io.BytesIO()
+        if message._has_header:
+            rospy.msg.serialize_message(buffer, self.seq, message)
+            return buffer.getvalue()
+        message.serialize(buffer)
+        body = buffer.getvalue()
+        return _LENGTH.pack(len(body)) + body
+
+    def get_stats(self) -> Any:
+        """Return the statistics of this topic, in the format of ``getBusStats``."""
+        for link in self.links():
+            link.tell_rospy()
+        return super().get_stats()
+
+    def links(self) -> List["_SubscriberLink"]:
+        """Tell who is subscribed now.
+
+        :returns: a link for each subscriber
+        """
+        with self._lock:
+            self._update_links()
+            return list(self._links.values())
+
+    def _update_links(self) -> None:
+        # rospy replaces the list on every change: while it is the same, nothing has changed.
+        self._known_connections = self.connections
+        links: Dict[Any, _SubscriberLink] = {}
+        for connection in self.connections:
+            if connection in self._links:
+                links[connection] = self._links[connection]
+            elif connection.socket is not None:
+                links[connection] = _SubscriberLink(connection, self._lock, self.resolved_name)
+        self._links = links
+
+
+class _SubscriberLink(delivery.Link):
+    """A subscriber's connection.
+
+    :param transport: rospy's object for it
+    :param lock: the topic's lock
+    :param topic: the topic's name, for reports
+    """
+
+    def __init__(self, transport: TCPROSTransport, lock: ContextManager[Any], topic: str) -> None:
+        super().__init__(transport.endpoint_id, transport.socket, lock)
+        self._transport = transport
+        self._header_bytes = transport.stat_bytes
+        self._topic = topic
+        # Or else TCP holds small messages back, by up to 40 ms, where the subscriber did not ask.
+        with contextlib.suppress(OSError):
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def tell_rospy(self) -> None:
+        """Note in rospy's object what has been sent."""
+        self._transport.stat_bytes = self._header_bytes + self.sent_bytes
+        self._transport.stat_num_msg = self.sent
+
+    def drop(self) -> None:
+        self._transport.close()
+
+    def report(self, stalled: bool, lost: int) -> None:
+        if rospy.is_shutdown():
+            return
+        what = (self._topic, self.name, lost, self.lost)
+        if stalled:
+            rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
+        else:
+            rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)

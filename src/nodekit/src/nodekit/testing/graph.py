@@ -1,0 +1,164 @@
+"""An observer of the ROS graph for tests: it asks the master and needs no node of its own."""
+
+import os
+from typing import Any, Dict, List, Set, Tuple
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+
+from nodekit.testing.waiting import wait_until
+
+Registrations = List[Tuple[str, List[str]]]
+
+
+class Graph:
+    """What has been added to the graph since this object was made.
+
+    Nodes that exist already (rosout, the test itself) are left out of every answer. The
+    ``wait_for_…`` methods return as soon as the state is reached and raise AssertionError, saying
+    what was seen instead, when it is not reached in good time.
+    """
+
+    def __init__(self, caller_id: str = "/graph_observer") -> None:
+        self._caller_id = caller_id
+        self._master = rosgraph.Master(caller_id)
+        self._earlier: Set[str] = set()
+        self._earlier = self.nodes()
+
+    def nodes(self, under: str = "/") -> Set[str]:
+        """Return the names of all nodes that publish, subscribe or serve.
+
+        :param under: start of the names, for one part of the graph
+        """
+        state: List[Registrations] = self._master.getSystemState()
+        registered = {node for part in state for _, nodes in part for node in nodes}
+        return {node for node in registered - self._earlier if node.startswith(under)}
+
+    def publishers(self, topic: str) -> Set[str]:
+        """Return the names of the nodes that publish a topic."""
+        return self._registered(0, topic)
+
+    def subscribers(self, topic: str) -> Set[str]:
+        """Return the names of the nodes that subscribe to a topic."""
+        return self._registered(1, topic)
+
+    def topics(self) -> Dict[str, str]:
+        """Return the type of every topic that anyone has published."""
+        return {name: kind for name, kind in self._master.getTopicTypes()}
+
+    def parameter(self, name: str) -> Any:
+        """Return a parameter's value, or a namespace of them as a dict.
+
+        :raises rosgraph.MasterError: when there is none
+        """
+        return self._master.getParam(name)
+
+    def parameters(self) -> Set[str]:
+        """Return the names of all parameters."""
+        return set(self._master.getParamNames())
+
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Set a parameter."""
+        self._master.setParam(name, value)
+
+    def delete_parameter(self, name: str) -> None:
+        """Delete a parameter.
+
+        :raises rosgraph.MasterError: when there is none
+        """
+        self._master.deleteParam(name)
+
+    def pid(self, node: str) -> int:
+        """Return the process id of a running node."""
+        answer: Any = self._node(node).getPid(self._caller_id)
+        return int(answer[2])
+
+    def environment(self, node: str) -> Dict[str, str]:
+        """Return the environment variables that a running node was started with."""
+        with open("/proc/%d/environ" % self.pid(node)) as variables:
+            pairs = (text.partition("=") for text in variables.read().split("\0") if text)
+            return {name: value for name, _, value in pairs}
+
+    def hearers(self, node: str, topic: str) -> int:
+        """Return how many subscribers get what a running node publishes.
+
+        rospy's subscriber calls itself connected when it only begins to connect.
+        """
+        connections: Any = self._node(node).getBusInfo(self._caller_id)
+        return sum(entry[2] == "o" and entry[4] == topic for entry in connections[2])
+
+    def niceness(self, node: str) -> int:
+        """Return the scheduling priority of a running node: higher gives way to others."""
+        return os.getpriority(os.PRIO_PROCESS, self.pid(node))
+
+    def kill(self, node: str) -> None:
+        """End a node the way rosnode kill does."""
+        try:
+            self._node(node).shutdown(self._caller_id, "ended by a test")
+        except ConnectionError:
+            pass  # it was gone before it had answered
+
+    def wait_for_nodes(self, *names: str, under: str = "/") -> None:
+        """Wait until exactly these nodes are there, and have come to the end of init_node.
+
+        :param names: names of the nodes
+        :param under: look only at nodes whose names start so
+        """
+        wait_until(
+            lambda: self.nodes(under) == set(names) and self.initialised(*names),
+            lambda: "nodes are %s, not %s" % (sorted(self.nodes(under)), sorted(names)),
+        )
+
+    def initialised(self, *names: str) -> bool:
+        """Return whether all these nodes have come to the end of init_node.
+
+        The last thing that a node does there is to offer the service that sets its log level.
+        """
+        services = {service for service, _ in self._master.getSystemState()[2]}
+        return all(name + "/set_logger_level" in services for name in names)
+
+    def wait_for_parameters(self, namespace: str, expected: Dict[str, Any]) -> None:
+        """Wait until some parameters have these values.
+
+        :param namespace: namespace of the parameters, or the node whose private ones they are
+        :param expected: values by name
+        """
+
+        def found() -> Dict[str, Any]:
+            paths = {name: "%s/%s" % (namespace, name) for name in expected}
+            present = self.parameters()
+            return {
+                name: self.parameter(path)
+                for name, path in paths.items()
+                if any((other + "/").startswith(path + "/") for other in present)
+            }
+
+        wait_until(
+            lambda: found() == expected,
+            lambda: "in %s there is %s, not %s" % (namespace, found(), expected),
+        )
+
+    def wait_for_publishers(self, topic: str, *names: str) -> None:
+        """Wait until exactly these nodes publish a topic."""
+        expected = set(names)
+        wait_until(
+            lambda: self.publishers(topic) == expected,
+            lambda: "%s is published by %s, not %s"
+            % (topic, sorted(self.publishers(topic)), sorted(expected)),
+        )
+
+    def wait_for_subscribers(self, topic: str, *names: str) -> None:
+        """Wait until exactly these nodes subscribe to a topic."""
+        expected = set(names)
+        wait_until(
+            lambda: self.subscribers(topic) == expected,
+            lambda: "%s is subscribed by %s, not %s"
+            % (topic, sorted(self.subscribers(topic)), sorted(expected)),
+        )
+
+    def _registered(self, part: int, topic: str) -> Set[str]:
+        registrations: Registrations = self._master.getSystemState()[part]
+        return set(dict(registrations).get(topic, [])) - self._earlier
+
+    def _node(self, name: str) -> ServerProxy:
+        return ServerProxy(self._master.lookupNode(name))

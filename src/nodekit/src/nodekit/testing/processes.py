@@ -1,0 +1,165 @@
+"""Processes that a test starts and ends, a master among them, and a client of the master."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from typing import IO, Any, Dict, List, Optional, Sequence
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+
+from nodekit.testing.waiting import TIMEOUT, wait_until
+
+
+class Process:
+    """A Python program of which every line of output is kept.
+
+    :param script: path of the program
+    :param arguments: of the command line
+    :param environment: variables to set on top of the test's own
+    """
+
+    def __init__(
+        self,
+        script: str,
+        arguments: Sequence[str] = (),
+        environment: Optional[Dict[str, str]] = None,
+    ) -> None:
+        self.lines: List[str] = []
+        self.error_lines: List[str] = []
+        self.popen = subprocess.Popen(
+            [sys.executable, "-u", script, *arguments],
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+            bufsize=1,
+        )
+        self._readers = [
+            threading.Thread(target=self._read, args=parts, daemon=True)
+            for parts in (
+                (self.popen.stdout, self.lines),
+                (self.popen.stderr, self.error_lines),
+            )
+        ]
+        for reader in self._readers:
+            reader.start()
+
+    @staticmethod
+    def _read(pipe: IO[str], into: List[str]) -> None:
+        for line in pipe:
+            into.append(line.rstrip("\n"))
+
+    def logged(self, *words: str) -> List[str]:
+        """Return the log's lines that contain all these words."""
+        lines = [line for line in self.lines if not line.startswith("{")] + self.error_lines
+        return [line for line in lines if all(word in line for word in words)]
+
+    def wait_for_log(self, *words: str) -> None:
+        """Wait for a line that contains all these words."""
+        wait_until(lambda: self.logged(*words), lambda: "%s in %s" % (words, self.logged()))
+
+    def interrupt(self) -> int:
+        """Press Ctrl-C; return the exit status."""
+        self.popen.send_signal(signal.SIGINT)
+        return self.wait()
+
+    def wait(self) -> int:
+        """Wait for the end; return the exit status."""
+        status = self.popen.wait(TIMEOUT)
+        for reader in self._readers:
+            reader.join(TIMEOUT)
+        return status
+
+    def end(self) -> None:
+        """Kill it, if it has not ended yet."""
+        self.popen.kill()
+        self.wait()
+
+
+class Master:
+    """A master that can be killed and started again; its parameters go with it."""
+
+    def __init__(self) -> None:
+        with socket.socket() as chooser:
+            chooser.bind(("localhost", 0))
+            self._port = chooser.getsockname()[1]
+        self.uri = "http://localhost:%d/" % self._port
+        self.start()
+
+    def start(self) -> None:
+        """Start it and wait until it answers."""
+        self._popen = subprocess.Popen(
+            ["rosmaster", "--core", "-p", str(self._port)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        wait_until(self._answers, lambda: "no answer of the master")
+
+    def kill(self) -> None:
+        """End it at once."""
+        self._popen.kill()
+        self._popen.wait(TIMEOUT)
+
+    def _answers(self) -> bool:
+        try:
+            with ServerProxy(self.uri) as proxy:
+                answer: Any = proxy.getPid("/test")
+                return bool(answer[0] == 1)
+        except OSError:
+            return False
+
+
+class Server:
+    """The parameter server as some other node sees it.
+
+    :param uri: of the master; the test's own by default
+    """
+
+    def __init__(self, uri: Optional[str] = None) -> None:
+        self.uri = uri if uri is not None else rosgraph.get_master_uri()
+        self._local = threading.local()
+
+    @property
+    def master(self) -> Any:
+        """The master's own interface; a connection for each thread."""
+        if not hasattr(self._local, "proxy"):
+            self._local.proxy = ServerProxy(self.uri)
+        return self._local.proxy
+
+    def get(self, key: str) -> Any:
+        """Return a value or a namespace, None where nothing is set."""
+        code, _, value = self.master.getParam("/test", key)
+        return value if code == 1 else None
+
+    def set(self, key: str, value: Any) -> None:
+        """Set a value or replace a namespace."""
+        self.master.setParam("/test", key, value)
+
+    def delete(self, key: str) -> None:
+        """Delete a value or a namespace."""
+        self.master.deleteParam("/test", key)
+
+    def knows(self, node: str) -> bool:
+        """Tell whether anything is registered under the name of a node, parameters included."""
+        return bool(self.master.lookupNode("/test", node)[0] == 1)
+
+    def services(self) -> List[str]:
+        """Return the names of all services."""
+        return [name for name, _ in self.master.getSystemState("/test")[2][2]]
+
+    def wait_for(self, key: str, value: Any) -> None:
+        """Wait until the server holds a value."""
+        wait_until(
+            lambda: same(self.get(key), value),
+            lambda: "%s is %r, not %r" % (key, self.get(key), value),
+        )
+
+
+def same(one: Any, other: Any) -> bool:
+    """Compare values as users see them: 1, 1.0 and True are three."""
+    return repr(one) == repr(other)

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""A node with a parameter of every kind that prints its values and obeys lines of JSON on stdin."""
+
+import json
+import sys
+import threading
+from typing import Any, Dict
+
+import rospy
+
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.parameter_server import UNREACHABLE
+from nodekit.parameters.declaration import (
+    BoolParameter,
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterError,
+    ParameterSet,
+    StringParameter,
+    rule,
+    to_wire,
+)
+from nodekit.process.run import run
+
+
+class GaugeParameters(ParameterSet):
+    """A parameter of every kind, and a rule about two of them."""
+
+    level = FloatParameter(1.0, minimum=0.0, maximum=1e10, unit="V", help="a level")
+    count = IntParameter(3, minimum=0, help="a count")
+    on = BoolParameter(False, help="a switch")
+    title = StringParameter("gauge", help="a title")
+    shape = EnumParameter("round", choices=("round", "flat"), help="a shape")
+    marks = ListParameter([1.0, 2.0], element=FloatParameter(0.0, help=""), help="marks")
+    low = FloatParameter(0.0, help="lower limit")
+    high = FloatParameter(10.0, help="upper limit")
+
+    @rule("low", "high")
+    def ordered(self) -> None:
+        """Keep the limits in order."""
+        if self.low > self.high:
+            raise ValueError("low <= high")
+
+
+class Gauge:
+    """Prints ``{"changes": n, "values": {…}}`` at the start and with each change."""
+
+    def __init__(self) -> None:
+        self._changes = 0
+        self._broken = False
+        self._parameters = LiveParameters(GaugeParameters)
+        self._print(self._parameters.values)
+        self._parameters.start(self._on_change)
+        self._parameters.add_listener(self._fail_if_broken)
+        threading.Thread(target=self._obey, daemon=True).start()
+
+    def _on_change(self, new: GaugeParameters, _old: GaugeParameters) -> None:
+        self._changes += 1
+        self._print(new)
+
+    def _fail_if_broken(self, _new: GaugeParameters, _old: GaugeParameters) -> None:
+        if self._broken:
+            raise RuntimeError("broken listener")
+
+    def _print(self, values: GaugeParameters) -> None:
+        wire = {name: to_wire(value) for name, value in values.as_dict().items()}
+        # One write: lines of several threads must not mix.
+        sys.stdout.write(json.dumps({"changes": self._changes, "values": wire}) + "\n")
+        sys.stdout.flush()
+
+    def _obey(self) -> None:
+        for line in sys.stdin:
+            command: Dict[str, Any] = json.loads(line)
+            for name, value in command.get("set_param", {}).items():
+                rospy.set_param(name, value)
+            self._broken = command.get("broken", self._broken)
+            if "update" in command:
+                try:
+                    self._parameters.update(**command["update"])
+                except (ParameterError, *UNREACHABLE) as error:
+                    rospy.logwarn("update: %s", error)
+
+
+if __name__ == "__main__":
+    run("gauge", Gauge)

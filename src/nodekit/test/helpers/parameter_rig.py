@@ -1,0 +1,98 @@
+"""What tests of live parameters are made of: a node to try, and a spy on the master."""
+
+import json
+import os
+import unittest
+from typing import Any, Dict, List, Optional
+
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.waiting import wait_until
+
+HELPERS = os.path.dirname(os.path.abspath(__file__))
+
+
+class ParameterNode(Process):
+    """A parameter_node.py.
+
+    :param name: its global name
+    :param environment: variables to set on top of the test's own
+    """
+
+    def __init__(self, name: str, environment: Optional[Dict[str, str]] = None) -> None:
+        namespace, _, base = name.rpartition("/")
+        self.name = name
+        super().__init__(
+            os.path.join(HELPERS, "parameter_node.py"),
+            ["__name:=" + base],
+            {"ROS_NAMESPACE": namespace or "/", **(environment or {})},
+        )
+
+    @property
+    def reports(self) -> List[Dict[str, Any]]:
+        """What it printed of its values, oldest first."""
+        return [json.loads(line) for line in self.lines if line.startswith("{")]
+
+    @property
+    def values(self) -> Dict[str, Any]:
+        """The values in force."""
+        return dict(self.reports[-1]["values"])
+
+    @property
+    def changes(self) -> int:
+        """How often its callback was called."""
+        return int(self.reports[-1]["changes"])
+
+    def wait_for(self, **values: Any) -> None:
+        """Wait until these values are in force."""
+        wait_until(
+            lambda: self.reports and {**self.values, **values} == self.values,
+            lambda: "%s in %s; log: %s" % (values, self.reports[-1:], self.logged()[-5:]),
+        )
+
+    def tell(self, **command: Any) -> None:
+        """Have it obey a command, see parameter_node.py."""
+        self.popen.stdin.write(json.dumps(command) + "\n")
+
+
+class Spy(Process):
+    """A parameter_spy.py.
+
+    :param keys: what it is notified of
+    """
+
+    def __init__(self, *keys: str) -> None:
+        super().__init__(os.path.join(HELPERS, "parameter_spy.py"), keys)
+        wait_until(lambda: self.lines, lambda: "spy: %s" % self.error_lines)
+
+    @property
+    def updates(self) -> List[List[Any]]:
+        """Key and value of each write, oldest first."""
+        return [json.loads(line) for line in self.lines[1:]]
+
+
+class ParameterCase(unittest.TestCase):
+    """A test that starts processes and knows what must always hold of a node."""
+
+    def launch_node(self, name: str, **environment: str) -> ParameterNode:
+        """Start a node that is killed at the end of the test."""
+        node = ParameterNode(name, environment)
+        self.addCleanup(node.end)
+        return node
+
+    def start_node(self, name: str, **environment: str) -> ParameterNode:
+        """Start a node as above and wait for its first values."""
+        node = self.launch_node(name, **environment)
+        wait_until(lambda: node.reports, lambda: "start of %s: %s" % (name, node.logged()))
+        return node
+
+    def assert_truth(self, node: ParameterNode, server: Server) -> None:
+        """Wait until the server holds just what the node uses."""
+
+        def told() -> Dict[str, Any]:
+            held = server.get(node.name)
+            return {k: v for k, v in held.items() if k in node.values} if held else {}
+
+        wait_until(
+            lambda: told() == node.values,
+            lambda: "the server holds %s, in force is %s" % (told(), node.values),
+        )

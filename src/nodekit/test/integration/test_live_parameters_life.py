@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""Start, end and name of a node with live parameters, and peers that hang."""
+
+import itertools
+import os
+import signal
+import threading
+from contextlib import contextmanager
+from typing import Iterator
+
+import rostest
+from helpers.parameter_node import GaugeParameters
+from helpers.parameter_rig import HELPERS, ParameterCase, Spy
+
+from nodekit.parameters.declaration import to_wire
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.waiting import wait_until
+
+DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
+TOO_LOW = "/level: -1 is refused, allowed is a number in [0, 1e+10] (V)"
+
+
+class Life(ParameterCase):
+    """Each test has its own nodes."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.server = Server()
+
+    @contextmanager
+    def burst_of_sets(self, key: str) -> Iterator[None]:
+        """Set a value again and again, as fast as the master allows."""
+        end = threading.Event()
+
+        def set_on() -> None:
+            server = Server(self.server.uri)
+            for level in itertools.cycle(range(1000)):
+                server.set(key, level)
+                if end.is_set():
+                    break
+
+        thread = threading.Thread(target=set_on)
+        thread.start()
+        try:
+            yield
+        finally:
+            end.set()
+            thread.join()
+
+    def assert_ended_well(self, node: Process, name: str, status: int) -> None:
+        """Check the exit status, that nothing was raised and that no registration is left."""
+        self.assertEqual(status, 0, node.error_lines)
+        self.assertEqual(node.logged("Traceback"), [])
+        self.assertFalse(self.server.knows(name), "%s is still registered" % name)
+
+    def test_bad_values_at_the_start(self) -> None:
+        self.server.set("/bad_value", {"level": -1})
+        self.server.set("/bad_pair", {"low": 5, "high": 4})
+        self.server.set("/bad_namespace", "text")
+        for name, sentence in (
+            ("/bad_value", "parameter /bad_value" + TOO_LOW),
+            (
+                "/bad_pair",
+                "parameter /bad_pair/low, /bad_pair/high: [5.0, 4.0] is refused, "
+                "allowed is low <= high",
+            ),
+            ("/bad_namespace", "parameter /bad_namespace: 'text' is refused, allowed is a name"),
+        ):
+            node = self.launch_node(name)
+            self.assertEqual(node.wait(), 1)
+            self.assertEqual(node.reports, [])
+            (line,) = node.error_lines
+            self.assertIn(sentence, line)
+            self.assertFalse(self.server.knows(name), "%s is still registered" % name)
+        self.assertEqual(self.server.get("/bad_value"), {"level": -1})
+
+    def test_same_sentence_while_it_runs(self) -> None:
+        node = self.start_node("/good_value")
+        self.server.set("/good_value/level", -1)
+        node.wait_for_log("WARN", "parameter /good_value" + TOO_LOW)
+
+    def test_what_is_unset_at_the_start_is_written(self) -> None:
+        self.server.set("/half_set", {"level": 5, "high": "1e3", "foreign": [1]})
+        node = self.start_node("/half_set")
+        values = {**DEFAULTS, "level": 5, "high": 1000.0}
+        self.assertEqual(node.values, values)
+        self.assertEqual(self.server.get("/half_set"), {**values, "foreign": [1]})
+        self.assertIsInstance(self.server.get("/half_set/level"), int)
+        node.wait_for_log("WARN", "/half_set/foreign is not used")
+        self.server.set("/half_set/title", "was unset")
+        node.wait_for(title="was unset")
+
+    def test_values_set_while_it_starts(self) -> None:
+        node = self.launch_node("/starting")
+        for level in itertools.count():
+            self.server.set("/starting/level", level)
+            if node.logged("INFO", "/starting: level="):
+                break
+        node.wait_for(level=float(level))
+        self.server.wait_for("/starting/level", level)
+
+    def test_names_of_any_kind_keep_their_values_apart(self) -> None:
+        names = ["/lab/bench/probe", "/probe_1", "/probe_2", "/gauge_4711_1700000000000"]
+        nodes = [self.launch_node(name) for name in names]
+        for level, node in enumerate(nodes, start=2):
+            wait_until(lambda: node.reports, lambda: "start: %s" % node.logged())
+            self.server.set(node.name + "/level", level)
+        for level, node in enumerate(nodes, start=2):
+            node.wait_for(level=float(level))
+            self.assertEqual(node.changes, 1)
+        self.server.set("/lab/bench", {"probe": {"level": 7}})
+        nodes[0].wait_for(level=7.0)
+
+    def test_restarted_node_finds_its_values(self) -> None:
+        node = self.start_node("/again")
+        self.server.set("/again", {**DEFAULTS, "level": 5, "marks": []})
+        node.wait_for(level=5.0, marks=[])
+        self.assert_ended_well(node, "/again", node.interrupt())
+        node = self.start_node("/again")
+        self.assertEqual(node.values, {**DEFAULTS, "level": 5.0, "marks": []})
+        self.server.set("/again/level", 6)
+        node.wait_for(level=6.0)
+
+    def test_interrupt_during_a_burst_of_sets(self) -> None:
+        node = self.start_node("/bursting")
+        with self.burst_of_sets("/bursting/level"):
+            wait_until(lambda: node.changes >= 3, lambda: "changes: %s" % node.logged())
+            self.assert_ended_well(node, "/bursting", node.interrupt())
+
+    def test_interrupt_during_a_burst_of_refusals(self) -> None:
+        node = self.start_node("/refusing")
+        self.server.set("/refusing/high", -10.0)
+        with self.burst_of_sets("/refusing/high"):
+            self.server.set("/refusing/low", 500.0)
+            wait_until(lambda: node.logged("WARN"), lambda: "warnings: %s" % node.logged())
+            self.assert_ended_well(node, "/refusing", node.interrupt())
+
+    def test_interrupt_while_it_registers_services(self) -> None:
+        node = Process(os.path.join(HELPERS, "parameter_slow_start.py"))
+        self.addCleanup(node.end)
+        node.wait_for_log("starting")
+        self.assertEqual(node.interrupt(), 0)
+        self.assertEqual(node.logged("Traceback"), [])
+
+    def test_hung_subscribers_hold_nobody_up(self) -> None:
+        node = self.start_node("/unhindered")
+        hung = [Spy("/unhindered", "/blocked") for _ in range(3)]
+        for spy in hung:
+            self.addCleanup(spy.end)
+            spy.popen.send_signal(signal.SIGSTOP)
+        self.server.set("/blocked", 1)
+        for level in (5, 6, 7):
+            self.server.set("/unhindered/level", level)
+            node.wait_for(level=float(level))
+        self.server.set("/unhindered/level", -1)
+        self.server.wait_for("/unhindered/level", 7.0)
+        for spy in hung:
+            spy.popen.send_signal(signal.SIGCONT)
+        # All that was held back arrives before this.
+        self.server.set("/unhindered/title", "late")
+        node.wait_for(title="late")
+        wait_until(
+            lambda: all(["/unhindered/title", "late"] in spy.updates for spy in hung),
+            lambda: "spies: %s" % [spy.updates for spy in hung],
+        )
+        self.assert_truth(node, self.server)
+        self.assertEqual((node.values["level"], node.changes), (7.0, 4))
+
+
+if __name__ == "__main__":
+    rostest.rosrun("nodekit", "live_parameters_life", Life)

@@ -1,0 +1,278 @@
+#!/usr/bin/env python3
+"""Publishing to real nodes that are stopped, killed, late, or never read."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import unittest
+import xmlrpc.client
+
+import rosgraph
+import rosnode
+import rospy
+import rostest
+from rosgraph.network import encode_ros_handshake_header
+from std_msgs.msg import String
+
+from nodekit.messaging.publisher import Publisher
+
+HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
+sys.path.insert(0, HELPERS)
+from recording_subscriber import numbered  # noqa: E402
+
+TIME_OUT = 30.0  # s
+SIZE = 16_000  # characters; a socket's buffers are full after some hundred messages
+RATE = 1000.0  # Hz
+
+
+def wait_until(condition, what):
+    """Wait for a condition, with a time-out.
+
+    :param condition: function to become true
+    :param what: what is waited for
+    """
+    deadline = time.monotonic() + TIME_OUT
+    while not condition():
+        if time.monotonic() > deadline:
+            raise AssertionError(f"waited in vain until {what}")
+        time.sleep(0.01)
+
+
+def memory():
+    """Tell how much memory this process holds.
+
+    :returns: resident set, bytes
+    """
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class Node:
+    """A process of a helper, ended with the test."""
+
+    def __init__(self, case, script, topic):
+        self.process = subprocess.Popen(
+            [sys.executable, "-W", "error::SyntaxWarning", os.path.join(HELPERS, script)]
+            + [f"topic:={topic}"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        case.addCleanup(self.end)
+
+    def record(self):
+        """Ask a recording subscriber what it has.
+
+        :returns: its record
+        """
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def end(self):
+        """Kill the process."""
+        self.process.kill()
+        self.process.communicate()
+
+
+class PublishingTest(unittest.TestCase):
+    """A publisher in this process, its subscribers in others."""
+
+    def setUp(self):
+        self.topic = rospy.resolve_name("~" + self.id().rsplit(".", 1)[-1])
+        self.count = 0
+
+    def publisher(self, **kwds):
+        """Make a publisher of strings on the test's own topic.
+
+        :returns: the publisher
+        """
+        publisher = Publisher(self.topic, String, **kwds)
+        self.addCleanup(publisher.unregister)
+        return publisher
+
+    def subscriber(self, publisher):
+        """Start a recording subscriber.
+
+        :returns: its name and process
+        """
+        before = {s.node for s in publisher.statistics()}
+        node = Node(self, "recording_subscriber.py", self.topic)
+        wait_until(lambda: len(publisher.statistics()) > len(before), "it is subscribed")
+        (name,) = {s.node for s in publisher.statistics()} - before
+        return name, node
+
+    def publish(self, publisher, number, until=lambda: False):
+        """Publish at 1 kHz.
+
+        :param number: how many messages at most
+        :param until: function that ends it
+        """
+        start, first = time.monotonic(), self.count
+        while self.count < first + number and not until():
+            publisher.publish(String(numbered("a", self.count, SIZE)))
+            self.count += 1
+            pause = start + (self.count - first) / RATE - time.monotonic()
+            if pause > 0:
+                time.sleep(pause)
+
+    def wait_for(self, node, condition, what):
+        """Wait until the record of a subscriber is as expected.
+
+        :returns: the record
+        """
+        record = node.record()
+        deadline = time.monotonic() + TIME_OUT
+        while not condition(record):
+            self.assertLess(time.monotonic(), deadline, f"waited in vain until {what}")
+            time.sleep(0.02)
+            record = node.record()
+        return record
+
+    def last(self, number):
+        """Make a condition: the last message with a number has arrived."""
+        return lambda record: record["numbers"].get("a", [None])[-1] == number
+
+    def statistics_of(self, publisher, name):
+        """Tell how one subscriber fares."""
+        return next(s for s in publisher.statistics() if s.node == name)
+
+    def no_more_threads(self):
+        """Tell whether the publisher's own threads are gone."""
+        return not any(t.name == "drain" for t in threading.enumerate())
+
+    def test_stopped_subscriber_costs_the_others_nothing_and_is_back_after_it(self):
+        publisher = self.publisher()
+        _, good = self.subscriber(publisher)
+        name, stopped = self.subscriber(publisher)
+        self.publish(publisher, 200)
+        stopped.process.send_signal(signal.SIGSTOP)
+        self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
+        self.assertTrue(self.statistics_of(publisher, name).stalled)
+        held = memory()
+        self.publish(publisher, 1000)
+        grown = memory() - held
+        self.assertLess(grown, 8_000_000, "16 MB were published meanwhile")
+        lost = self.statistics_of(publisher, name).lost
+        self.assertGreaterEqual(lost, 900)
+        stopped.process.send_signal(signal.SIGCONT)
+        wait_until(lambda: not self.statistics_of(publisher, name).stalled, "back")
+        back_at = self.count
+        self.publish(publisher, 200)
+        record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
+        self.assertEqual(record["numbers"]["a"], list(range(self.count)))
+        print(f"longest gap seen by the good subscriber: {1000 * record['longest_gap']:.1f} ms")
+        record = self.wait_for(stopped, self.last(self.count - 1), "the stopped one is back")
+        self.assertEqual(record["torn"], 0)
+        numbers = record["numbers"]["a"]
+        self.assertEqual(numbers, sorted(set(numbers)))
+        self.assertEqual(numbers[-201:], list(range(back_at - 1, self.count)))
+        self.assertEqual(len(numbers), self.count - self.statistics_of(publisher, name).lost)
+        wait_until(self.no_more_threads, "the background thread is gone")
+
+    def test_last_message_arrives_though_nothing_follows_it(self):
+        publisher = self.publisher()
+        _, node = self.subscriber(publisher)
+        node.process.send_signal(signal.SIGSTOP)
+        size = 20_000_000
+        publisher.publish(String(numbered("a", 1, size)))
+        publisher.publish(String(numbered("a", 2, SIZE)))
+        publisher.publish(String(numbered("a", 3, SIZE)))
+        node.process.send_signal(signal.SIGCONT)
+        record = self.wait_for(node, self.last(3), "the last message has arrived")
+        self.assertEqual((record["numbers"]["a"], record["torn"]), ([1, 3], 0))
+
+    def test_subscriber_that_never_reads_and_is_late(self):
+        publisher = self.publisher(latch=True)
+        _, good = self.subscriber(publisher)
+        publisher.publish(String(numbered("a", 0, 10_000_000)))
+        self.count = 1
+        proxy = xmlrpc.client.ServerProxy(rospy.get_node_uri())
+        _, _, (_, host, port) = proxy.requestTopic("/mute", self.topic, [["TCPROS"]])
+        with socket.create_connection((host, port)) as mute:
+            header = {"topic": self.topic, "md5sum": String._md5sum, "type": String._type}
+            mute.sendall(encode_ros_handshake_header({**header, "callerid": "/mute"}))
+            wait_until(lambda: len(publisher.statistics()) == 2, "the mute one is connected")
+            wait_until(lambda: self.statistics_of(publisher, "/mute").stalled, "it is stalled")
+            self.publish(publisher, 300)
+            self.assertGreaterEqual(self.statistics_of(publisher, "/mute").lost, 299)
+            _, late = self.subscriber(publisher)
+            self.wait_for(late, self.last(self.count - 1), "a late joiner has the last message")
+        wait_until(lambda: len(publisher.statistics()) == 2, "the mute one is dropped")
+        record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
+        self.assertEqual(record["numbers"]["a"], list(range(self.count)))
+        wait_until(self.no_more_threads, "the background thread is gone")
+
+    def test_killed_subscriber_is_dropped(self):
+        publisher = self.publisher()
+        _, good = self.subscriber(publisher)
+        _, killed = self.subscriber(publisher)
+        name, stopped = self.subscriber(publisher)
+        stopped.process.send_signal(signal.SIGSTOP)
+        self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
+        for node in (killed, stopped):
+            node.process.kill()
+        self.publish(publisher, 20_000, until=lambda: len(publisher.statistics()) == 1)
+        record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
+        self.assertEqual(record["numbers"]["a"], list(range(self.count)))
+        wait_until(self.no_more_threads, "the background thread is gone")
+
+    def test_rosnode_sees_the_connections_and_counts(self):
+        publisher = self.publisher()
+        name, node = self.subscriber(publisher)
+        self.publish(publisher, 10)
+        self.wait_for(node, self.last(9), "all has arrived")
+        proxy = xmlrpc.client.ServerProxy(rospy.get_node_uri())
+        _, _, (published, _, _) = proxy.getBusStats("/test")
+        (_, total, connections) = next(entry for entry in published if entry[0] == self.topic)
+        self.assertEqual(total, 10 * (8 + SIZE))
+        self.assertEqual([(number, up) for _, _, number, up in connections], [(10, True)])
+        master = rosgraph.Master(rospy.get_name())
+        info = rosnode.get_node_connection_info_description(rospy.get_node_uri(), master)
+        self.assertIn(self.topic, info)
+        self.assertIn(name, info)
+
+    def test_threads_share_a_publisher(self):
+        publisher = self.publisher()
+        _, node = self.subscriber(publisher)
+
+        def publish(source):
+            for number in range(500):
+                publisher.publish(String(numbered(source, number, SIZE)))
+
+        threads = [threading.Thread(target=publish, args=(source,)) for source in "ab"]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(TIME_OUT)
+        (statistics,) = publisher.statistics()
+        self.assertEqual(statistics.sent + statistics.lost, 1000)
+        record = self.wait_for(
+            node,
+            lambda record: sum(map(len, record["numbers"].values())) == 1000 - statistics.lost,
+            "all has arrived",
+        )
+        self.assertEqual(record["torn"], 0)
+        for source in "ab":
+            self.assertEqual(record["numbers"][source], sorted(set(record["numbers"][source])))
+
+    def test_publishing_during_shutdown_raises_nothing(self):
+        subscription = rospy.Subscriber(self.topic, String)
+        self.addCleanup(subscription.unregister)
+        node = Node(self, "endless_publisher.py", self.topic)
+        wait_until(lambda: subscription.get_num_connections() == 1, "it publishes")
+        node.process.send_signal(signal.SIGINT)
+        output, errors = node.process.communicate(timeout=TIME_OUT)
+        self.assertEqual((node.process.returncode, output), (0, "survived\n"), errors)
+        self.assertNotIn("Traceback", errors)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_publishing")
+    rostest.rosrun("nodekit", "publishing", PublishingTest)

@@ -1,0 +1,201 @@
+"""Sets of declared parameters: immutable snapshots, rules across parameters, inheritance."""
+
+import pytest
+
+from nodekit.parameters.declaration import (
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterError,
+    ParameterSet,
+    RuleError,
+    describe,
+    rule,
+)
+
+
+class Limits(ParameterSet):
+    """Two values with a rule, and one without."""
+
+    low = FloatParameter(0.0, unit="V", help="lower limit")
+    high = FloatParameter(1.0, unit="V", help="upper limit")
+    count = IntParameter(3, minimum=0, maximum=9, help="how many")
+
+    @rule("low", "high")
+    def ordered(self) -> None:
+        """Keep the limits in order."""
+        if self.low > self.high:
+            raise ValueError("low <= high")
+
+
+class Tones(ParameterSet):
+    """A list and a choice."""
+
+    shape = EnumParameter("sine", choices=("sine", "square"), help="shape")
+    gains = ListParameter([1, 2], element=FloatParameter(0.0, help=""), unit="V", help="gains")
+
+
+def test_defaults_stand_where_nothing_is_given():
+    assert Limits().as_dict() == {"low": 0.0, "high": 1.0, "count": 3}
+    assert list(Limits().as_dict()) == ["low", "high", "count"]
+
+
+def test_values_are_coerced():
+    limits = Limits(low="-1e1", high=5, count=4.0)
+    assert limits.as_dict() == {"low": -10.0, "high": 5.0, "count": 4}
+    assert (limits.low, type(limits.high), type(limits.count)) == (-10.0, float, int)
+
+
+def test_values_that_are_not_allowed_are_refused_by_name():
+    with pytest.raises(ParameterError, match="count: 10 is refused"):
+        Limits(count=10)
+
+
+def test_undeclared_names_are_a_programming_error():
+    with pytest.raises(TypeError, match="hihg"):
+        Limits(hihg=2.0)
+
+
+def test_a_snapshot_does_not_change():
+    limits = Limits()
+    with pytest.raises(AttributeError):
+        limits.low = 0.5
+    with pytest.raises(AttributeError):
+        limits.unheard_of = 0.5
+    with pytest.raises(AttributeError):
+        del limits.low
+    limits.as_dict()["low"] = 0.5
+    assert limits == Limits()
+    assert isinstance(Tones(gains=[3, 4]).gains, tuple)
+
+
+def test_a_list_given_to_a_snapshot_may_change_afterwards():
+    gains = [3.0, 4.0]
+    tones = Tones(gains=gains)
+    gains.append(5.0)
+    assert tones.gains == (3.0, 4.0)
+
+
+def test_replace_returns_another_snapshot():
+    old = Limits(low=0.25)
+    new = old.replace(high="2", count=1)
+    assert new == Limits(low=0.25, high=2.0, count=1)
+    assert old == Limits(low=0.25)
+    with pytest.raises(ParameterError):
+        old.replace(count=-1)
+    with pytest.raises(RuleError):
+        old.replace(high=0.1)
+
+
+def test_snapshots_are_equal_by_kind_and_values():
+    class Other(Limits):
+        """The same parameters under another name."""
+
+    assert Limits(low=0.5) == Limits(low=0.5)
+    assert hash(Tones()) == hash(Tones(gains=[1.0, 2.0]))
+    assert Limits() != Limits(count=4)
+    assert Limits() != Other()
+    assert Limits() != Limits().as_dict()
+
+
+def test_a_snapshot_shows_its_values():
+    assert repr(Limits(low=0.5)) == "Limits(low=0.5, high=1, count=3)"
+
+
+def test_a_rule_names_the_parameters_their_values_and_what_is_allowed():
+    with pytest.raises(RuleError) as caught:
+        Limits(low=3.0, high=2)
+    assert caught.value.names == ("low", "high")
+    for words in ("low, high", "[3.0, 2.0]", "refused", "low <= high"):
+        assert words in str(caught.value)
+
+
+def test_rules_are_judged_only_about_the_names_asked_for():
+    broken = Limits.unjudged({"low": 2.0, "high": 1.0, "count": 3})
+    assert broken.broken_rule(["count"]) is None
+    assert broken.broken_rule([]) is None
+    assert broken.broken_rule(["high"]).names == ("low", "high")
+
+
+def test_defaults_must_keep_the_rules_themselves():
+    class Crossed(Limits):
+        """The rule of the base holds for defaults of the subclass."""
+
+        low = FloatParameter(2.0, help="above the upper limit")
+
+    with pytest.raises(RuleError):
+        Crossed()
+
+
+def test_subclass_adds_and_redeclares_and_leaves_the_base_alone():
+    class More(Limits):
+        """One more parameter, one with another default."""
+
+        count = IntParameter(5, help="how many")
+        gain = FloatParameter(2.0, help="gain")
+
+    assert More().as_dict() == {"low": 0.0, "high": 1.0, "count": 5, "gain": 2.0}
+    assert More(count=100).count == 100
+    assert set(Limits.declared) == {"low", "high", "count"}
+    with pytest.raises(RuleError):
+        More(low=3.0)
+    with pytest.raises(TypeError):
+        Limits(gain=1.0)
+
+
+def test_subclass_adds_rules_and_replaces_those_it_overrides():
+    class Strict(Limits):
+        """Another rule, and a stricter one under the name of the base's."""
+
+        @rule("low", "high")
+        def ordered(self) -> None:
+            """Replaces the rule of the base."""
+            if self.low + 1.0 > self.high:
+                raise ValueError("low + 1 <= high")
+
+        @rule("count")
+        def odd(self) -> None:
+            """Is a rule about one parameter."""
+            if self.count % 2 == 0:
+                raise ValueError("odd")
+
+    assert Strict(low=0.0, high=1.0).high == 1.0
+    with pytest.raises(RuleError, match=r"low \+ 1 <= high"):
+        Strict(low=3.0, high=2.0)
+    with pytest.raises(RuleError, match="odd"):
+        Strict(count=4)
+    assert Limits(low=0.5, count=4).count == 4
+
+
+def test_a_set_may_be_put_together_from_several():
+    class Both(Limits, Tones):
+        """All parameters and rules of two sets."""
+
+    assert set(Both().as_dict()) == {"low", "high", "count", "shape", "gains"}
+    assert Both(shape="square", high=4).high == 4.0
+    with pytest.raises(RuleError):
+        Both(low=4.0)
+    with pytest.raises(ParameterError):
+        Both(shape="circle")
+
+
+def test_description_holds_all_that_is_declared_and_the_value_in_force():
+    first, *_ = describe(Limits(low=-2, high=7))
+    assert first == {
+        "name": "low",
+        "value": -2.0,
+        "type": "float",
+        "unit": "V",
+        "range": "",
+        "default": 0.0,
+        "help": "lower limit",
+    }
+    shape, gains = describe(Tones())
+    assert (shape["type"], shape["range"]) == ("enum", "{sine, square}")
+    assert (gains["type"], gains["value"], gains["default"]) == ("list", [1.0, 2.0], [1.0, 2.0])
+
+
+def test_parameters_are_reached_on_the_class_for_documentation():
+    assert Limits.low.unit == "V"
+    assert Limits.count.range == "[0, 9]"

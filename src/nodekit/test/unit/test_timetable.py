@@ -1,0 +1,179 @@
+"""Deadlines of periodic work: an even grid that neither lateness nor retiming disturbs."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.timing.timetable import SLACK_S, Timetable
+
+#: Times of day, of a simulation and since 1970, s.
+STARTS = st.floats(0.0, 1e5) | st.sampled_from([0.0, 1.7e9])
+RATES = st.floats(0.01, 10000.0) | st.sampled_from([0.1, 1.0, 3.0, 10.0, 50.0, 100.0, 1000.0])
+EVENTS = st.lists(
+    st.one_of(
+        st.tuples(st.just("wait"), st.floats(0.0, 1e3)),
+        st.tuples(st.just("sleep"), st.floats(0.0, 3.0)),
+        st.tuples(st.just("rate"), RATES),
+        st.tuples(st.just("back"), st.floats(0.001, 100.0)),
+    ),
+    max_size=30,
+)
+
+
+def run(timetable, start, events):
+    """Live through events.
+
+    :returns: (time, deadline that was taken, time that passed for the task) for each call
+    """
+    now, calls = start, []
+
+    def take_if_due():
+        deadline = timetable.deadline(now)
+        if now >= deadline - SLACK_S:
+            calls.append((now, deadline, timetable.take(now)))
+
+    take_if_due()
+    for event, amount in events:
+        if event == "wait":
+            now = max(now, timetable.deadline(now)) + amount * 1e-6
+        elif event == "sleep":
+            now += amount
+        elif event == "rate":
+            timetable.set_rate(amount)
+        else:
+            now -= amount
+            timetable.restart(now)
+        take_if_due()
+    return calls
+
+
+def test_the_first_call_is_due_at_once_with_no_time_passed():
+    timetable = Timetable(0.1)
+    assert timetable.deadline(5.0) == 5.0
+    assert timetable.take(5.0) == 0.0
+    assert timetable.deadline(5.0) == 15.0
+
+
+@given(STARTS, RATES, st.lists(st.floats(0.0, 0.9), max_size=50))
+def test_late_calls_do_not_drift(start, rate, lateness):
+    timetable = Timetable(rate)
+    timetable.take(start)
+    for number, late in enumerate(lateness, start=1):
+        due = start + number / rate
+        assert timetable.deadline(0.0) == pytest.approx(due, rel=1e-15, abs=1e-15)
+        assert timetable.take(due + late / rate) == pytest.approx(number / rate)
+
+
+def test_a_day_at_1_khz_ends_on_the_very_grid():
+    timetable = Timetable(1000.0)
+    timetable.take(1.7e9)
+    assert timetable.take(1.7e9 + 86400.0004) == 86400.0
+    assert timetable.deadline(0.0) == 1.7e9 + 86400.001
+
+
+def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
+    timetable = Timetable(10.0, catch_up=0.5)
+    timetable.take(0.0)
+    assert [timetable.take(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
+    assert timetable.deadline(0.31) == pytest.approx(0.4)
+
+
+def test_what_is_missed_by_too_much_is_not_made_up_for():
+    timetable = Timetable(10.0, catch_up=0.5)
+    timetable.take(0.0)
+    assert timetable.take(60.05) == pytest.approx(60.0)
+    assert timetable.deadline(60.05) == pytest.approx(60.1)
+
+
+def test_missed_deadlines_are_skipped_and_the_grid_is_kept():
+    timetable = Timetable(10.0)
+    timetable.take(0.0)
+    assert timetable.take(0.57) == 0.5
+    assert timetable.deadline(0.57) == 0.6
+    assert timetable.take(0.6) == 0.6
+
+
+@given(STARTS, RATES, EVENTS)
+def test_time_never_runs_back_for_the_task(start, rate, events):
+    calls = run(Timetable(rate), start, events)
+    elapsed = [call[2] for call in calls]
+    assert elapsed[0] == 0.0
+    assert all(earlier < later for earlier, later in zip(elapsed, elapsed[1:]))
+
+
+@given(STARTS, RATES, EVENTS)
+def test_at_most_one_call_at_a_time(start, rate, events):
+    calls = run(Timetable(rate), start, events)
+    times = [call[0] for call in calls]
+    assert all(earlier != later for earlier, later in zip(times, times[1:]))
+
+
+@given(STARTS, RATES, st.lists(RATES, min_size=1, max_size=5), st.floats(0.0, 200.0))
+def test_new_rate_counts_from_the_last_call(start, rate, rates, waited):
+    timetable = Timetable(rate)
+    timetable.take(start)
+    now = start + min(waited, 0.99 / rate)
+    for latest in rates:
+        timetable.set_rate(latest)
+    next_one = start + 1.0 / rates[-1]
+    assert timetable.deadline(now) == pytest.approx(next_one, rel=1e-15, abs=1e-12)
+    if now >= next_one:
+        assert timetable.take(now) == pytest.approx(now - start, abs=1.0 / rates[-1] + SLACK_S)
+
+
+def test_slow_task_that_becomes_quick_is_due_at_once_and_loses_no_time():
+    timetable = Timetable(0.1)
+    timetable.take(100.0)
+    timetable.set_rate(0.2)
+    timetable.set_rate(50.0)
+    assert timetable.deadline(107.003) <= 107.003
+    assert timetable.take(107.003) == pytest.approx(7.0)
+    assert timetable.deadline(107.003) == pytest.approx(107.02)
+
+
+def test_rate_that_changes_before_the_first_call():
+    timetable = Timetable(0.1)
+    timetable.set_rate(5.0)
+    assert timetable.deadline(3.0) == 3.0
+    timetable.set_rate(2.0)
+    assert timetable.take(3.0) == 0.0
+    assert timetable.deadline(3.0) == 3.5
+
+
+@given(st.floats(10.0, 1e5), st.floats(0.5, 100.0), st.integers(0, 20), st.floats(0.1, 1e5))
+def test_clock_set_back_makes_the_task_due_one_period_on(start, rate, calls, back):
+    timetable = Timetable(rate)
+    for number in range(calls):
+        timetable.take(start + number / rate)
+    now = start - back
+    timetable.restart(now)
+    assert timetable.deadline(now) == now
+    assert timetable.take(now) == pytest.approx(calls / rate)
+    assert timetable.take(now + 1.0 / rate) == pytest.approx((calls + 1) / rate)
+
+
+@given(
+    st.sampled_from([10, 25, 50, 100, 250, 1000]),
+    st.integers(0, 10**6) | st.integers(17 * 10**11, 18 * 10**11),
+    st.sampled_from([1, 2, 5]),
+)
+def test_clock_whose_steps_are_the_deadlines_loses_none(hertz, first_ms, every):
+    # The stamps of /clock are rounded to a float; so are the deadlines, but not alike.
+    timetable = Timetable(hertz / every)
+    stamps = [(first_ms * 1000 + number * (10**6 // hertz)) / 1e6 for number in range(200)]
+    taken = 0
+    for stamp in stamps:
+        if timetable.deadline(stamp) <= stamp + SLACK_S:
+            timetable.take(stamp)
+            taken += 1
+    assert taken == 200 // every
+
+
+@given(STARTS, RATES)
+def test_rate_above_the_clocks_means_one_call_a_step(start, clock_rate):
+    timetable = Timetable(20000.0)
+    for number in range(50):
+        now = start + number * max(1.0 / clock_rate, 0.001)
+        assert timetable.deadline(now) <= now + SLACK_S
+        timetable.take(now)
+        assert timetable.deadline(now) > now + SLACK_S

@@ -113,6 +113,20 @@ def test_keep_positive_lifts_the_trough_to_zero_and_no_higher(scale, offset, low
     assert min(results[1:]) == pytest.approx(lowest, abs=1e-5)
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("frequency", [0.0, -6.2832, -1.0])
+def test_phase_shift_holds_where_frequency_is_zero_or_negative(frequency, method):
+    conditioner = Conditioner()
+    source = Source(phase=0.4)
+    shifted = Settings(1.0, 2.0, 0.0, keep_positive=False, method=method)
+    for _ in range(250):
+        conditioner.process(*source.sample(0.005), shifted)
+    source.frequency = frequency
+    for _ in range(100):
+        result = conditioner.process(*source.sample(0.005), shifted)
+        assert result == pytest.approx(source.expected(shifted), abs=1e-4)
+
+
 def test_keep_positive_lifts_by_the_amplitude_of_the_sample_itself():
     conditioner = Conditioner()
     source = Source()

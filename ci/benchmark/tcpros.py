@@ -5,12 +5,15 @@ between them are their own. Protocols: wiki.ros.org/ROS/Master_API, Slave_API, T
 """
 
 import contextlib
+import http.client
 import os
 import socket
 import socketserver
 import struct
+import sys
 import threading
 import time
+import xml.parsers.expat
 import xmlrpc.client
 import xmlrpc.server
 from typing import Any, Callable, Dict, List, NamedTuple, Set, Tuple
@@ -20,6 +23,15 @@ Handler = Callable[[socket.socket], None]
 
 #: how long a connection may take to come about, s
 CONNECT_LIMIT = 10.0
+#: how long a node may take to close, s
+CLOSING_LIMIT = 0.5
+#: the longest header that is read, bytes
+HEADER_LIMIT = 1 << 20
+#: what comes of peers that hang up, answer nonsense, or speak of what nobody knows
+FAULTS_OF_PEERS = (
+    *(OSError, ValueError, TypeError, LookupError, struct.error),
+    *(http.client.HTTPException, xmlrpc.client.Error, xml.parsers.expat.ExpatError),
+)
 
 
 class TopicType(NamedTuple):
@@ -68,6 +80,11 @@ class _SlaveServer(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer
     daemon_threads = True
     request_queue_size = 128
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Keep quiet about a peer that hangs up before it has its answer."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
 
 class Node:
     """A node with any number of subscriptions and publications.
@@ -84,13 +101,16 @@ class Node:
         self._connected: Set[Tuple[str, str]] = set()
         self._advertised: Dict[str, Tuple[TopicType, Handler]] = {}
         self._sockets: List[socket.socket] = []
+        self._closed = False
         self._listener = socket.create_server(("localhost", 0), backlog=64)
         self._server = _SlaveServer(("localhost", 0), allow_none=True, logRequests=False)
         slave_api: List[Any] = [self.publisherUpdate, self.requestTopic, self.getPid]
         for function in slave_api:
             self._server.register_function(function)
         self._uri = "http://localhost:%d" % self._server.server_address[1]
-        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        threading.Thread(
+            target=self._server.serve_forever, args=(CLOSING_LIMIT,), daemon=True
+        ).start()
         threading.Thread(target=self._accept, daemon=True).start()
 
     def master(self, method: str, *arguments: Any) -> Any:
@@ -128,6 +148,10 @@ class Node:
                 self.master("unregisterPublisher", topic, self._uri)
         self._server.shutdown()
         self._server.server_close()
+        with self._lock:
+            self._closed = True
+        with contextlib.suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)  # or else accept() waits on
         self._listener.close()
         for connection in self._sockets:
             with contextlib.suppress(OSError):
@@ -166,7 +190,8 @@ class Node:
     def _connect(self, topic: str, uri: str) -> None:
         topic_type, handler = self._subscribed[topic]
         give_up = time.monotonic() + CONNECT_LIMIT
-        while time.monotonic() < give_up:
+        while time.monotonic() < give_up and not self._closed:
+            connection = None
             try:
                 with xmlrpc.client.ServerProxy(uri) as proxy:
                     answer: Any = proxy.requestTopic(self._name, topic, [["TCPROS"]])
@@ -184,7 +209,9 @@ class Node:
                     )
                 )
                 _read_header(connection)
-            except (OSError, ValueError, xmlrpc.client.Error):
+            except FAULTS_OF_PEERS:
+                if connection is not None:
+                    connection.close()
                 time.sleep(0.02)  # it is starting, or it is gone
                 continue
             self._hand_over(connection, handler)
@@ -196,6 +223,12 @@ class Node:
                 connection, _ = self._listener.accept()
             except OSError:
                 return
+            # One that sends nothing, or nonsense, holds up no other.
+            threading.Thread(target=self._welcome, args=(connection,), daemon=True).start()
+
+    def _welcome(self, connection: socket.socket) -> None:
+        connection.settimeout(CONNECT_LIMIT)
+        try:
             fields = _read_header(connection)
             topic_type, handler = self._advertised[fields["topic"]]
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -211,21 +244,33 @@ class Node:
                     }
                 )
             )
-            self._hand_over(connection, handler)
+        except FAULTS_OF_PEERS:
+            connection.close()
+            return
+        self._hand_over(connection, handler)
 
     def _hand_over(self, connection: socket.socket, handler: Handler) -> None:
         connection.settimeout(None)
-        self._sockets.append(connection)
+        with self._lock:
+            if self._closed:
+                connection.close()
+                return
+            self._sockets.append(connection)
         handler(connection)
 
 
 def _read_header(connection: socket.socket) -> Dict[str, str]:
     (length,) = struct.unpack("<I", _read(connection, 4))
+    if length > HEADER_LIMIT:
+        raise ValueError("a header of %d bytes" % length)
     return decode_header(_read(connection, length))
 
 
 def _read(connection: socket.socket, size: int) -> bytes:
-    data = connection.recv(size, socket.MSG_WAITALL)
-    if len(data) != size:
-        raise OSError("the connection was closed")
+    data = b""
+    while len(data) < size:
+        more = connection.recv(size - len(data))
+        if not more:
+            raise OSError("the connection was closed")
+        data += more
     return data

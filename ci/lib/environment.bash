@@ -64,3 +64,36 @@ enter_workspace() {
         esac
     fi
 }
+
+# Say so where the master that a command would talk to is another user's: on a machine that many
+# share, theirs may be nodes of the same names, which ours would end.
+warn_of_foreign_master() { # COMMAND…
+    local uri=${ROS_MASTER_URI:-http://localhost:11311} port word owner free
+    [[ $uri =~ ^https?://(localhost|127\.[0-9.]+|\[::1\]):([0-9]+)/?$ ]] || return 0
+    port=${BASH_REMATCH[2]}
+    case ${1-} in
+        roslaunch | roscore)
+            for word; do
+                # -p PORT, --port PORT, --port=PORT
+                [[ $port == next && $word =~ ^[0-9]+$ ]] && port=$word
+                [[ $word == -p || $word == --port ]] && port=next
+                [[ $word =~ ^(--port=|-p)([0-9]+)$ ]] && port=${BASH_REMATCH[2]}
+            done
+            ;;
+    esac
+    [[ $port =~ ^[0-9]+$ ]] || return 0
+    owner=$(listeners | awk -v port="$port" '$1 == port { print $2; exit }')
+    if [ -z "$owner" ] || [ "$owner" = "$(id -u)" ]; then return 0; fi
+    free=$(listeners | awk -v port="$port" '{ taken[$1] } END { while (++port in taken); print port }')
+    say "port $port of this machine is served by $(id -nu "$owner" 2>/dev/null || echo "user $owner"), not by" \
+        "you: for a master of your own, 'export ROS_MASTER_URI=http://localhost:$free' in each terminal."
+}
+
+# The TCP ports that something on this machine listens at: port and user, a line each.
+listeners() {
+    local state address uid port
+    while read -r _ address _ state _ _ _ uid _; do
+        port=$((16#${address##*:}))
+        [ "$state" != 0A ] || echo "$port $uid"
+    done < <(tail -q -n +2 /proc/net/tcp /proc/net/tcp6 2>/dev/null)
+}

@@ -4,7 +4,7 @@ import os
 import pathlib
 import shutil
 import subprocess
-from typing import Dict, Optional
+from typing import Dict, List, Optional
 
 import pytest
 
@@ -25,6 +25,24 @@ add_message_files(FILES ${messages})
 generate_messages()
 catkin_package()
 """
+APT_GET = """
+    case "$*" in
+        update*--print-uris*)
+            echo "'http://mirror/debian/dists/a/InRelease' mirror_InRelease 0 "
+            echo "'http://mirror/debian/dists/a-updates/InRelease' mirror_InRelease 0 "
+            return ;;
+        *--print-uris*) echo "'http://mirror/debian/pool/one.deb' one.deb 1 "; return ;;
+    esac
+    echo "apt-get $*" >> 'SYSTEM/log'
+    case $1 in
+        update) cat 'SYSTEM/mirror' > 'SYSTEM/known' ;;
+        install)
+            for word in $(printf '%s\\n' "$@" | grep -vE '^(install|-.*|.*=.*)$'); do
+                [ -f "$word" ] || grep -qx "$word" 'SYSTEM/known' ||
+                    { echo "E: Unable to locate package $word"; return 100; }
+                basename "$word" .deb >> 'SYSTEM/installed'
+            done ;;
+    esac"""
 
 
 class Workspace:
@@ -37,6 +55,10 @@ class Workspace:
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
         self.fakes: Dict[str, str] = {}
+        #: In ci/.
+        self.program = "exec"
+        #: A command that is to run it.
+        self.prefix: List[str] = []
         shutil.copytree(CI, root / "ci", ignore=shutil.ignore_patterns("__pycache__", "tests"))
         self.add_package("tiny")
 
@@ -62,9 +84,9 @@ class Workspace:
         return environment
 
     def start(self, *command: str, **changes: Optional[str]) -> "subprocess.Popen[str]":
-        """Start ci/exec in a process group of its own."""
+        """Start the program in a process group of its own."""
         return subprocess.Popen(
-            [str(self.root / "ci" / "exec")] + list(command),
+            self.prefix + [str(self.root / "ci" / self.program)] + list(command),
             env=self.environment(changes),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -76,7 +98,7 @@ class Workspace:
     def run(
         self, *command: str, stdin: str = "", **changes: Optional[str]
     ) -> "subprocess.CompletedProcess[str]":
-        """Run ci/exec to its end."""
+        """Run the program to its end."""
         process = self.start(*command, **changes)
         out, err = process.communicate(stdin, timeout=120)
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
@@ -91,8 +113,8 @@ class Workspace:
         """Replace the list of packages and the package system; return the log of root's commands.
 
         Nothing is built then: these tests are about what comes before.
-        ``apt-get update`` makes every listed package known, ``apt-get install`` installs it, by
-        name or from a file. ``apt-helper`` makes an empty file.
+        ``apt-get update`` makes every package of the mirror known, ``apt-get install`` installs
+        what is known, and files. ``apt-helper`` makes an empty file.
         """
         (self.root / "ci" / "apt-packages.txt").write_text(listed)
         system = self.root / "system"
@@ -105,35 +127,56 @@ class Workspace:
             {
                 "dpkg-query": "sed 's/^/installed /' '%s/installed'" % system,
                 "apt-cache": r"sed 's/\(.*\)/\1:\n  Candidate: 1.0/' '%s/known'" % system,
-                "apt-get": "echo 'Debian http://mirror/debian/'",  # to indextargets
-                "apt-helper": """echo "$*" >> '%s/log'; touch "$3" """ % system,
+                "apt-get": APT_GET.replace("SYSTEM", str(system)),
+                "apt-helper": """
+                    [[ $* != *InRelease* ]] || return 0  # whether the archive answers
+                    echo "$*" >> '%s/log'; touch "$3" """
+                % system,
+                "timeout": 'shift; "$@"',
                 "sudo": '"$@"',
+                "env": 'while [[ $1 == *=* ]]; do shift; done; "$@"',
                 "catkin_make": "mkdir -p devel; : > devel/setup.bash",
-                "env": """
-                    while [[ $1 == *=* ]]; do shift; done
-                    echo "$*" >> '{0}/log'
-                    case $2 in
-                        update) cat '{0}/mirror' > '{0}/known' ;;
-                        install)
-                            for word; do basename "$word" .deb; done >> '{0}/installed' ;;
-                    esac""".format(
-                    system
-                ),
             }
         )
         (system / "mirror").write_text(known)
+        self.pretend_release("bookworm")
         return log
+
+    def pretend_release(self, codename: str) -> None:
+        """Replace what tells which release of Debian this is."""
+        release = self.root / "system" / "os-release"
+        release.write_text("PRETTY_NAME='a Debian'\nVERSION_CODENAME=%s\n" % codename)
+        self.patch("setup.bash", "=/etc/os-release\n", "='%s'\n" % release)
+
+    def patch(self, name: str, old: str, new: str) -> None:
+        """Replace something in a file of ci/lib."""
+        path = self.root / "ci" / "lib" / name
+        path.write_text(path.read_text().replace(old, new))
+
+    def give_away(self, place: str) -> None:
+        """Take from this user the right to write to a file or folder, even if this is root."""
+        os.chmod(str(self.root / place), 0o555)
+        if os.geteuid() == 0:
+            self.prefix = ["setpriv", "--bounding-set=-dac_override", "--"]
+
+    def be_somebody(self, name: str = "daemon") -> None:
+        """Make ci/exec believe that a user without rights has called it."""
+        self.fakes["id"] = (
+            'case $1 in -u) echo 12345 ;; -nu) [ $# = 1 ] && echo %s || command id "$@" ;; esac'
+            % name
+        )
 
 
 @pytest.fixture
 def workspace(tmp_path: pathlib.Path) -> Workspace:
     """A workspace that nothing has been built in."""
-    return Workspace(tmp_path / "a workspace")
+    return Workspace(tmp_path / "workspace")
 
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: "pytest.TempPathFactory") -> Workspace:
     """A built workspace, for tests that change nothing in it."""
-    workspace = Workspace(tmp_path_factory.mktemp("built"))
+    # Signs that are seldom in a path, and no reason to refuse it.
+    workspace = Workspace(tmp_path_factory.mktemp("built") / "é+@=%,~-1")
     assert workspace.run("true").returncode == 0
     return workspace

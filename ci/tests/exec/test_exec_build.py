@@ -1,6 +1,8 @@
 """ci/exec builds when something changed, and only then; nothing half done looks finished."""
 
 import os
+import pathlib
+import pwd
 import shutil
 import signal
 import subprocess
@@ -114,3 +116,45 @@ def test_another_workspace_of_the_caller_stays_out(workspace: Workspace, built: 
     )
     assert str(built.root) not in out.decode()
     assert workspace.shows("other.Beat") and not workspace.shows("tiny.Beat")
+
+
+@pytest.mark.parametrize("sign", list("\"'$ \\#:\t"))
+def test_refuses_a_path_that_ros_cannot_take(tmp_path: pathlib.Path, sign: str) -> None:
+    workspace = Workspace(tmp_path / ("one%sother" % sign))
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert len(result.stderr.splitlines()) == 1
+    assert "stumble over the '%s' in" % sign in result.stderr
+    assert not (workspace.root / "build").exists()
+
+
+@pytest.mark.parametrize("place", ["build", "build/ci-exec", "build/ci-exec/lock", "devel"])
+def test_says_whose_the_build_is(workspace: Workspace, place: str) -> None:
+    workspace.pretend_packages("[run]\none\n", installed="one\n")
+    assert workspace.run("true").returncode == 0
+    (workspace.root / "src" / "tiny" / "msg" / "Bar.msg").write_text("")
+    workspace.give_away(place)
+    workspace.be_somebody()
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    (line,) = result.stderr.splitlines()
+    owner = pwd.getpwuid(os.getuid()).pw_name
+    assert line.startswith("ci/exec: %s belongs to %s, " % (workspace.root / place, owner))
+    assert "'chown -R daemon %s/build %s/devel'" % ((workspace.root,) * 2) in line
+
+
+def test_says_that_the_checkout_cannot_be_written_to(workspace: Workspace) -> None:
+    workspace.pretend_packages("[run]\none\n")
+    workspace.give_away(".")
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    (line,) = result.stderr.splitlines()
+    assert "cannot write to %s/build/ci-exec" % workspace.root in line and "a clone" in line
+
+
+def test_runs_what_is_built_whoever_it_belongs_to(workspace: Workspace) -> None:
+    workspace.pretend_packages("[run]\none\n", installed="one\n")
+    assert workspace.run("true").returncode == 0
+    workspace.give_away("build")
+    workspace.be_somebody()
+    assert workspace.run("true").returncode == 0

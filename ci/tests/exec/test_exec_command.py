@@ -3,7 +3,11 @@
 import os
 import pathlib
 import pty
+import pwd
+import re
+import socket
 import subprocess
+from typing import Sequence
 
 import pytest
 from conftest import Workspace
@@ -124,3 +128,28 @@ def test_shell_keeps_the_environment_that_a_bashrc_spoils(
 
 def test_without_a_terminal_the_shell_reads_commands(built: Workspace) -> None:
     assert built.run(stdin="echo $ROS_DISTRO; exit 4\n").returncode == 4
+
+
+@pytest.mark.parametrize("words", [(), ("--port=1", "-p", "PORT")])
+def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> None:
+    owner = pwd.getpwuid(os.getuid()).pw_name
+    with socket.create_server(("localhost", 0)) as listener:
+        port = listener.getsockname()[1]
+        built.be_somebody()
+        command = ["roslaunch", "--help"] if words else ["true"]
+        command += [word.replace("PORT", str(port)) for word in words]
+        changes = {} if words else {"ROS_MASTER_URI": "http://localhost:%d" % port}
+        try:
+            (line,) = built.run(*command, **changes).stderr.splitlines()
+        finally:
+            built.fakes.clear()
+        assert "port %d of this machine is served by %s" % (port, owner) in line
+        found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
+        assert found and int(found.group(1)) > port
+        assert built.run("true", ROS_MASTER_URI="http://localhost:%d" % port).stderr == ""
+    # Nobody listens there.
+    built.be_somebody()
+    try:
+        assert built.run("true", ROS_MASTER_URI="http://localhost:%d" % port).stderr == ""
+    finally:
+        built.fakes.clear()

@@ -1,5 +1,11 @@
 """ci/exec installs what is missing, says so, and refuses where it may or can not."""
 
+import contextlib
+import os
+import pty
+import subprocess
+import time
+
 import pytest
 from conftest import Workspace
 
@@ -13,16 +19,21 @@ two  # another
 three
 """
 BORROWED = """
-[borrowed Ubuntu]
+[borrowed buster]
 two pool/universe/two.deb bad
-[borrowed Debian]
+
+[borrowed bullseye]
 two pool/main/two.deb 5ec
+
+three pool/main/three.deb 7ab
 """
+SUDO_REFUSES = """
+    echo "sudo: a password is required" >&2; echo sudo >> '%s'; false"""
 
 
 def test_installs_only_what_is_missing(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, installed="catkin\none\n", known="two\n")
-    workspace.fakes["env"] += "; cat"  # may not take the command's input
+    workspace.fakes["apt-get"] += "; cat"  # may not take the command's input
     result = workspace.run("cat", stdin="input\n")
     assert (result.stdout, result.returncode) == ("input\n", 0)
     commands = log.read_text().splitlines()
@@ -33,12 +44,19 @@ def test_installs_only_what_is_missing(workspace: Workspace) -> None:
     assert workspace.run("true").stderr == ""
 
 
+def test_no_service_that_is_installed_keeps_the_lock(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["apt-get"] += "; [ ! -e /proc/$BASHPID/fd/9 ] || echo open >> '%s'" % log
+    assert workspace.run("true").returncode == 0
+    assert "open" not in log.read_text()
+
+
 def test_updates_the_lists_if_a_package_is_not_in_them(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, installed="catkin\n", known="one\n")
     (log.parent / "mirror").write_text("one\ntwo\n")
     assert workspace.run("true").returncode == 0
     commands = log.read_text().splitlines()
-    assert commands[0] == "apt-get update"
+    assert commands[0].startswith("apt-get update ")
     assert commands[1].endswith(" one two")
 
 
@@ -46,17 +64,17 @@ def test_says_what_the_system_does_not_have(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, installed="catkin\n", known="one\n")
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
-    assert "has no package two:" in result.stderr
-    assert log.read_text() == "apt-get update\n"
+    assert "a Debian has no package two:" in result.stderr
+    assert [line.split()[1] for line in log.read_text().splitlines()] == ["update"]
 
 
 def test_borrows_from_a_later_release_what_this_one_lacks(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
+    workspace.pretend_release("bullseye")
     result = workspace.run("true")
     assert result.returncode == 0
-    update, download, install = log.read_text().splitlines()
+    download, install = log.read_text().splitlines()
     file = str(workspace.root / "build" / "ci-exec" / "two.deb")
-    assert update == "apt-get update"
     url = "http://mirror/debian/pool/main/two.deb"
     assert download == "download-file %s %s SHA256:5ec" % (url, file)
     assert install.endswith(" one " + file)
@@ -72,12 +90,15 @@ def test_borrows_nothing_that_the_system_has(workspace: Workspace) -> None:
 
 def test_failed_download_is_shown(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
-    workspace.fakes["apt-helper"] = 'echo "E: Hash Sum mismatch"; false'
+    workspace.pretend_release("bullseye")
+    workspace.fakes[
+        "apt-helper"
+    ] = '[[ $* == *InRelease* ]] || { echo "E: Hash Sum mismatch"; false; }'
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert "E: Hash Sum mismatch" in result.stderr
     assert "cannot download pool/main/two.deb" in result.stderr
-    assert log.read_text() == "apt-get update\n"
+    assert log.read_text() == ""
 
 
 def test_may_be_forbidden_to_install(workspace: Workspace) -> None:
@@ -91,18 +112,190 @@ def test_may_be_forbidden_to_install(workspace: Workspace) -> None:
 
 def test_failed_installation_is_shown(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
-    workspace.fakes["env"] = 'echo "E: as the test wants it"; [ "${*: -1}" = update ]'
+    workspace.fakes["apt-get"] = 'echo "E: as the test wants it"; [ "$1" = update ]'
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert "E: as the test wants it" in result.stderr
 
 
-def test_names_what_is_to_be_borrowed_by_hand(workspace: Workspace) -> None:
-    workspace.pretend_packages(LISTED + BORROWED, installed="catkin\n", known="one\n")
+@pytest.mark.parametrize("release", ["bookworm", "bullseye"])
+def test_what_it_prints_installs_even_with_missing_lists(
+    workspace: Workspace, release: str
+) -> None:
+    log = workspace.pretend_packages(LISTED + BORROWED)
+    (log.parent / "mirror").write_text("catkin\none\n" + "two\n" * (release == "bookworm"))
+    workspace.pretend_release(release)
     result = workspace.run("echo", "not reached", CI_EXEC_NO_INSTALL="1")
-    *_, hint, line = result.stderr.splitlines()
-    assert hint.endswith(": http://mirror/debian/pool/main/two.deb")
-    assert line.replace("sudo ", "") == "apt-get install --no-install-recommends one two"
+    assert (result.stdout, result.returncode) == ("", 125)
+    said, *lines = result.stderr.splitlines()
+    assert said.startswith("ci/exec: packages are missing")
+    assert [line.replace("sudo ", "").split()[:2] for line in lines] == [
+        ["apt-get", "update"],
+        *(
+            [["debs=$(mktemp", "-d)"], ["/usr/lib/apt/apt-helper", "download-file"]]
+            if release == "bullseye"
+            else []
+        ),
+        ["apt-get", "install"],
+    ]
+    script = "\n".join(["set -e"] + lines).replace("/usr/lib/apt/", "")
+    subprocess.check_call(
+        ["bash", "-c", script], env=workspace.environment({"TMPDIR": str(log.parent)})
+    )
+    assert [path.name for path in (workspace.root / "build" / "ci-exec").iterdir()] == ["lock"]
+    assert workspace.run("true", CI_EXEC_NO_INSTALL="1").returncode == 0
+
+
+def test_without_sudo_says_what_root_can_do(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED)
+    workspace.be_somebody()
+    workspace.fakes["command"] = '[ "$2" != sudo ] && builtin command "$@"'
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    said, *lines = result.stderr.splitlines()
+    assert "without sudo only root" in said
+    assert [line.split()[:2] for line in lines] == [["apt-get", "update"], ["apt-get", "install"]]
+    assert log.read_text() == ""
+
+
+def test_sudo_is_asked_once_and_its_refusal_said_as_such(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED)
+    workspace.be_somebody("alice")
+    workspace.fakes["command"] = '[ "$2" = sudo ] || builtin command "$@"'
+    workspace.fakes["sudo"] = SUDO_REFUSES % log
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert log.read_text() == "sudo\n"
+    *_, refused, said, update, install = result.stderr.splitlines()
+    assert refused == "sudo: a password is required"
+    assert "sudo did not let alice install packages" in said and "administrator" in said
+    assert update == "apt-get update"
+    assert install == "apt-get install --no-install-recommends catkin one two"
+
+
+def test_proxies_reach_apt_through_sudo(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["env"] = 'echo "$*" >> "%s"; %s' % (log, workspace.fakes["env"])
+    assert workspace.run("true", http_proxy="http://proxy:1", https_proxy=None).returncode == 0
+    calls = [line for line in log.read_text().splitlines() if "=" in line.split()[0]]
+    assert calls and all("http_proxy=http://proxy:1 " in line for line in calls)
+
+
+def test_an_unreachable_archive_is_said_as_such(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED)
+    fault = "E: Failed to fetch http://mirror/x  Could not connect to proxy:1 (refused)"
+    workspace.fakes["apt-helper"] = "echo '%s'; false" % fault
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert log.read_text() == ""
+    said = result.stderr.splitlines()[-1]
+    assert "no package can be downloaded" in said and "the proxy" in said
+    assert "Could not connect to proxy:1 (refused)" in said
+
+
+def test_an_archive_that_never_answers_is_given_up(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED)
+    bin = workspace.root / "bin"
+    bin.mkdir()
+    (bin / "apt-helper").write_text("#!/bin/sh\nexec sleep 60\n")
+    (bin / "apt-helper").chmod(0o755)
+    del workspace.fakes["timeout"], workspace.fakes["apt-helper"]
+    workspace.patch("packages.bash", "patience=40\n", "patience=1\n")
+    began = time.monotonic()
+    result = workspace.run("true", PATH="%s:%s" % (bin, os.environ["PATH"]))
+    assert result.returncode == 125
+    assert "no answer within 1 s" in result.stderr
+    assert time.monotonic() - began < 10.0
+
+
+def test_what_is_downloaded_already_takes_no_network(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["apt-helper"] = "false"
+    apt_get = workspace.fakes["apt-get"]
+    workspace.fakes["apt-get"] = '[[ $* != "install --print-uris"* ]] || return 0; ' + apt_get
+    assert workspace.run("true").returncode == 0
+
+
+def test_lists_that_could_not_be_had_are_not_a_lack_of_packages(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED)
+    warning = "echo 'W: Failed to fetch http://mirror/debian'"
+    workspace.fakes["apt-get"] += '; [ "$1" != update ] || ' + warning
+    result = workspace.run("true")
+    assert result.returncode == 125
+    assert "W: Failed to fetch http://mirror/debian" in result.stderr
+    assert "did not get all lists" in result.stderr and "has no package" not in result.stderr
+
+
+def test_old_lists_are_renewed_and_the_installation_tried_again(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    old = "[ $1 = update ] || grep -qs 'apt-get update' '%s' || { echo >> '%s'; return 100; }; "
+    apt_get = workspace.fakes["apt-get"].replace(
+        '    echo "apt', old % (log, log) + '    echo "apt'
+    )
+    workspace.fakes["apt-get"] = apt_get
+    assert workspace.run("true").returncode == 0
+    assert [line.split()[1] for line in log.read_text().split("\n") if line] == [
+        "update",
+        "install",
+    ]
+
+
+def test_waits_for_the_lock_of_the_lists(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED)
+    (log.parent / "mirror").write_text("catkin\none\ntwo\n")
+    locked = """
+        if [[ $1 == update && $* != *--print-uris* && ! -e '{0}/waited' ]]; then
+            echo 'E: Could not get lock'; return 100
+        fi;"""
+    workspace.fakes["apt-get"] = locked.format(log.parent) + workspace.fakes["apt-get"]
+    workspace.fakes["sleep"] = ": > '%s/waited'" % log.parent
+    assert workspace.run("true").returncode == 0
+    assert (log.parent / "waited").exists()
+
+
+def test_finishes_an_installation_that_was_cut_short(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["compgen"] = '[[ $2 == /var/lib/dpkg/* ]] || builtin compgen "$@"'
+    workspace.fakes["dpkg"] = "echo \"dpkg $*\" >> '%s'" % log
+    assert workspace.run("true").returncode == 0
+    assert log.read_text().splitlines()[0] == "dpkg --configure -a"
+
+
+def test_an_installation_without_effect_is_no_success(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["basename"] = ":"
+    result = workspace.run("echo", "not reached")
+    assert (result.stdout, result.returncode) == ("", 125)
+    assert "has not installed catkin one two" in result.stderr
+
+
+def test_on_a_terminal_a_long_installation_shows_that_it_goes_on(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["apt-get"] += '; [[ $1 != install ]] || { echo "Unpacking two"; sleep 0.5; }'
+    workspace.patch("setup.bash", "every=5\n", "every=0.1\n")
+    terminal, child_side = pty.openpty()
+    process = subprocess.Popen(
+        [str(workspace.root / "ci" / "exec"), "true"],
+        env=workspace.environment(),
+        stderr=child_side,
+        start_new_session=True,
+    )
+    os.close(child_side)
+    seen = b""
+    with contextlib.suppress(OSError):  # the other side is closed
+        while True:
+            seen += os.read(terminal, 4096)
+    os.close(terminal)
+    assert process.wait(60) == 0
+    assert b" s: Unpacking two" in seen
+
+
+def test_without_a_terminal_it_shows_no_progress(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    workspace.fakes["apt-get"] += '; [[ $1 != install ]] || { echo "Unpacking two"; sleep 0.5; }'
+    workspace.patch("setup.bash", "every=5\n", "every=0.1\n")
+    result = workspace.run("true")
+    assert result.returncode == 0 and "Unpacking" not in result.stderr
 
 
 @pytest.mark.parametrize("absent", ["apt-get", "dpkg-query"])
@@ -121,8 +314,7 @@ def test_takes_noetic_where_it_is(workspace: Workspace) -> None:
     noetic = workspace.root / "noetic"
     noetic.mkdir()
     (noetic / "setup.bash").write_text("export FAKE_NOETIC=sourced\n")
-    setup = workspace.root / "ci" / "lib" / "setup.bash"
-    setup.write_text(setup.read_text().replace("=/opt/ros/noetic\n", "='%s'\n" % noetic))
+    workspace.patch("setup.bash", "=/opt/ros/noetic\n", "='%s'\n" % noetic)
     workspace.fakes["catkin_make"] = 'mkdir -p devel; : > devel/setup.bash; echo "$FAKE_NOETIC"'
     result = workspace.run("true")
     assert result.returncode == 0

@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Optional, Type
 from steps import end_leftovers
 
 #: how long a process may take to end when asked to, s
-PATIENCE = 10.0
+PATIENCE_S = 10.0
 #: addresses for documentation (RFC 5737); they exist in the namespaces alone
 ADDRESSES = {"near": "192.0.2.1", "far": "192.0.2.2"}
 DEVICE = "cable"
@@ -135,7 +135,7 @@ class Hosts:
             if process.poll() is None:
                 os.killpg(process.pid, number)
                 with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(PATIENCE)
+                    process.wait(PATIENCE_S)
         if process in self._running:
             self._running.remove(process)
 

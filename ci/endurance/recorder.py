@@ -9,7 +9,7 @@ from typing import Any, List
 
 import rosbag
 import rospy
-from nodekit.messaging.subscriber import Subscriber
+from nodekit.messaging.subscription import Subscription
 from roslib.message import get_message_class
 
 
@@ -26,7 +26,11 @@ class Recorder:
 
     def record(self, topic: str) -> None:
         """Record a topic from now on."""
-        Subscriber(topic, rospy.AnyMsg, lambda messages: self._write(topic, messages))
+        Subscription(
+            rospy.resolve_name(topic),
+            rospy.AnyMsg,
+            lambda messages, may_wait: self._write(topic, messages),
+        ).open()
 
     def close(self) -> None:
         """Write no more."""

@@ -6,7 +6,7 @@
 import ast
 import pathlib
 import sys
-from typing import Dict, Iterator, List, Set, Tuple
+from typing import Dict, Iterator, List, Mapping, Set, Tuple
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
 
@@ -27,16 +27,20 @@ SIBLINGS: Dict[str, Set[str]] = {
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
         *("parameters", "transport", "timing", "rospy_internals", "messaging", "live", "life"),
-        *("process", "entry_point", "commands", "testing"),
+        *("node", "process", "entry_point", "commands", "testing"),
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
     *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
+    *("nodekit.life.groups", "nodekit.messaging.finite"),
     *("basic_comms.signals", "basic_comms.chatter"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
+
+#: Imports by name what it offers, so that nothing is imported before it is used.
+FRONT_DOOR = "nodekit"
 
 #: What turns text into code or a command.
 CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load", "full_load"}
@@ -83,6 +87,35 @@ def is_in(name: str, places: object) -> bool:
     return any((name + ".").startswith(place + ".") for place in places)  # type: ignore
 
 
+def cycles(trees: Mapping[str, ast.AST]) -> Iterator[Tuple[str, str]]:
+    """Return a module and a sentence for each circle of modules that import each other."""
+    known = set(trees)
+    graph = {
+        name: {
+            found
+            for _, imported in imports(tree)
+            for found in (imported, imported.rpartition(".")[0])
+            if found in known and found != name
+        }
+        for name, tree in trees.items()
+    }
+    done: Set[str] = set()
+    for start in sorted(graph):
+        path: List[str] = []
+        stack = [iter([start])]
+        while stack:
+            following = next(stack[-1], None)
+            if following is None:
+                stack.pop()
+                done.update(path[-1:])
+                path = path[:-1]
+            elif following in path:
+                yield start, "in a circle: " + " -> ".join(path[path.index(following) :])
+            elif following not in done:
+                path.append(following)
+                stack.append(iter(sorted(graph[following])))
+
+
 def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int, str]]:
     """Return line and sentence of all that a module may not do."""
     package, _, room = name.partition(".")
@@ -100,6 +133,8 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
             yield line, "it is to know no ROS, and imports %s" % imported
         if top in MODULES and not is_in(name, MAY_START_PROCESSES):
             yield line, "%s could make code of input" % top
+        if imported == "typing.TYPE_CHECKING" and name != FRONT_DOOR:
+            yield line, "what is imported for type checkers alone may hide a circle"
     for line, called in calls(tree):
         if called in CODE:
             yield line, "%s could make code of input" % called
@@ -111,11 +146,15 @@ def main() -> int:
     :returns: exit status
     """
     packages = {manifest.parent.name for manifest in SOURCES.glob("*/package.xml")}
+    paths = dict(modules())
+    trees = {name: ast.parse(path.read_text("utf-8")) for name, path in paths.items()}
     found = [
-        "%s:%d: %s" % (path.relative_to(SOURCES.parent), line, sentence)
-        for name, path in modules()
-        for line, sentence in breaches(name, ast.parse(path.read_text("utf-8")), packages)
+        "%s:%d: %s" % (paths[name].relative_to(SOURCES.parent), line, sentence)
+        for name, tree in trees.items()
+        for line, sentence in breaches(name, tree, packages)
     ]
+    trees.pop(FRONT_DOOR)  # nobody imports it from within
+    found += ["%s: %s" % breach for breach in cycles(trees)]
     print("\n".join(found))
     return 1 if found else 0
 

@@ -55,6 +55,7 @@ def lint() -> List[Step]:
         + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
         + libraries,
         "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
+        "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
     }
     for package in packages():
@@ -83,7 +84,11 @@ def unit() -> List[Step]:
 
 
 def install() -> List[Step]:
-    return [pytest_step("install", "install", CI / "tests" / "spaces" / "test_install_space.py")]
+    place = CI / "tests" / "spaces"
+    return [
+        pytest_step("install", "install", place / "test_install_space.py"),
+        pytest_step("install", "own workspace", place / "test_own_workspace.py"),
+    ]
 
 
 def catkin_build() -> List[Step]:

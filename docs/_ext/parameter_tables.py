@@ -7,7 +7,8 @@ the node validates by, so the table cannot say anything else than the node does.
 import importlib
 from typing import Any, Dict, List
 
-from nodekit.parameters.declaration import ParameterSet, describe, shown
+from nodekit.parameters.declaration import ParameterSet, format_value
+from nodekit.parameters.schema import describe
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 from tables import table
@@ -35,7 +36,7 @@ def _row(item: Dict[str, Any]) -> List[str]:
     return [
         "`~%s`" % item["name"],
         item["type"],
-        "`%s`" % (default or '""' if isinstance(default, str) else shown(default)),
+        "`%s`" % (default or '""' if isinstance(default, str) else format_value(default)),
         _unbroken(item["range"]),
         item["unit"],
         item["help"],

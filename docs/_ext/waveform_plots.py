@@ -9,8 +9,7 @@ from typing import Any, Dict, List
 
 import matplotlib
 import yaml
-from basic_comms.signals.shapes import WAVEFORMS
-from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_parameters import WAVEFORMS, SignalParameters
 from basic_comms.signals.signal_source import SignalSource
 from docutils import nodes
 from sphinx.util import logging

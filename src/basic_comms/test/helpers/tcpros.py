@@ -8,7 +8,7 @@ from xmlrpc.client import ServerProxy
 
 from rosgraph.network import encode_ros_handshake_header
 
-from nodekit.testing.waiting import TIMEOUT
+from nodekit.testing.waiting import TIMEOUT_S
 
 _LENGTH = struct.Struct("<I")
 # A name of its own for each: rospy hangs up on the older of two connections with one name.
@@ -43,7 +43,7 @@ def header(topic: str, kind: Any, **changes: str) -> bytes:
 
 def connect(where: Tuple[str, int]) -> socket.socket:
     """Open a connection that gives up reading after the usual time-out."""
-    return socket.create_connection(where, TIMEOUT)
+    return socket.create_connection(where, TIMEOUT_S)
 
 
 class Tap:

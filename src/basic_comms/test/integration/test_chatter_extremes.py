@@ -29,7 +29,8 @@ class ChatterExtremes(unittest.TestCase):
         self.listener = Process(find_node("basic_comms", "listener.py")[0])
         self.addCleanup(self.listener.end)
         self.publisher = Publisher("/chatter", String)
-        self.addCleanup(self.publisher.unregister)
+        self.addCleanup(self.publisher.close)
+        self.publisher.open()
         wait_until(lambda: self.publisher.statistics(), lambda: "the listener did not come")
         self.say_until_heard("first")
         self.pid = self.listener.popen.pid

@@ -11,7 +11,7 @@ import rospy
 import rostest
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 NODES = ("talker", "listener", "signal_generator", "process", "fleet")
 
@@ -50,7 +50,7 @@ class NodeLife(unittest.TestCase):
 
     def assert_ends_cleanly(self, node: str, process: "subprocess.Popen[str]") -> None:
         """Check the exit status, the last words and what the master still knows."""
-        _, errors = process.communicate(timeout=TIMEOUT)
+        _, errors = process.communicate(timeout=TIMEOUT_S)
         self.assertEqual(process.returncode, 0, errors)
         self.assertNotIn("Traceback", errors)
         wait_until(
@@ -86,17 +86,20 @@ class NodeLife(unittest.TestCase):
             (
                 "talker",
                 "_rate:=0",
-            ): "parameter /talker/rate: 0 is refused, allowed is a number in [1e-06",
-            ("process", "_keep_positive:=5"): "parameter /process/keep_positive: 5 is refused",
+            ): "parameter /talker/rate: refused 0: must be a number in [1e-06",
+            (
+                "process",
+                "_keep_positive:=5",
+            ): "parameter /process/keep_positive: refused 5: must be",
             (
                 "signal_generator",
                 "_waveform:=cosine",
-            ): "'cosine' is refused, allowed is one of sine",
-            ("fleet", "_count:=-1"): "parameter /fleet/count: -1 is refused",
+            ): "refused 'cosine': must be one of sine",
+            ("fleet", "_count:=-1"): "parameter /fleet/count: refused -1: must be",
         }
         for (node, argument), sentence in cases.items():
             with self.subTest(node=node), self.started(node, argument) as process:
-                _, errors = process.communicate(timeout=TIMEOUT)
+                _, errors = process.communicate(timeout=TIMEOUT_S)
                 self.assertEqual(process.returncode, 1, errors)
                 self.assertIn(sentence, errors)
                 self.assertNotIn("Traceback", errors)

@@ -13,9 +13,9 @@ import rostest
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.slow_master import SlowMaster
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-#: Shorter than TIMEOUT, for the cases that follow when one of them hangs, s.
+#: Shorter than TIMEOUT_S, for the cases that follow when one of them hangs, s.
 END_TIMEOUT = 15.0
 
 
@@ -86,7 +86,7 @@ class Signals(unittest.TestCase):
             master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
             self.addCleanup(master.close)
             process = self.node(program, ROS_MASTER_URI=master.uri)
-            self.assertTrue(master.reached.wait(TIMEOUT))
+            self.assertTrue(master.reached.wait(TIMEOUT_S))
             process.send_signal(number)
             wait_until(lambda: taken_in(process.pid, number), lambda: "the signal is still pending")
             wait_until(lambda: not then or then in master.calls, lambda: str(master.calls))

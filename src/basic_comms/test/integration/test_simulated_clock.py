@@ -20,7 +20,7 @@ from std_msgs.msg import Float32, String
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet", "/recorded/process")
 PERIOD = 0.1  # s, of the generator and the talker
@@ -107,7 +107,7 @@ class OnSimulatedClock(unittest.TestCase):
                 start_new_session=True,
             )
             # Ctrl-C goes to what it starts as well: rosbag of Debian 11 would not pass it on.
-            self.addCleanup(play.wait, TIMEOUT)
+            self.addCleanup(play.wait, TIMEOUT_S)
             self.addCleanup(os.killpg, play.pid, signal.SIGINT)
             wait_until(
                 lambda: laps(self.said_at()) >= 3 and recorded.count() > 150,

@@ -17,7 +17,7 @@ from std_msgs.msg import Float32, String
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: By node its program, its module and a topic that shows that it works.
 NODES = {
@@ -66,7 +66,7 @@ class Surroundings(unittest.TestCase):
             process.send_signal(signal.SIGINT)
         texts = []
         for process, errors in nodes:
-            process.communicate(timeout=TIMEOUT)
+            process.communicate(timeout=TIMEOUT_S)
             errors.seek(0)
             texts.append(errors.read())
             self.assertEqual(process.returncode, 0, texts[-1])

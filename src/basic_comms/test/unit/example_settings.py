@@ -1,14 +1,17 @@
 """A complete set of signal settings for tests, and the range of each for hypothesis."""
 
 import math
-from types import SimpleNamespace
 
 from hypothesis import strategies as st
 
 from basic_comms.signals.replay import Series
-from basic_comms.signals.shapes import WAVEFORMS
+from basic_comms.signals.signal_parameters import WAVEFORMS, SeriesPath, SignalParameters
+
+FILE = SeriesPath("example.csv")
+FILE.series = Series([0.0, 1.0, 3.0], [0.0, -4.0, 8.0])
 
 DEFAULTS = {
+    **SignalParameters().as_dict(),
     "waveform": "sine",
     "amplitude": 2.0,
     "frequency": 2.0 * math.pi,
@@ -29,7 +32,7 @@ DEFAULTS = {
     "multisine_amplitudes": [1.0, 0.5, 0.25],
     "multisine_frequencies": [1.0, 5.0, 25.0],
     "multisine_phases": [0.0, 2.0, -1.0],
-    "series": Series([0.0, 1.0, 3.0], [0.0, -4.0, 8.0]),
+    "file": FILE,
     "file_mode": "linear",
     "file_loop": False,
 }
@@ -38,7 +41,7 @@ DEFAULTS = {
 def settings(**changes):
     """Return the default settings with some changes."""
     assert set(changes) <= set(DEFAULTS)
-    return SimpleNamespace(**{**DEFAULTS, **changes})
+    return SignalParameters.from_coerced({**DEFAULTS, **changes})
 
 
 values = st.floats(-1e6, 1e6)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.signals.lateness import LATE, SETTLED, LatenessMonitor
+from basic_comms.signals.lateness import LATE_S, SETTLED_S, LatenessMonitor
 
 PERIOD = 0.1
 #: What the receiver's clock shows when the signal begins: it means nothing.
@@ -69,7 +69,7 @@ def test_only_those_that_are_late_are_counted() -> None:
     burst = held_back(5.0, 25.0)
     monitor = fed(steady(0.0, 5.0), [(BEGIN + 25.04, burst[:50]), (BEGIN + 25.05, burst[50:])])
     assert monitor.is_late
-    assert monitor.count == len([time_x for time_x in burst if 25.05 - time_x >= LATE])
+    assert monitor.count == len([time_x for time_x in burst if 25.05 - time_x >= LATE_S])
     assert monitor.worst == pytest.approx(20.04)
 
 
@@ -99,7 +99,7 @@ def test_a_busy_moment_is_no_lateness(pause: float) -> None:
 
 @given(st.floats(0.02, 50.0))
 def test_a_bag_played_at_another_speed_is_not_late(speed: float) -> None:
-    if PERIOD / speed - PERIOD < LATE:
+    if PERIOD / speed - PERIOD < LATE_S:
         samples = [(n * PERIOD / speed, [n * PERIOD]) for n in range(300)]
         assert not was_ever_late(samples)
 
@@ -130,8 +130,8 @@ def test_a_lag_that_lasts_is_none_in_the_end() -> None:
     def later(end: float) -> List[Tuple[float, List[float]]]:
         return [(now + 30.0, times) for now, times in steady(5.0, end)]
 
-    assert fed(steady(0.0, 5.0), later(5.0 + 0.9 * SETTLED)).is_late
-    assert not fed(steady(0.0, 5.0), later(5.0 + 1.1 * SETTLED)).is_late
+    assert fed(steady(0.0, 5.0), later(5.0 + 0.9 * SETTLED_S)).is_late
+    assert not fed(steady(0.0, 5.0), later(5.0 + 1.1 * SETTLED_S)).is_late
 
 
 def test_the_first_sample_is_in_time() -> None:

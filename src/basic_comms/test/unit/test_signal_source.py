@@ -10,8 +10,8 @@ from scipy import signal
 
 from basic_comms.signals.noise import Noise
 from basic_comms.signals.prbs import Prbs
-from basic_comms.signals.shapes import WAVEFORMS
-from basic_comms.signals.signal_settings import highest_frequency
+from basic_comms.signals.shapes import SHAPES
+from basic_comms.signals.signal_parameters import WAVEFORMS
 from basic_comms.signals.signal_source import SignalSource
 from basic_comms.signals.waveforms import TWO_PI
 
@@ -112,7 +112,7 @@ def test_shapes_of_time():
     assert run(times, waveform="file") == pytest.approx([0.0, -0.5, -1.0, 2.0])
     assert run(times, waveform="file", file_mode="hold") == pytest.approx([0.0, 0.0, -1.0, 2.0])
     assert run(times, waveform="file", file_loop=True)[3] == pytest.approx(0.5)
-    assert run(times, waveform="file", series=None) == [0.0] * 4
+    assert run(times, waveform="file", file="") == [0.0] * 4
 
 
 @pytest.mark.parametrize("shape", ["linear", "logarithmic"])
@@ -227,7 +227,6 @@ def test_a_multisine_without_amplitudes_is_silent():
     assert run([0.5], waveform="multisine", multisine_amplitudes=[0.0] * 3) == [0.0]
     empty = dict.fromkeys([name for name in DEFAULTS if name.startswith("multisine_")], [])
     assert run([0.5], waveform="multisine", **empty) == [0.0]
-    assert highest_frequency(settings(waveform="multisine", **empty)) == 0.0
 
 
 def test_reset_starts_phase_and_waveform_again():
@@ -238,9 +237,13 @@ def test_reset_starts_phase_and_waveform_again():
     assert [source.sample(n * 0.1, chosen) for n in range(1, 20)] == first
 
 
+def test_each_waveform_that_can_be_chosen_can_be_made():
+    assert tuple(SHAPES) == WAVEFORMS
+
+
 def test_the_highest_frequency_tells_what_has_to_be_below_nyquist():
-    highest = {name: highest_frequency(settings(waveform=name)) for name in WAVEFORMS}
+    highest = {name: settings(waveform=name).highest_frequency for name in WAVEFORMS}
     periodic = dict.fromkeys(["sine", "square", "triangle", "sawtooth", "pulse"], TWO_PI)
     others = {"chirp": 50.0, "multisine": 25.0, "prbs": math.pi / 0.1}
     assert highest == {**dict.fromkeys(WAVEFORMS, 0.0), **periodic, **others}
-    assert highest_frequency(settings(frequency=-3.0)) == 3.0
+    assert settings(frequency=-3.0).highest_frequency == 3.0

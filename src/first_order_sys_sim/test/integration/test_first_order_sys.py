@@ -129,7 +129,7 @@ class FirstOrderSys(unittest.TestCase):
         rospy.set_param(NODE + "/system_param_T", -0.05)
         line = self.log.wait_for(lambda line: "system_param_T" in line.msg)
         self.assertEqual(line.level, Log.WARN)
-        self.assertIn(NODE + "/system_param_T: -0.05 is refused, allowed is a number", line.msg)
+        self.assertIn(NODE + "/system_param_T: refused -0.05: must be a number", line.msg)
         wait_until(
             lambda: rospy.get_param(NODE + "/system_param_T") == 0.05,
             lambda: "%s is not put back" % rospy.get_param(NODE + "/system_param_T"),

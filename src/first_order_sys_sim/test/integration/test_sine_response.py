@@ -12,7 +12,7 @@ import rostest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
 
-from first_order_sys_sim.float32 import to_float32
+from nodekit.messaging.finite import to_float32
 from nodekit.testing.hearing import Ear
 from nodekit.testing.waiting import wait_until
 

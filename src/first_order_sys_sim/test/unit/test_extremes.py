@@ -7,39 +7,43 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from first_order_sys_sim.float32 import LARGEST
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
-from nodekit.parameters.settling import settle
+from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit.parameters.judging import on_wire
+from nodekit.parameters.reconciler import Reconciler, Seen
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5) | st.just("euler")
 YAML = SCALARS | st.lists(SCALARS, max_size=2) | st.dictionaries(st.text(max_size=2), SCALARS)
 CHANGES = st.dictionaries(st.sampled_from(sorted(SystemParameters.declared)), YAML, max_size=4)
 #: Of a Float32: the node leaves out what is not finite.
-INPUTS = st.floats(-LARGEST, LARGEST, width=32)
+INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 
 
 @pytest.mark.parametrize("name", SystemParameters.declared)
 @given(raw=YAML)
 def test_any_value_is_taken_whole_or_refused_in_words(name: str, raw: Any) -> None:
-    defaults = SystemParameters()
-    settled = settle(defaults, {**defaults.as_dict(), name: raw})
-    value = getattr(settled.values, name)
+    reconciler = Reconciler(SystemParameters)
+    defaults = reconciler.values
+    outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 0.0)
+    value = getattr(outcome.values, name)
     assert isinstance(value, str) or math.isfinite(value)
-    for error in settled.refusals:
-        assert "is refused" in str(error) and "allowed is" in str(error)
-        assert settled.values == defaults
+    for error in outcome.refusals:
+        assert ": refused " in str(error) and ": must be " in str(error)
+        assert outcome.values == defaults
 
 
 @given(st.lists(st.tuples(st.floats(-1.0, 1.0), INPUTS, CHANGES), max_size=8))
 def test_output_is_finite_and_within_its_limit(steps: List[Tuple[float, float, Any]]) -> None:
-    values = SystemParameters()
+    reconciler = Reconciler(SystemParameters)
+    values = reconciler.values
     plant = SampledPlant(values.plant, values.system_sample_time)
     time = 0.0
     for interval, value, changes in steps:
         time += interval  # also backwards
-        values = settle(values, {**values.as_dict(), **changes}).values  # type: ignore[assignment]
+        reconciler.step(Seen({**on_wire(values), **changes}), time)
+        values = reconciler.values
         plant.change(time, values.plant, values.system_sample_time)
         plant.set_input(time, value)
         for moment in (time, time + 1e-3, time + 1.0):

@@ -5,8 +5,8 @@ import struct
 import pytest
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
-from first_order_sys_sim.float32 import LARGEST, to_float32
 from first_order_sys_sim.system_parameters import SystemParameters
+from nodekit.messaging.finite import LARGEST_FLOAT32, to_float32
 
 
 def test_plant_is_as_the_parameters_say() -> None:
@@ -31,5 +31,5 @@ def test_dead_zone_takes_its_bound_as_a_message_brings_it(bound: float) -> None:
 
 
 def test_float32_has_a_largest_value() -> None:
-    assert to_float32(LARGEST) == LARGEST
+    assert to_float32(LARGEST_FLOAT32) == LARGEST_FLOAT32
     assert 0.2 < to_float32(0.2) == pytest.approx(0.2, rel=6e-8)

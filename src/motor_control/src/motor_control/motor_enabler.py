@@ -10,9 +10,7 @@ from std_msgs.msg import String
 from motor_control.back_off import BackOff
 from motor_control.enable_sequence import EnableSequence
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
-from nodekit.life.names import NodeScope
-from nodekit.timing.clocks import MonotonicClock
-from nodekit.timing.scheduler import Scheduler
+from nodekit import Node
 
 #: Pauses between calls that fail: the first one and the longest, s.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0
@@ -44,44 +42,50 @@ class MotorEnabler:
     :ROS Services called:
         - ``EnableProcess`` (motor_control_msgs/SetProcessBool)
 
-    :param scope: where the names above are
+    :param node: the node that wants the motor enabled
     """
 
-    def __init__(self, scope: NodeScope) -> None:
+    def __init__(self, node: Node) -> None:
         self._sequence = EnableSequence()
-        self._one_at_a_time = threading.Lock()
+        self._group = node.group()
         self._news = threading.Event()
         self._back_off = BackOff(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         self._next_call = 0.0
         self._waits_for = "its answer"
         self._was_connected = False
-        self._service = rospy.ServiceProxy(scope.topic("EnableProcess"), SetProcessBool)
-        self._subscriber = rospy.Subscriber(
-            scope.topic("motor_state"), String, self._on_state, tcp_nodelay=True
+        self._closed = False
+        self._service = rospy.ServiceProxy(node.resolve("EnableProcess"), SetProcessBool)
+        self._subscription = node.subscribe(
+            "motor_state", String, self._on_state, group=self._group
         )
+        node.every(1.0, self._tell, steady=True, group=self._group)
+        node.own(self)
         rospy.on_shutdown(self._news.set)
         threading.Thread(target=self._run, name="motor_enabler", daemon=True).start()
-        Scheduler(MonotonicClock()).every(1.0, self._tell)
+
+    def close(self) -> None:
+        """Call no more."""
+        self._closed = True
+        self._news.set()
 
     @property
     def may_publish(self) -> bool:
         """Whether the motor was enabled for us and is still."""
-        with self._one_at_a_time:
+        with self._group:
             return self._sequence.may_publish
 
     def _on_state(self, message: String) -> None:
-        with self._one_at_a_time:
-            before = self._sequence.may_publish
-            self._sequence.heard(message.data)
-            after = self._sequence.may_publish
-            self._next_call = 0.0
-            self._back_off.reset()
+        before = self._sequence.may_publish
+        self._sequence.heard(message.data)
+        after = self._sequence.may_publish
+        self._next_call = 0.0
+        self._back_off.reset()
         if before != after:
             rospy.loginfo("the motor is %s", message.data)
         self._news.set()
 
     def _run(self) -> None:
-        while not rospy.is_shutdown():
+        while not (self._closed or rospy.is_shutdown()):
             self._notice_loss()
             now = time.monotonic()
             if self._wants_call() and now >= self._next_call:
@@ -90,13 +94,13 @@ class MotorEnabler:
             self._news.clear()
 
     def _wants_call(self) -> bool:
-        with self._one_at_a_time:
+        with self._group:
             return self._sequence.wants_call
 
     def _notice_loss(self) -> None:
-        connected = self._subscriber.get_num_connections() > 0
+        connected = self._subscription.get_num_connections() > 0
         if self._was_connected and not connected:
-            with self._one_at_a_time:
+            with self._group:
                 self._sequence.lost()
             rospy.logwarn("the motor is gone")
         self._was_connected = connected
@@ -104,7 +108,7 @@ class MotorEnabler:
     def _call(self) -> None:
         self._waits_for = "its answer"
         success, message = ask(self._service)
-        with self._one_at_a_time:
+        with self._group:
             self._sequence.answered(success)
             if success:
                 self._back_off.reset()

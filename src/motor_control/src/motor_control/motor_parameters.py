@@ -1,8 +1,8 @@
 """The parameters of the motor, under the names that the course gave them."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from first_order_sys_sim.float32 import LARGEST
-from nodekit.parameters.declaration import FloatParameter, ParameterSet
+from nodekit import FloatParameter, ParameterSet
+from nodekit.messaging.finite import LARGEST_FLOAT32
 
 
 class MotorParameters(ParameterSet):
@@ -31,4 +31,4 @@ class MotorParameters(ParameterSet):
     @property
     def plant(self) -> PlantSettings:
         """What the plant is like; its output stops where a message's float32 ends."""
-        return PlantSettings(self.sys_gain_K, self.sys_tau_T, max_output=LARGEST)
+        return PlantSettings(self.sys_gain_K, self.sys_tau_T, max_output=LARGEST_FLOAT32)

@@ -115,7 +115,7 @@ class DcMotor(unittest.TestCase):
             rospy.set_param("%s/%s" % (NODE, name), -1.0)
             line = self.log.wait_for(lambda line: name in line.msg)
             self.assertEqual(line.level, Log.WARN)
-            text = "parameter %s/%s: -1 is refused, allowed is %s" % (NODE, name, reason)
+            text = "parameter %s/%s: refused -1: must be %s" % (NODE, name, reason)
             self.assertEqual(line.msg, text)
             wait_until(
                 lambda: rospy.get_param("%s/%s" % (NODE, name)) == kept,

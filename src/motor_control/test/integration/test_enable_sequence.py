@@ -16,7 +16,7 @@ from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from nodekit.testing.hearing import Ear
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("motor_control"), "scripts")
 
@@ -44,7 +44,7 @@ class EnableSequence(unittest.TestCase):
         """End a node by a signal, and return its exit status."""
         if node.poll() is None:
             node.send_signal(number)
-        return node.wait(TIMEOUT)
+        return node.wait(TIMEOUT_S)
 
     def start_motor(self) -> "subprocess.Popen[bytes]":
         """Start a motor, and wait until it can be enabled."""
@@ -166,7 +166,7 @@ class EnableSequence(unittest.TestCase):
                 answer = self.enable(True)
                 self.assertIn(answer.message, ("enabled already", "the motor is shutting down"))
             self.enable(True)
-        self.assertEqual(motor.wait(TIMEOUT), 0)
+        self.assertEqual(motor.wait(TIMEOUT_S), 0)
 
     def test_set_point_that_waits_ends_cleanly(self) -> None:
         set_point = self.start_set_point()

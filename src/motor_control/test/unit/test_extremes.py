@@ -8,17 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
-from first_order_sys_sim.float32 import LARGEST
 from motor_control.motor_parameters import MotorParameters
 from motor_control.set_point_parameters import SetPointParameters
-from nodekit.parameters.settling import settle
+from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit.parameters.judging import on_wire
+from nodekit.parameters.reconciler import Reconciler, Seen
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5)
 YAML = SCALARS | st.lists(SCALARS, max_size=2) | st.dictionaries(st.text(max_size=2), SCALARS)
 CHANGES = st.dictionaries(st.sampled_from(sorted(MotorParameters.declared)), YAML, max_size=3)
 #: Of a Float32: the node leaves out what is not finite.
-INPUTS = st.floats(-LARGEST, LARGEST, width=32)
+INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 #: The set point's other parameters are those of basic_comms' signal, which are tested there.
 DECLARED: List[Tuple[Type[Any], str]] = [
     (MotorParameters, each) for each in MotorParameters.declared
@@ -29,25 +30,28 @@ DECLARED += [(SetPointParameters, "omega")]
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
 def test_any_value_is_taken_whole_or_refused_in_words(kind: Any, name: str, raw: Any) -> None:
-    defaults = kind()
-    settled = settle(defaults, {**defaults.as_dict(), name: raw})
-    value = getattr(settled.values, name)
+    reconciler = Reconciler(kind)
+    defaults = reconciler.values
+    outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 0.0)
+    value = getattr(outcome.values, name)
     assert isinstance(value, type(getattr(defaults, name)))
     assert not isinstance(value, float) or math.isfinite(value)
-    for error in settled.refusals:
-        assert "is refused" in str(error) and "allowed is" in str(error)
-        assert settled.values == defaults
+    for error in outcome.refusals:
+        assert ": refused " in str(error) and ": must be " in str(error)
+        assert outcome.values == defaults
 
 
 @given(st.lists(st.tuples(st.floats(-1.0, 1.0), INPUTS, CHANGES), max_size=8))
 def test_speed_is_finite_and_fits_into_a_float32(steps: List[Tuple[float, float, Any]]) -> None:
-    values = MotorParameters()
+    reconciler = Reconciler(MotorParameters)
+    values = reconciler.values
     plant = FirstOrderPlant(values.plant)
     time = 0.0
     for interval, value, changes in steps:
         time += interval  # also backwards
-        values = settle(values, {**values.as_dict(), **changes}).values  # type: ignore[assignment]
+        reconciler.step(Seen({**on_wire(values), **changes}), time)
+        values = reconciler.values
         plant.change(time, values.plant)
         plant.hold(time, value)
         for moment in (time, time + 1e-3, time + 1.0):
-            assert abs(plant.output(moment)) <= LARGEST
+            assert abs(plant.output(moment)) <= LARGEST_FLOAT32

@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from basic_comms.signals.shapes import WAVEFORMS
-from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_parameters import WAVEFORMS, SignalParameters
 from basic_comms.signals.signal_source import SignalSource
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters

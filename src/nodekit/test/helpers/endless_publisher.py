@@ -22,7 +22,8 @@ def publish_on(publisher: Publisher, stop: threading.Event) -> None:
 def main() -> None:
     """Run until interrupted, then print that nothing was raised."""
     rospy.init_node("endless_publisher")
-    publisher = Publisher("topic", String)
+    publisher = Publisher(rospy.resolve_name("topic"), String)
+    publisher.open()
     stop = threading.Event()
     threads = [threading.Thread(target=publish_on, args=(publisher, stop)) for _ in range(2)]
     for thread in threads:

@@ -8,21 +8,21 @@ from typing import Any, Dict
 
 import rospy
 
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.live.parameter_server import UNREACHABLE
-from nodekit.parameters.declaration import (
+from nodekit import (
     BoolParameter,
     EnumParameter,
     FloatParameter,
     IntParameter,
     ListParameter,
+    MasterUnreachable,
+    Node,
     ParameterError,
     ParameterSet,
     StringParameter,
     rule,
-    to_wire,
+    run,
 )
-from nodekit.process.run import run
+from nodekit.parameters.kinds import to_wire
 
 
 class GaugeParameters(ParameterSet):
@@ -47,22 +47,22 @@ class GaugeParameters(ParameterSet):
 class Gauge:
     """Prints ``{"changes": n, "values": {…}}`` at the start and with each change."""
 
-    def __init__(self) -> None:
+    def __init__(self, node: Node) -> None:
         self._changes = 0
         self._broken = False
-        self._parameters = LiveParameters(GaugeParameters)
-        self._print(self._parameters.values)
-        self._parameters.start(self._on_change)
+        self._parameters = node.parameters(GaugeParameters, on_change=self._on_change)
         self._parameters.add_listener(self._fail_if_broken)
+        # Once, when the parameters are followed: what a test sets after that is seen.
+        node.every(1e-6, lambda elapsed: self._print(self._parameters.values))
         threading.Thread(target=self._obey, daemon=True).start()
 
     def _on_change(self, new: GaugeParameters, _old: GaugeParameters) -> None:
         self._changes += 1
         self._print(new)
 
-    def _fail_if_broken(self, _new: GaugeParameters, _old: GaugeParameters) -> None:
+    def _fail_if_broken(self) -> None:
         if self._broken:
-            raise RuntimeError("broken listener")
+            sys.exit("broken listener")
 
     def _print(self, values: GaugeParameters) -> None:
         wire = {name: to_wire(value) for name, value in values.as_dict().items()}
@@ -79,7 +79,7 @@ class Gauge:
             if "update" in command:
                 try:
                     self._parameters.update(**command["update"])
-                except (ParameterError, *UNREACHABLE) as error:
+                except (ParameterError, MasterUnreachable) as error:
                     rospy.logwarn("update: %s", error)
 
 

@@ -6,10 +6,10 @@ import itertools
 import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
-from nodekit.process.run import run
+from nodekit import Node, run
 
 
-def start() -> None:
+def start(_node: Node) -> None:
     """Register services without end."""
     print("starting", flush=True)
     for number in itertools.count():

@@ -64,7 +64,7 @@ REFUSED = [
     ("level", "2e10", "'2e10'"),
     ("level", "[1.0]", "[1.0]"),
     ("level", "{a: 1}", "{'a': 1}"),
-    ("level", "!!binary aGk=", "'hi'"),
+    ("level", "!!binary aGk=", "b'hi'"),
     ("count", "0.5", "0.5"),
     ("count", "true", "True"),
     ("count", "2147483648.0", "2147483648"),
@@ -78,8 +78,8 @@ REFUSED = [
     ("shape", "off", "False"),
     ("marks", "3", "3"),
     ("marks", "[1, a]", "[1, 'a']"),
-    ("marks", "[1, .nan]", "nan"),
-    ("low", "11", "[11.0, 10.0]"),
+    ("marks", "[1, .nan]", "[1, nan]"),
+    ("low", "11", "11, 10"),
 ]
 
 
@@ -143,7 +143,7 @@ class LiveParameters(ParameterCase):
             wait_until(lambda: self.new_log("WARN"), lambda: "warning of %s %s" % (key, typed))
             self.server.wait_for(key, DEFAULTS[name])
             (warning,) = self.new_log("WARN")
-            for words in (key, shown, "refused", "allowed is"):
+            for words in (key, "refused %s: " % shown):
                 self.assertIn(words, warning)
             self.assertEqual(self.node.changes, self.changes_before, warning)
 
@@ -161,7 +161,9 @@ class LiveParameters(ParameterCase):
             pass
         self.server.set(GAUGE + "/count", 5)
         self.node.wait_for(count=5)
-        self.node.wait_for_log("WARN", GAUGE + "/level: a value that the master cannot send is")
+        self.node.wait_for_log(
+            "WARN", GAUGE + "/level: refused a value that the master cannot send"
+        )
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 5})
 
@@ -212,7 +214,7 @@ class LiveParameters(ParameterCase):
         self.node.wait_for(level=5.0)
         wait_until(lambda: self.new_log("WARN"), lambda: "a warning of the unknown name")
         self.server.set(GAUGE, 7)
-        self.node.wait_for_log("WARN", "parameter %s: 7 is refused" % GAUGE)
+        self.node.wait_for_log("WARN", "parameter %s: refused 7" % GAUGE)
         self.server.wait_for(GAUGE + "/someone_elses", "note")
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "level": 5.0})
@@ -246,14 +248,14 @@ class LiveParameters(ParameterCase):
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 4})
         (warning,) = self.new_log("WARN")
-        self.assertIn("%s/low, %s/high: [20.0, 15.0] is refused" % (GAUGE, GAUGE), warning)
+        self.assertIn("%s/low, %s/high: refused 20, 15" % (GAUGE, GAUGE), warning)
         self.assertIn("low <= high", warning)
 
     def test_node_sets_its_own_parameters(self) -> None:
         self.node.tell(set_param={"~level": 6})
         self.assert_one_change(level=6.0)
         self.node.tell(set_param={"~count": -1})
-        self.node.wait_for_log("WARN", GAUGE + "/count: -1 is refused")
+        self.node.wait_for_log("WARN", GAUGE + "/count: refused -1")
         self.server.wait_for(GAUGE + "/count", 3)
 
     def test_update_from_within_the_node_is_written(self) -> None:

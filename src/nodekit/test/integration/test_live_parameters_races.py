@@ -7,7 +7,7 @@ import random
 import threading
 import time
 import unittest
-from typing import Any, Callable, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Collection, List, Mapping, Optional
 from unittest import mock
 from xmlrpc.client import ServerProxy
 
@@ -16,19 +16,22 @@ import rospy
 import rostest
 from helpers.parameter_node import GaugeParameters
 
-from nodekit.live import live_parameters, watcher
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.live.parameter_server import ParameterServer, Reading
-from nodekit.live.watcher import Observation, ParameterWatcher, Watch
-from nodekit.parameters import contention
+from nodekit.live import following, watcher
+from nodekit.live.followers import Follower
+from nodekit.live.following import Following
+from nodekit.live.live_parameters import LiveParameters, open_all
+from nodekit.live.master import MasterClient, MasterUnreachable, Reading
+from nodekit.live.watcher import Watcher
+from nodekit.parameters import budget, reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire
+from nodekit.parameters.reconciler import Seen
 from nodekit.rospy_internals.parameters import ROSOUT_PARAMETER
 from nodekit.testing.processes import Server
 from nodekit.testing.waiting import wait_until
 
 
-class ServerWithMoments(ParameterServer):
-    """A client of the parameter server that lets something happen at certain moments, once."""
+class MasterWithMoments(MasterClient):
+    """A client of the master that lets something happen at certain moments, once."""
 
     before_write: Optional[Callable[[], None]] = None
     after_read: Optional[Callable[[], None]] = None
@@ -40,7 +43,7 @@ class ServerWithMoments(ParameterServer):
             moment()
         super().write(values)
 
-    def read(self, keys: Sequence[str]) -> Reading:
+    def read(self, keys: Collection[str]) -> Reading:
         reading = super().read(keys)
         if self.forgotten:
             self.forgotten = False
@@ -62,14 +65,14 @@ class Warnings(logging.Handler):
         self.texts.append(record.getMessage())
 
 
-class Onlooker(Watch):
+class Onlooker:
     """Keeps all notifications of a key."""
 
     def __init__(self, key: str) -> None:
-        super().__init__(key)
+        self.follower = Follower(key, lambda raw: False, self.take)
         self.pushed: List[Any] = []
 
-    def observe(self, seen: Observation) -> bool:
+    def take(self, seen: Seen) -> bool:
         self.pushed += seen.pushed
         return True
 
@@ -82,10 +85,10 @@ class Races(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.user = Server()
-        cls.server = ServerWithMoments(
+        cls.server = MasterWithMoments(
             rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
         )
-        cls.watcher = ParameterWatcher(cls.server)
+        cls.watcher = Watcher(cls.server)
 
     def setUp(self) -> None:
         self.key = "/races/%d" % next(self.numbers)
@@ -96,21 +99,27 @@ class Races(unittest.TestCase):
         self.addCleanup(logging.getLogger("rosout").removeHandler, self.warnings)
 
     def make(self) -> LiveParameters[GaugeParameters]:
-        live = LiveParameters(GaugeParameters, self.key, watcher=self.watcher)
-        self.addCleanup(self.watcher.remove, live)
+        live = LiveParameters(GaugeParameters, self.key, self.watcher)
+        self.addCleanup(live.close)
         return live
 
     def look_on(self) -> Onlooker:
         onlooker = Onlooker(self.key)
-        self.watcher.add(onlooker)
-        self.addCleanup(self.watcher.remove, onlooker)
+        self.watcher.open([onlooker.follower])
+        self.addCleanup(self.watcher.close, onlooker.follower)
         return onlooker
 
     def start(self, **values: Any) -> LiveParameters[GaugeParameters]:
         self.user.set(self.key, {**to_wire_dict(GaugeParameters()), **values})
         live = self.make()
-        live.start()
+        open_all([live])
         return live
+
+    def levels_of(self, live: LiveParameters[GaugeParameters]) -> List[float]:
+        """Return a list of the levels that its listeners will see."""
+        levels: List[float] = []
+        live.add_listener(lambda: levels.append(live.values.level))
+        return levels
 
     def assert_ends_with(self, live: LiveParameters[GaugeParameters], **values: Any) -> None:
         """Wait until just these values are in force and on the server, and look once more."""
@@ -180,46 +189,123 @@ class Races(unittest.TestCase):
         self.user.set(self.level, -1)
         self.assert_ends_with(live, level=2.0)
 
-    def test_value_that_comes_when_the_defaults_are_written_at_the_start(self) -> None:
-        onlooker = self.look_on()
+    def test_value_that_comes_when_the_defaults_are_written(self) -> None:
+        live = self.make()
         self.server.before_write = lambda: self.user.set(self.level, 5.0)
-        live = self.make()
-        wait_until(lambda: onlooker.pushed, lambda: "no notification")
-        live.start()
+        open_all([live])
         self.assert_ends_with(live, level=5.0)
 
-    def test_value_that_comes_between_the_first_read_and_the_start(self) -> None:
+    def test_value_that_comes_between_the_first_read_and_the_opening(self) -> None:
         live = self.make()
         self.user.set(self.level, 5.0)
-        changes: List[float] = []
-        live.start(lambda new, old: changes.append(new.level))
+        levels = self.levels_of(live)
+        open_all([live])
+        self.assertEqual((live.values.level, levels), (5.0, [5.0]))
         self.assert_ends_with(live, level=5.0)
-        self.assertEqual(changes[0], 5.0)
 
-    def test_bad_value_between_the_first_read_and_the_start(self) -> None:
+    def test_bad_value_between_the_first_read_and_the_opening(self) -> None:
         live = self.make()
         self.user.set(self.level, -1)
-        live.start()
+        open_all([live])
         self.assert_ends_with(live)
+        self.assertEqual(len(self.warnings.texts), 1)
 
-    def test_good_value_that_comes_and_is_replaced_before_the_start(self) -> None:
+    def test_values_that_do_not_go_together_yet_at_the_opening(self) -> None:
+        for key, value, expected in (("high", 30.0, {"low": 20.0, "high": 30.0}), ("count", 5, {})):
+            self.setUp()
+            live = self.make()
+            self.user.set(self.key + "/low", 20.0)
+            open_all([live])
+            self.user.set("%s/%s" % (self.key, key), value)
+            self.assert_ends_with(live, **{key: value, **expected})
+            self.assertEqual(len(self.warnings.texts), 0 if expected else 1)
+
+    def test_good_value_that_comes_and_is_replaced_during_the_opening(self) -> None:
         live = self.make()
-        self.user.set(self.level, 5.0)
-        self.user.set(self.level, -1)
-        live.start()
+
+        def meddle() -> None:
+            self.user.set(self.level, 5.0)
+            self.user.set(self.level, -1)
+
+        self.server.after_read = meddle
+        open_all([live])
         self.assert_ends_with(live, level=5.0)
+
+    def test_update_before_the_opening_is_written_then(self) -> None:
+        self.user.set(self.level, 2.0)
+        live = self.make()
+        live.update(level=7.0, title="early")
+        self.assertEqual(self.user.get(self.key), {"level": 2.0})
+        self.user.set(self.key + "/count", 5)
+        open_all([live])
+        self.assert_ends_with(live, level=7.0, title="early", count=5)
+
+    def test_what_is_deleted_before_the_opening_stays_in_force(self) -> None:
+        self.user.set(self.level, 2.0)
+        live = self.make()
+        self.user.delete(self.key)
+        open_all([live])
+        self.assert_ends_with(live, level=2.0)
+
+    def test_opening_that_fails_follows_nothing(self) -> None:
+        live = self.make()
+        self.server.before_write = fail
+        with self.assertRaises(MasterUnreachable):
+            open_all([live])
+        self.assert_not_followed()
+
+    def test_what_is_closed_is_followed_no_longer(self) -> None:
+        live = self.start(level=2.0)
+        self.assertIn(self.key, self.watcher._followers.keys())
+        live.close()
+        self.assert_not_followed()
+        live.update(level=3.0)
+        self.assertEqual((live.values.level, self.user.get(self.level)), (3.0, 2.0))
+
+    def test_closing_waits_for_what_is_under_way(self) -> None:
+        live, begun, end = self.start(), threading.Event(), threading.Event()
+        self.addCleanup(end.set)
+
+        def hold() -> None:
+            begun.set()
+            end.wait(10.0)
+
+        live.add_listener(hold)
+        self.user.set(self.level, 5.0)
+        self.assertTrue(begun.wait(10.0))
+        threading.Timer(0.3, end.set).start()
+        before = time.monotonic()
+        live.close()
+        self.assertTrue(end.is_set())
+        self.assertLess(time.monotonic() - before, 0.9)
+
+    def assert_not_followed(self) -> None:
+        """Check that neither the master nor the node knows of the subscription any more."""
+        code, _, _ = ServerProxy(rospy.get_node_uri()).paramUpdate("/master", self.level, 5.0)
+        self.assertEqual(code, -1, "the node says that it follows the key")
+        marker = Onlooker(self.key + "_marker")
+        self.watcher.open([marker.follower])
+        self.addCleanup(self.watcher.close, marker.follower)
+        followers = self.watcher._followers
+        with mock.patch.object(followers, "note", wraps=followers.note) as note:
+            held = self.user.get(self.level)
+            self.user.set(self.level, 9.0)
+            self.user.set(marker.follower.key, 1)
+            wait_until(lambda: marker.pushed, lambda: "no notification")
+        self.assertEqual(
+            [call[0][0].rstrip("/") for call in note.call_args_list], [marker.follower.key]
+        )
+        self.user.set(self.level, held if held is not None else 1.0)
 
     def test_set_that_is_refused_at_the_start_is_followed_no_longer(self) -> None:
         self.user.set(self.level, -1)
         with self.assertRaises(ParameterError):
-            LiveParameters(GaugeParameters, self.key, watcher=self.watcher)
-        code, _, _ = ServerProxy(rospy.get_node_uri()).paramUpdate("/master", self.level, 5.0)
-        self.assertEqual(code, -1, "the node says that it follows the key")
+            self.make()
+        self.assert_not_followed()
 
     def test_update_during_a_read_is_not_taken_back(self) -> None:
         live = self.start()
-        levels: List[float] = []
-        live.add_listener(lambda new, old: levels.append(new.level))
+        levels = self.levels_of(live)
 
         def update() -> None:
             live.update(level=live.values.level + 10.0)
@@ -235,8 +321,7 @@ class Races(unittest.TestCase):
     @mock.patch.object(watcher, "SETTLE_LIMIT_S", 10.0)
     def test_change_that_is_half_done_is_waited_for(self) -> None:
         live = self.start()
-        levels: List[float] = []
-        live.add_listener(lambda new, old: levels.append(new.level))
+        levels = self.levels_of(live)
 
         parts = iter(["second", "third", "last"])
 
@@ -252,7 +337,7 @@ class Races(unittest.TestCase):
         # Of the other two, the end makes one go up and one go down.
         self.assertEqual(len(levels), 3)
 
-    @mock.patch.object(live_parameters, "PATIENCE_S", 10.0)
+    @mock.patch.object(reconciler, "HALF_DONE_S", 10.0)
     def test_values_that_do_not_go_together_yet_are_given_time(self) -> None:
         live = self.start()
         reads = itertools.count()
@@ -277,7 +362,7 @@ class Races(unittest.TestCase):
     def test_update_that_cannot_be_written_changes_nothing(self) -> None:
         live = self.start(level=2.0)
         self.server.before_write = fail
-        with self.assertRaises(OSError):
+        with self.assertRaises(MasterUnreachable):
             live.update(level=5.0)
         self.assertEqual(live.values.level, 2.0)
         self.assert_ends_with(live, level=2.0)
@@ -341,8 +426,7 @@ class Races(unittest.TestCase):
 
     def test_changes_come_through_while_a_slider_is_moved(self) -> None:
         live = self.start()
-        levels: List[float] = []
-        live.add_listener(lambda new, old: levels.append(new.level))
+        levels = self.levels_of(live)
         for position in itertools.count(1):
             self.user.set(self.level, float(position))
             time.sleep(0.02)
@@ -357,7 +441,7 @@ class Races(unittest.TestCase):
             self.user.set(self.level, float(position))
         self.assert_ends_with(live, level=199.0)
 
-    @mock.patch.object(contention, "BURST", 3)
+    @mock.patch.object(budget, "BURST", 3)
     def test_writer_that_insists_is_not_answered_in_a_quick_loop(self) -> None:
         live = self.start(level=2.0)
         begin, answers, end = time.monotonic(), [0], threading.Event()
@@ -379,34 +463,116 @@ class Races(unittest.TestCase):
             end.set()
             rival.join()
         # The first one is the rival's own, and so is one after the last put-back.
-        self.assertLessEqual(answers[0], contention.BURST + 1 + time.monotonic() - begin)
+        self.assertLessEqual(answers[0], budget.BURST + 1 + time.monotonic() - begin)
         self.assertLessEqual(len(self.warnings.texts), answers[0])
         self.assert_ends_with(live, level=2.0, title="through")
 
-    def test_listeners_are_told_in_order_though_one_changes_values(self) -> None:
+    def test_listener_may_change_values(self) -> None:
         live = self.start()
-        told = [live.values]
+        told: List[GaugeParameters] = []
+        live.add_listener(lambda: live.update(count=int(live.values.level)))
+        live.add_listener(lambda: told.append(live.values))
+        self.user.set(self.level, "5")
+        wait_until(lambda: told, lambda: "nobody is told")
+        wait_until(lambda: self.told()["count"] == 5, lambda: str(self.told()))
+        self.assertEqual({(values.level, values.count) for values in told}, {(5.0, 5)})
 
-        def follow(new: GaugeParameters, old: GaugeParameters) -> None:
-            if new.level != old.level:
-                live.update(count=int(new.level))
+    def test_listener_that_raises_silences_nobody(self) -> None:
+        live = self.start()
+        levels: List[float] = []
 
-        def note(new: GaugeParameters, old: GaugeParameters) -> None:
-            self.assertEqual(old, told[-1])
-            told.append(new)
+        def exit_with_status() -> None:
+            raise SystemExit(1)
 
-        live.add_listener(follow)
-        live.add_listener(note)
-        self.user.set(self.key + "/level", "5")
-        wait_until(lambda: len(told) > 2, lambda: str(told))
-        self.assert_ends_with(live, level=5.0, count=5)
-        self.assertEqual([(values.level, values.count) for values in told[1:3]], [(5, 3), (5, 5)])
+        live.add_listener(lambda: [][0])
+        live.add_listener(exit_with_status)
+        remove = live.add_listener(lambda: levels.append(live.values.level))
+        for level in (5.0, 6.0):
+            self.user.set(self.level, level)
+            wait_until(lambda: levels[-1:] == [level], lambda: str(levels))
+        live.update(level=7.0)
+        self.assertEqual(levels, [5.0, 6.0, 7.0])
+        remove()
+        live.update(level=8.0)
+        self.assertEqual(levels, [5.0, 6.0, 7.0])
+        self.assertEqual(
+            len([text for text in self.warnings.texts if "listener failed" in text]), 8
+        )
+
+    def test_update_under_a_lock_that_a_listener_wants(self) -> None:
+        live, lock, listening = self.start(), threading.RLock(), threading.Event()
+        seen: List[float] = []
+
+        def listen() -> None:
+            listening.set()
+            with lock:
+                seen.append(live.values.level)
+
+        live.add_listener(listen)
+
+        def update() -> None:
+            with lock:
+                self.user.set(self.level, 5.0)
+                listening.wait(10.0)  # the watcher's thread waits for the lock, which is held here
+                live.update(level=6.0)
+
+        updater = threading.Thread(target=update, daemon=True)
+        updater.start()
+        updater.join(10.0)
+        self.assertFalse(updater.is_alive(), "update() hangs")
+        wait_until(lambda: len(seen) == 2, lambda: str(seen))
+        self.assertEqual(seen, [6.0, 6.0])
+        self.assert_ends_with(live, level=6.0)
+
+    def test_key_that_nobody_declared_is_followed(self) -> None:
+        heard: List[Any] = []
+        key = self.key + "/Message"
+        self.user.set(key, "first")
+        follower = Following(key, self.watcher, heard.append)
+        self.addCleanup(follower.close)
+        self.assertEqual(follower.first(), "first")
+        following.open_all([follower])
+        for value in ("second", 3, ["4"]):
+            self.user.set(key, value)
+            wait_until(lambda: heard[-1:] == [value], lambda: str(heard))
+        self.server.forgotten = True  # the master was restarted: nobody has set it anew
+        self.user.delete(key)
+        self.assert_stays(lambda: heard == ["second", 3, ["4"]])
+        self.user.set(key, "fifth")
+        wait_until(lambda: heard[-1] == "fifth", lambda: str(heard))
+        self.user.delete(key)
+        wait_until(lambda: heard[-1] is None, lambda: str(heard))
+
+    def assert_stays(self, condition: Callable[[], bool]) -> None:
+        """Check that a condition holds for as long as two reads of the server take."""
+        end = time.monotonic() + 2.2
+        while time.monotonic() < end:
+            self.assertTrue(condition())
+            time.sleep(0.05)
+
+    def test_many_are_opened_in_a_few_requests(self) -> None:
+        keys = ["%s/%d" % (self.key, number) for number in range(40)]
+        self.user.set(keys[3] + "/level", 3.0)
+        with mock.patch.object(
+            self.server, "_request_part", wraps=self.server._request_part
+        ) as asks:
+            self.watcher.read_ahead(keys)
+            many = [LiveParameters(GaugeParameters, key, self.watcher) for key in keys]
+            open_all(many)
+        for live in many:
+            self.addCleanup(live.close)
+        # One read ahead, then: subscribe, read, write; and the watcher may have looked meanwhile.
+        self.assertLessEqual(asks.call_count, 12)
+        self.assertEqual([live.values.level for live in many[2:5]], [1.0, 3.0, 1.0])
+        self.assertEqual(self.user.get(keys[-1] + "/marks"), [1.0, 2.0])
+        self.user.set(keys[-1] + "/level", 4.0)
+        wait_until(lambda: many[-1].values.level == 4.0, lambda: str(many[-1].values))
 
     def test_key_that_was_never_cached_is_notified_of(self) -> None:
         onlooker = self.look_on()
         self.user.set(self.key + "/new/leaf", 5)
         wait_until(lambda: onlooker.pushed, lambda: "rospy keeps the notification for itself")
-        self.assertEqual(onlooker.pushed, [(self.key + "/new/leaf", 5)])
+        self.assertEqual(onlooker.pushed, [("new/leaf", 5)])
 
     def test_cached_reads_by_others_in_the_process_harm_nobody(self) -> None:
         live = self.start(level=2.0)
@@ -425,23 +591,35 @@ class Races(unittest.TestCase):
                 lambda: "%s is not in the cache" % value,
             )
 
-    def test_defect_of_one_watch_harms_no_other(self) -> None:
-        class Broken(Watch):
-            def observe(self, seen: Observation) -> bool:
-                raise ZeroDivisionError
+    def test_defect_of_one_follower_harms_no_other(self) -> None:
+        def break_down(_seen: object) -> bool:
+            raise ZeroDivisionError
 
-        broken = Broken(self.key + "_broken")
-        self.watcher.add(broken)
+        def leave(_raw: object) -> bool:
+            raise SystemExit(1)
+
+        broken = [
+            Follower(self.key + "_broken", lambda raw: False, break_down),
+            Follower(self.key + "_leaving", leave, lambda seen: True),
+        ]
+        self.watcher.open(broken)
+        self.addCleanup(self.watcher.close, *broken)
         live = self.start()
-        self.user.set(broken.key, 1)
+        self.user.set(broken[0].key, 1)
         self.user.set(self.level, 5.0)
         wait_until(lambda: live.values.level == 5.0, lambda: str(live.values))
-        self.watcher.remove(broken)
-        self.assertTrue([text for text in self.warnings.texts if "ZeroDivisionError" in text])
+        # What nobody is notified of is read once a second, and all in one go.
+        self.user.master.setParam(rospy.get_name(), self.level, 6.0)
+        wait_until(lambda: live.values.level == 6.0, lambda: str(live.values))
+        for name in ("ZeroDivisionError", "SystemExit"):
+            wait_until(
+                lambda: [text for text in self.warnings.texts if name in text],
+                lambda: str(self.warnings.texts),
+            )
 
 
 def fail() -> None:
-    raise OSError("for once")
+    raise MasterUnreachable("for once")
 
 
 def to_wire_dict(values: GaugeParameters) -> Any:

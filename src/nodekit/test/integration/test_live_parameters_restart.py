@@ -1,7 +1,12 @@
 #!/usr/bin/env python3
 """A master that is killed and started again takes no value away."""
 
+import contextlib
+import http.server
 import signal
+import threading
+import urllib.parse
+from typing import Any, Iterator, Optional
 
 import rostest
 from helpers.parameter_node import GaugeParameters
@@ -9,6 +14,7 @@ from helpers.parameter_rig import ParameterCase, ParameterNode
 
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Master, Server
+from nodekit.testing.slow_master import SlowMaster
 from nodekit.testing.waiting import wait_until
 
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
@@ -65,7 +71,76 @@ class RestartedMaster(ParameterCase):
         node.popen.send_signal(signal.SIGCONT)
         self.assert_truth(node, self.server)
         self.assertEqual(node.values, {**DEFAULTS, "level": 6.0, "title": "kept"})
-        self.assertEqual(len(node.logged("WARN", "/gauge/count: -1 is refused")), 1)
+        self.assertEqual(len(node.logged("WARN", "/gauge/count: refused -1")), 1)
+
+    def test_page_in_place_of_an_answer_is_a_master_that_does_not_answer(self) -> None:
+        node = self.start()
+        self.server.set("/gauge/level", 5)
+        node.wait_for(level=5.0)
+        self.master.kill()
+        with login_page(urllib.parse.urlsplit(self.master.uri).port):
+            node.wait_for_log("WARN", "the master does not answer", "no XML-RPC")
+        self.master.start()
+        self.server = Server(self.master.uri)
+        self.assert_truth(node, self.server)
+        self.server.set("/gauge/level", 6)
+        node.wait_for(level=6.0)
+
+    def test_master_that_hangs_while_topics_are_registered_again(self) -> None:
+        slow = SlowMaster(self.master.uri, "registerService", "/describe")
+        self.addCleanup(slow.close)
+        slow.go_on.set()
+        node = self.start_node("/gauge", ROS_MASTER_URI=slow.uri)
+        self.server.set("/gauge/level", 5)
+        node.wait_for(level=5.0)
+        slow.reached.clear()
+        slow.go_on.clear()
+        self.master.kill()
+        self.master.start()
+        self.server = Server(self.master.uri)
+        wait_until(slow.reached.is_set, lambda: "nothing is registered again")
+        # Only now: what came before may also have been held up on the way.
+        answers = len(node.logged("the master answers again"))
+        self.master.send_signal(signal.SIGSTOP)
+        slow.go_on.set()
+        wait_until(
+            lambda: node.logged("WARN", "the master does not answer", "timed out"),
+            lambda: "the thread waits for ever: %s" % node.logged(),
+        )
+        self.master.send_signal(signal.SIGCONT)
+        wait_until(
+            lambda: len(node.logged("the master answers again")) > answers,
+            lambda: str(node.logged()),
+        )
+        self.assert_truth(node, self.server)
+        self.assertEqual(node.values["level"], 5.0)
+        self.server.set("/gauge/level", 6)
+        node.wait_for(level=6.0)
+
+
+@contextlib.contextmanager
+def login_page(port: Optional[int]) -> Iterator[None]:
+    """Answer each request with a page, as the gateway of a hotel does."""
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            self.rfile.read(int(self.headers["Content-Length"]))
+            self.send_response(200)
+            self.end_headers()
+            self.wfile.write(b"<!DOCTYPE html><html><body>Please log in<br></body></html>")
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    server = http.server.HTTPServer(("localhost", port or 0), Handler)
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+    thread.start()
+    try:
+        yield
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
 
 
 if __name__ == "__main__":

@@ -89,12 +89,13 @@ class PublishingTest(unittest.TestCase):
         self.count = 0
 
     def publisher(self, **kwds):
-        """Make a publisher of strings on the test's own topic.
+        """Make an open publisher of strings on the test's own topic.
 
         :returns: the publisher
         """
         publisher = Publisher(self.topic, String, **kwds)
-        self.addCleanup(publisher.unregister)
+        self.addCleanup(publisher.close)
+        publisher.open()
         return publisher
 
     def subscriber(self, publisher):
@@ -261,6 +262,28 @@ class PublishingTest(unittest.TestCase):
         self.assertEqual(record["torn"], 0)
         for source in "ab":
             self.assertEqual(record["numbers"][source], sorted(set(record["numbers"][source])))
+
+    def test_closing_ends_the_connections_and_leaves_nothing_with_the_master(self):
+        publisher = self.publisher()
+        self.subscriber(publisher)
+        publisher.close()
+        (published, _, _) = rosgraph.Master(rospy.get_name()).getSystemState()
+        self.assertNotIn(self.topic, dict(published))
+        proxy = xmlrpc.client.ServerProxy(rospy.get_node_uri())
+        _, _, connections = proxy.getBusInfo("/test")
+        self.assertNotIn(self.topic, [connection[4] for connection in connections])
+        with self.assertRaises(rospy.ROSException):
+            publisher.publish(String())
+
+    def test_what_was_latched_before_opening_reaches_a_late_subscriber(self):
+        publisher = Publisher(self.topic, String, latch=True)
+        self.addCleanup(publisher.close)
+        for number in range(3):
+            publisher.publish(String(numbered("a", number, SIZE)))
+        publisher.open()
+        _, node = self.subscriber(publisher)
+        record = self.wait_for(node, self.last(2), "it has the last message")
+        self.assertEqual((record["numbers"]["a"], record["torn"]), ([2], 0))
 
     def test_publishing_during_shutdown_raises_nothing(self):
         subscription = rospy.Subscriber(self.topic, String)

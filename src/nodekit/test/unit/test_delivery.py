@@ -13,12 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit.transport import delivery
+from nodekit.transport.link import PROBATION_S, REPORT_PERIOD_S, Link, LossReports, Phase
 
 TIME_OUT = 20.0  # s
 BIG = b"b" * 1_000_000  # more than a pair's buffers take
 
 
-class RecordingLink(delivery.Link):
+class RecordingLink(Link):
     """A link that keeps its reports."""
 
     def __init__(self, sock, lock=None):
@@ -67,7 +68,7 @@ def pairs():
 def unwatched(monkeypatch):
     """Keep the background thread out; gives the links that it would have got."""
     links = []
-    monkeypatch.setattr(delivery, "_drain", types.SimpleNamespace(watch=links.append))
+    monkeypatch.setattr(delivery, "_drain", types.SimpleNamespace(watch=links.extend))
     return links
 
 
@@ -141,15 +142,15 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
             if step == "offer":
                 if link.stalled:
                     link.hold(packet(offered, size), 1)
-                else:
-                    link.stalled = not link.send(packet(offered, size), 1)
+                elif not link.send(packet(offered, size), 1):
+                    link.stall()
                 offered += 1
             elif step == "flush":
-                link.flush()
+                link.flush(0.0)
             else:
                 with contextlib.suppress(BlockingIOError):
                     received += theirs.recv(size)
-        while not link.flush():
+        while not link.flush(0.0):
             received += read_all(theirs)
         received += read_all(theirs)
     assert link.sent_bytes == len(received)
@@ -161,14 +162,14 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
 
 
 def test_full_receivers_together_are_waited_for_once(pairs, clock):
-    links = [delivery.Link("full", pairs()[0], threading.RLock()) for _ in range(20)]
+    links = [Link("full", pairs()[0], threading.RLock()) for _ in range(20)]
     start = clock.now
     delivery.deliver(BIG, links)
-    assert clock.now - start == pytest.approx(delivery.PATIENCE)
+    assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
     assert all(link.stalled for link in links)
     for _ in range(10):
         delivery.deliver(BIG, links)
-    assert clock.now - start == pytest.approx(delivery.PATIENCE)
+    assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
 
 
 def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clock):
@@ -183,38 +184,36 @@ def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clo
         return []
 
     clock.wait = look
-    delivery.deliver(
-        b"news", [delivery.Link(name, s, clock) for name, s in (("f", full), ("g", ours))]
-    )
+    delivery.deliver(b"news", [Link(name, s, clock) for name, s in (("f", full), ("g", ours))])
     assert seen == [b"news"]
 
 
 def test_receiver_that_was_back_lately_is_not_waited_for(pairs, clock, unwatched):
     ours, theirs = pairs()
-    link = delivery.Link("slow", ours, threading.RLock())
+    link = Link("slow", ours, threading.RLock())
 
     def stall():
         start = clock.now
         delivery.deliver(BIG, [link])
         assert link.stalled
         waited = clock.now - start
-        while not link.flush():
+        while not link.flush(clock.now):
             read_all(theirs)
         read_all(theirs)
         assert not link.stalled
         return waited
 
-    assert stall() == pytest.approx(delivery.PATIENCE)
+    assert stall() == pytest.approx(delivery.PATIENCE_S)
     assert stall() == 0.0
-    clock.now += delivery.PROBATION
-    assert stall() == pytest.approx(delivery.PATIENCE)
+    clock.now += PROBATION_S
+    assert stall() == pytest.approx(delivery.PATIENCE_S)
     assert unwatched == [link] * 3
 
 
 def test_receiver_that_reads_in_time_loses_nothing(pairs, unwatched, monkeypatch):
-    monkeypatch.setattr(delivery, "PATIENCE", TIME_OUT)
+    monkeypatch.setattr(delivery, "PATIENCE_S", TIME_OUT)
     ours, theirs = pairs()
-    link = delivery.Link("reader", ours, threading.RLock())
+    link = Link("reader", ours, threading.RLock())
     messages = [packet(number, 100_000) for number in range(20)]
     received = []
     size = sum(map(len, messages))
@@ -228,7 +227,7 @@ def test_receiver_that_reads_in_time_loses_nothing(pairs, unwatched, monkeypatch
 
 
 def test_stalled_receiver_is_served_in_the_background_until_it_is_back(pairs, monkeypatch):
-    monkeypatch.setattr(delivery, "REPORT_PERIOD", 0.0)
+    monkeypatch.setattr("nodekit.transport.link.REPORT_PERIOD_S", 0.0)
     threads = threading.active_count()
     ours, theirs = pairs()
     link = RecordingLink(ours)
@@ -289,21 +288,294 @@ def test_socket_closed_by_someone_else_ends_the_background_thread(pairs):
 
 def test_reports_are_throttled_and_complete(pairs):
     link = RecordingLink(pairs()[0])
-    assert link.settle(100.0), "nothing to tell"
-    link.stalled = True
-    assert not link.settle(100.0)
+
+    def is_done(now):
+        link.report_if_due(now)
+        return not link.needs_attention()
+
+    assert is_done(100.0), "nothing to tell"
+    link.phase = Phase.STALLED
+    assert not is_done(100.0)
     assert link.reports == [], "no loss yet"
     link.lost = 7
-    assert not link.settle(101.0)
+    assert not is_done(101.0)
     link.lost = 9
-    assert not link.settle(101.0 + 0.9 * delivery.REPORT_PERIOD)
+    assert not is_done(101.0 + 0.9 * REPORT_PERIOD_S)
     assert link.reports == [(True, 7)]
-    assert not link.settle(101.0 + delivery.REPORT_PERIOD)
+    assert not is_done(101.0 + REPORT_PERIOD_S)
     assert link.reports == [(True, 7), (True, 2)]
-    link.lost, link.stalled = 10, False
-    assert link.settle(102.0 + delivery.REPORT_PERIOD)
+    link.lost, link.phase = 10, Phase.ON_PROBATION
+    assert is_done(102.0 + REPORT_PERIOD_S)
     assert link.reports == [(True, 7), (True, 2), (False, 1)]
     link.lost = 11
-    assert not link.settle(103.0 + delivery.REPORT_PERIOD), "a loss yet to be told"
-    assert link.settle(102.0 + 2 * delivery.REPORT_PERIOD)
+    assert not is_done(103.0 + REPORT_PERIOD_S), "a loss yet to be told"
+    assert is_done(102.0 + 2 * REPORT_PERIOD_S)
     assert link.reports[3:] == [(False, 1)]
+
+
+def test_kinds_of_report_are_throttled_apart():
+    reports = LossReports()
+    steps = [  # s, stalled, lost in all, what is told
+        (0.0, True, 0, None),  # a stall without loss
+        (0.0, False, 0, None),  # ... and its end are nobody's business
+        (1.0, True, 3, 3),
+        (2.0, False, 3, 0),  # the end of a stall that was told of
+        (3.0, False, 3, None),
+        (4.0, True, 5, None),
+        (5.0, False, 5, None),
+        (1.0 + REPORT_PERIOD_S, True, 6, 3),
+        (1.5 + REPORT_PERIOD_S, False, 6, None),
+        (2.0 + REPORT_PERIOD_S, False, 6, 0),
+    ]
+    for now, stalled, lost, told in steps:
+        assert reports.take(stalled, lost, now) == told, now
+    assert not reports.is_pending(False, 6)
+
+
+def test_phases_of_a_receiver(pairs, clock):
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    seen = []
+
+    def note():
+        if seen[-1:] != [link.phase]:
+            seen.append(link.phase)
+
+    def wait(milliseconds):
+        note()
+        clock.now += milliseconds / 1000
+        return []
+
+    def fill_and_empty():
+        delivery.deliver(BIG, [link])
+        note()
+        while not link.flush(clock.now):
+            read_all(theirs)
+        note()
+        read_all(theirs)
+
+    clock.wait = wait
+    note()
+    fill_and_empty()
+    fill_and_empty()
+    clock.now += PROBATION_S
+    fill_and_empty()
+    theirs.close()
+    delivery.deliver(b"news", [link])
+    note()
+    stalled_and_back = [Phase.STALLED, Phase.ON_PROBATION]
+    assert seen == [
+        *(Phase.KEEPING_UP, Phase.WAITED_FOR, *stalled_and_back),
+        *stalled_and_back,
+        *(Phase.WAITED_FOR, *stalled_and_back),
+        Phase.GONE,
+    ]
+
+
+def test_probation_ends_with_a_wait_that_is_not_in_vain(pairs, clock):
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    delivery.deliver(BIG, [link])
+    while not link.flush(clock.now):
+        read_all(theirs)
+    read_all(theirs)
+    assert link.phase is Phase.ON_PROBATION
+    clock.now += PROBATION_S
+
+    def read(milliseconds):
+        read_all(theirs)
+        return [(ours.fileno(), select.POLLOUT)]
+
+    clock.poll = lambda: types.SimpleNamespace(
+        register=lambda *args: None, unregister=lambda descriptor: None, poll=read
+    )
+    delivery.deliver(BIG, [link])
+    assert (link.phase, link.held, link.sent) == (Phase.KEEPING_UP, [], 2)
+
+
+@pytest.mark.parametrize("lost", [0, 2])
+def test_receiver_that_closes_while_messages_are_held_back(pairs, clock, unwatched, lost):
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    for _ in range(2 + lost):
+        delivery.deliver(BIG, [link])
+    assert [item.has_begun for item in link.held] == [True, False]
+    theirs.close()
+    assert link.flush(clock.now), "nothing is held back any more"
+    assert (link.phase, link.held, link.fileno()) == (Phase.GONE, [], -1)
+    for _ in range(3):
+        delivery.deliver(BIG, [link])
+    assert (link.sent, link.sent_bytes, link.lost) == (0, 0, lost)
+    assert link.held == []
+    assert not link.needs_attention()
+    link.report_if_due(clock.now)
+    assert link.reports == []
+    assert unwatched == [link]
+
+
+def test_delivery_that_is_interrupted_tears_no_message(pairs, clock, unwatched):
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+
+    def interrupt(milliseconds):
+        raise KeyboardInterrupt
+
+    clock.wait = interrupt
+    messages = [packet(number, 300_000) for number in range(3)]
+    with pytest.raises(KeyboardInterrupt):
+        delivery.deliver(messages[0], [link])
+    assert (link.phase, unwatched) == (Phase.STALLED, [link])
+    for message in messages[1:]:
+        delivery.deliver(message, [link])
+    stream = b""
+    while not link.flush(clock.now):
+        stream += read_all(theirs)
+    assert unpack(stream + read_all(theirs)) == [0, 2]
+    assert (link.sent, link.lost) == (2, 1)
+
+
+class FullSocket:
+    """A socket that is said to be writable and takes nothing, as when memory is short."""
+
+    def __init__(self, sock):
+        self._sock = sock
+        self.tries = []
+
+    def fileno(self):
+        return self._sock.fileno()
+
+    def send(self, data, flags):
+        self.tries.append(time.monotonic())
+        raise BlockingIOError
+
+    def close(self):
+        self._sock.close()
+
+
+def test_background_thread_pauses_where_a_writable_socket_takes_nothing(pairs):
+    threads = threading.active_count()
+    ours, _ = pairs()
+    full = FullSocket(ours)
+    link = RecordingLink(full)
+    with link.lock:
+        delivery.deliver(b"news", [link])
+    full.tries.clear()
+    wait_until(lambda: len(full.tries) > 20)
+    assert full.tries[20] - full.tries[0] >= 20 * delivery.DRAIN_PAUSE_S
+    ours.close()
+    wait_until(lambda: threading.active_count() == threads)
+
+
+def test_background_thread_takes_notice_of_another_stall(pairs):
+    threads = threading.active_count()
+    (first, held), (second, read) = pairs(), pairs()
+    silent, other = RecordingLink(first), RecordingLink(second)
+    with silent.lock:
+        delivery.deliver(BIG, [silent])
+    time.sleep(delivery.DRAIN_PERIOD_S / 2)  # it polls the first one only by now
+    with other.lock:
+        delivery.deliver(BIG, [other])
+    assert receive(read, len(BIG)) == BIG
+    wait_until(lambda: other.phase is Phase.ON_PROBATION)
+    assert (silent.phase, threading.active_count()) == (Phase.STALLED, threads + 1)
+    held.close()
+    wait_until(lambda: threading.active_count() == threads)
+
+
+class LockWithEvent:
+    """A lock; something happens just before it is taken for the next time."""
+
+    def __init__(self, event):
+        self._lock = threading.RLock()
+        self._event = event
+
+    def __enter__(self):
+        event, self._event = self._event, lambda: None
+        event()
+        self._lock.acquire()
+
+    def __exit__(self, *args):
+        self._lock.release()
+
+
+def test_receiver_that_stalls_again_while_it_is_let_go_is_watched_further(pairs, monkeypatch):
+    drain = delivery._Drain()
+    drain._thread = threading.current_thread()  # as if it ran
+    monkeypatch.setattr(delivery, "_drain", drain)
+    monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 0.0)
+    link = RecordingLink(pairs()[0])
+    drain._links.add(link)
+    drain._lock = LockWithEvent(lambda: delivery.deliver(BIG, [link]))
+    drain._serve([link])
+    assert link.stalled
+    assert drain._links == {link}
+
+
+def test_receiver_that_is_back_is_let_go(monkeypatch, pairs):
+    drain = delivery._Drain()
+    monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 0.0)
+    link = RecordingLink(pairs()[0])
+    link.phase = Phase.ON_PROBATION
+    drain._links.add(link)
+    drain._serve([link])
+    assert drain._links == set()
+
+
+def test_socket_closed_by_someone_else_with_a_report_pending_ends_the_background_thread(pairs):
+    threads = threading.active_count()
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    link.lost = 1
+    link.report_if_due(time.monotonic())  # so that the next report of a return has to wait
+    with link.lock:
+        for _ in range(3):
+            delivery.deliver(BIG, [link])
+    wait_until(lambda: len(link.reports) == 2)
+    receive(theirs, 2 * len(BIG))
+    wait_until(lambda: link.phase is Phase.ON_PROBATION)
+    assert link.needs_attention()
+    time.sleep(10 * delivery.DRAIN_PAUSE_S)
+    assert threading.active_count() == threads + 1
+    ours.close()
+    wait_until(lambda: threading.active_count() == threads)
+    assert link.phase is Phase.GONE
+    assert link.reports == [(False, 1), (True, 1)]
+
+
+def test_report_that_fails_does_not_end_the_background_thread(pairs, caplog):
+    threads = threading.active_count()
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    failed = threading.Event()
+
+    def fail(stalled, lost):
+        failed.set()
+        raise ValueError("no report")
+
+    link.report = fail
+    with link.lock:
+        for _ in range(3):
+            delivery.deliver(BIG, [link])
+    assert failed.wait(TIME_OUT)
+    assert receive(theirs, 2 * len(BIG)) == 2 * BIG
+    wait_until(lambda: threading.active_count() == threads)
+    assert (link.phase, link.sent, link.lost) == (Phase.ON_PROBATION, 2, 1)
+    assert "receiver: cannot be served" in caplog.text
+    assert "no report" in caplog.text
+
+
+def test_background_thread_that_cannot_be_started_is_started_at_the_next_stall(pairs, monkeypatch):
+    def fail(thread):
+        raise RuntimeError("can't start new thread")
+
+    threads = threading.active_count()
+    (first, one), (second, two) = pairs(), pairs()
+    links = [RecordingLink(first), RecordingLink(second)]
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", fail)
+        with pytest.raises(RuntimeError):
+            delivery.deliver(BIG, links[:1])
+    delivery.deliver(BIG, links[1:])
+    for theirs in (one, two):
+        assert receive(theirs, len(BIG)) == BIG
+    wait_until(lambda: threading.active_count() == threads)

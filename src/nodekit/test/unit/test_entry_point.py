@@ -3,25 +3,86 @@
 import subprocess
 import sys
 
+import pytest
+
 RUN = "import sys; from nodekit.entry_point import main; main('%s')"
 
 
-def run_main(tmp_path, text):
-    """Run the entry point on a module with this text; return the finished process."""
+def run_main(tmp_path, text, before=""):
+    """Run the entry point on a module with this text; return the finished process.
+
+    :param before: lines that the program begins with
+    """
     (tmp_path / "some_node.py").write_text(text)
-    program = "import sys; sys.path.insert(0, %r); %s" % (str(tmp_path), RUN % "some_node")
+    program = "%s\nimport sys; sys.path.insert(0, %r); %s" % (before, str(tmp_path), RUN)
     return subprocess.run(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        [sys.executable, "-c", program % "some_node"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
     )
+
+
+def assert_ends_well(done):
+    """Compare with the status that the nodes here end with."""
+    assert (done.returncode, done.stderr) == (5, b"")
 
 
 def test_messages_are_imported_without_numpy(tmp_path):
     text = (
-        "import genpy, sys\n"
+        "import genpy.message, rospy, sys\n"
+        "from std_msgs.msg import Float32MultiArray\n"
         "def main():\n"
-        "    sys.exit(5 if sys.modules['numpy'] is None and genpy.Message else 6)\n"
+        "    assert getattr(genpy.message, 'np', None) is None\n"
+        "    assert 'numpy' not in sys.modules\n"
+        "    assert genpy.message.check_type('data', 'float32', 1.5) is None\n"
+        "    sys.exit(5)\n"
     )
-    assert run_main(tmp_path, text).returncode == 5
+    assert_ends_well(run_main(tmp_path, text))
+
+
+@pytest.mark.parametrize("where", ["", "    "])
+def test_node_that_imports_numpy_gets_it(tmp_path, where):
+    lines = ["import numpy", "import rospy, rospy.numpy_msg", "import numpy.linalg"]
+    text = (
+        "import genpy.message, sys\n"
+        "%s\n"
+        "%s\n"
+        "    assert numpy.zeros(3).sum() == 0.0 and numpy.linalg.norm([3.0, 4.0]) == 5.0\n"
+        "    assert numpy is sys.modules['numpy']\n"
+        "    assert numpy.__spec__.origin == numpy.__file__\n"
+        "    assert getattr(genpy.message, 'np', None) is None\n"
+        "    sys.exit(5)\n"
+    )
+    at = "def main():\n" + "\n".join(where + line for line in lines)
+    if not where:
+        at = "\n".join([*lines, "def main():"])
+    assert_ends_well(run_main(tmp_path, text % ("", at)))
+
+
+def test_numpy_that_is_loaded_already_stays(tmp_path):
+    text = (
+        "import genpy.message, numpy, sys\n"
+        "def main():\n"
+        "    assert numpy is sys.loaded_before is sys.modules['numpy']\n"
+        "    assert getattr(genpy.message, 'np', numpy) is numpy\n"
+        "    sys.exit(5)\n"
+    )
+    before = "import numpy, sys\nsys.loaded_before = numpy"
+    assert_ends_well(run_main(tmp_path, text, before))
+
+
+def test_where_there_is_no_numpy_the_import_says_so(tmp_path):
+    # As if it were not installed: that is not to be mended.
+    text = (
+        "import sys\n"
+        "def main():\n"
+        "    try:\n"
+        "        import numpy\n"
+        "    except ModuleNotFoundError:\n"
+        "        sys.exit(5)\n"
+    )
+    before = "import sys\nsys.modules['numpy'] = None"
+    assert_ends_well(run_main(tmp_path, text, before))
 
 
 def test_interrupt_during_the_imports_is_no_error(tmp_path):
@@ -34,9 +95,37 @@ def test_search_for_files_is_imported_when_it_is_needed(tmp_path):
         "import roslib.packages, sys\n"
         "def main():\n"
         "    assert 'pyparsing' not in sys.modules\n"
+        "    assert 'catkin.find_in_workspaces' not in sys.modules\n"
         "    for _ in range(2):\n"
-        "        files = roslib.packages.catkin_find(project='basic_comms', path='package.xml')\n"
+        "        files = roslib.packages.catkin_find(project='nodekit', path='package.xml')\n"
         "    sys.exit(5 if files and 'pyparsing' in sys.modules else 6)\n"
     )
-    done = run_main(tmp_path, text)
-    assert done.returncode == 5, done.stderr
+    assert_ends_well(run_main(tmp_path, text))
+
+
+def test_node_that_imports_catkins_search_gets_it(tmp_path):
+    text = (
+        "import catkin.find_in_workspaces, catkin.workspace, sys\n"
+        "from os.path import dirname, isfile\n"
+        "from catkin import find_in_workspaces as module\n"
+        "def main():\n"
+        "    assert module is catkin.find_in_workspaces\n"
+        "    assert module is sys.modules['catkin.find_in_workspaces']\n"
+        "    assert dirname(module.__file__) == dirname(catkin.workspace.__file__)\n"
+        "    found = module.find_in_workspaces(['share'], project='nodekit', path='package.xml')\n"
+        "    assert found and isfile(found[0])\n"
+        "    sys.exit(5)\n"
+    )
+    assert_ends_well(run_main(tmp_path, text))
+
+
+def test_catkins_search_that_is_loaded_already_stays(tmp_path):
+    text = (
+        "import catkin.find_in_workspaces as module, roslib.packages, sys\n"
+        "def main():\n"
+        "    assert module is sys.loaded_before\n"
+        "    assert roslib.packages.catkin_find is module.find_in_workspaces\n"
+        "    sys.exit(5)\n"
+    )
+    before = "import catkin.find_in_workspaces, sys\nsys.loaded_before = catkin.find_in_workspaces"
+    assert_ends_well(run_main(tmp_path, text, before))

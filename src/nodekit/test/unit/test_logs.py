@@ -9,7 +9,9 @@ import sys
 import pytest
 from rosgraph import roslogging
 
-from nodekit.rospy_internals import logs
+from nodekit.rospy_internals import logs, patches
+
+patches.apply()
 
 
 @pytest.fixture(autouse=True)
@@ -79,7 +81,8 @@ def test_characters_that_the_stream_lacks_are_escaped(kind, capsys):
 )
 def test_where_no_log_file_can_be_written_the_console_is_left(place):
     program = (
-        "import rosgraph.roslogging as r, logging, nodekit.rospy_internals;"
+        "import rosgraph.roslogging as r, logging;"
+        "from nodekit.rospy_internals import patches; patches.apply();"
         "r.configure_logging('rospy', logging.INFO, filename='x.log');"
         "logging.getLogger('rosout').info('heard')"
     )
@@ -98,7 +101,11 @@ def test_where_no_log_file_can_be_written_the_console_is_left(place):
 def test_output_that_cannot_be_written_is_no_exit_status():
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-c", "import nodekit.rospy_internals; print('a line')"],
+            [
+                sys.executable,
+                "-c",
+                "from nodekit.rospy_internals import patches; patches.apply(); print('a line')",
+            ],
             env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
             stdout=full,
             stderr=full,

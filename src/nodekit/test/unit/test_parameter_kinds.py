@@ -10,18 +10,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit.parameters.kinds import (
-    INT32_MAX,
-    INT32_MIN,
     BoolParameter,
     EnumParameter,
-    FloatParameter,
-    IntParameter,
     ListParameter,
     ParameterError,
     StringParameter,
+    format_value,
     is_same,
-    shown,
     to_wire,
+)
+from nodekit.parameters.number_kinds import (
+    INT32_MAX,
+    INT32_MIN,
+    FloatParameter,
+    IntParameter,
+    RateParameter,
 )
 
 BOOL = BoolParameter(False, help="a switch")
@@ -234,6 +237,21 @@ def test_steps_hold_over_the_whole_range_of_an_int():
     assert_refused(even, 2147483647)
 
 
+def test_a_rate_is_one_that_a_timer_can_have():
+    rate = RateParameter(10.0, help="how often")
+    assert (rate.range, rate.unit, rate.type_name) == ("[1e-06, 10000]", "Hz", "float")
+    assert_taken(rate, 1e-6, 1e-6)
+    for raw in (0, -1, 10001.0):
+        assert_refused(rate, raw)
+    assert_refused(RateParameter(10.0, maximum=100.0, help=""), 101)
+
+
+def test_a_rate_may_be_pausable():
+    rate = RateParameter(0.0, pausable=True, help="how often")
+    assert_taken(rate, 0, 0.0)
+    assert_refused(rate, -1e-9)
+
+
 def test_list_takes_elements_of_one_kind_and_coerces_each():
     assert_taken(FLOATS, [1, "1e3", 2.5], (1.0, 1000.0, 2.5))
     assert_taken(FLOATS, (), ())
@@ -273,8 +291,23 @@ def test_list_of_words_of_an_enum():
 def test_refusal_says_parameter_value_and_what_is_allowed(parameter, raw, words):
     owner = type("Owner", (), {"gauge": parameter})
     text = str(assert_refused(owner.gauge, raw))
-    for word in ["gauge", "refused", "allowed is", *words.split("|")]:
+    for word in ["parameter gauge: refused ", ": must be ", *words.split("|")]:
         assert word in text, text
+
+
+@pytest.mark.parametrize(
+    "error, text",
+    [
+        (
+            FloatParameter(1.0, minimum=0, maximum=1e9, unit="Hz", help="").refuse(-1),
+            "parameter /n: refused -1: must be a number in [0, 1e9] (Hz)",
+        ),
+        (ParameterError("a", 5, "b", "c"), "parameter /n/a: refused 5: must be b (c)"),
+    ],
+)
+def test_refusal_is_a_plain_sentence_with_the_resolved_name(error, text):
+    assert str(error.in_namespace("/n")) == text
+    assert error.in_namespace("/n").names == (text.split()[1].rstrip(":"),)
 
 
 def test_refusal_of_a_long_value_stays_short():
@@ -304,8 +337,8 @@ def test_default_must_be_allowed_itself():
         (xmlrpc.client.Binary(b"hi"), "b'hi'"),
     ],
 )
-def test_values_are_shown_briefly(value, text):
-    assert shown(value) == text
+def test_values_are_formatted_briefly(value, text):
+    assert format_value(value) == text
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import pytest
 import rospy
 import rospy.topics
 from rosgraph_msgs.msg import Log
+from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from std_msgs.msg import Header, String
@@ -22,12 +23,37 @@ TIME_OUT = 20.0  # s
 
 
 @pytest.fixture
-def publish_on():
-    """Give a maker of publishers that are unregistered afterwards."""
+def unopened():
+    """Give a maker of publishers that are closed afterwards."""
     with contextlib.ExitStack() as stack:
 
-        def make(maker, *args, **kwds):
-            publisher = maker(TOPIC, *args, **kwds)
+        def make(data_class, **kwds):
+            publisher = Publisher(TOPIC, data_class, **kwds)
+            stack.callback(publisher.close)
+            return publisher
+
+        yield make
+
+
+@pytest.fixture
+def opened(unopened):
+    """Give a maker of publishers that are open."""
+
+    def make(data_class, **kwds):
+        publisher = unopened(data_class, **kwds)
+        publisher.open()
+        return publisher
+
+    return make
+
+
+@pytest.fixture
+def make_plain():
+    """Give a maker of rospy's own publishers, which are unregistered afterwards."""
+    with contextlib.ExitStack() as stack:
+
+        def make():
+            publisher = rospy.Publisher(TOPIC, String, queue_size=10)
             stack.callback(publisher.unregister)
             return publisher
 
@@ -44,7 +70,7 @@ def connect():
             transport = TCPROSTransport(TCPROSPub(TOPIC, publisher.data_class), TOPIC)
             transport.set_socket(ours, name)
             stack.callback(transport.close)
-            publisher.impl.add_connection(transport)
+            impl(publisher).add_connection(transport)
             theirs.settimeout(TIME_OUT)
             return theirs
 
@@ -57,6 +83,11 @@ def mismatch():
     publishers.publisher_mismatch.cache_clear()
     yield publishers.publisher_mismatch
     publishers.publisher_mismatch.cache_clear()
+
+
+def impl(publisher):
+    """Return rospy's object behind a publisher, ours or its own."""
+    return getattr(publisher, "_publisher", publisher).impl
 
 
 def receive(sock, data_class=String):
@@ -99,26 +130,26 @@ def test_absent_internals_are_recognised(mismatch, monkeypatch):
     assert mismatch() != ""
 
 
-def test_unknown_rospy_means_a_plain_publisher(publish_on, connect, monkeypatch):
+def test_unknown_rospy_means_a_plain_publisher(opened, connect, monkeypatch):
     monkeypatch.setattr(publishers, "publisher_mismatch", lambda: "all is different")
-    publisher = publish_on(Publisher, String, latch=True)
-    assert publisher.impl.queue_size == FALLBACK_QUEUE_SIZE
-    assert publisher.impl.is_latch
+    publisher = opened(String, latch=True)
+    assert impl(publisher).queue_size == FALLBACK_QUEUE_SIZE
+    assert impl(publisher).is_latch
     subscriber = connect(publisher)
-    publisher.impl.publish(String("plain"))
+    impl(publisher).publish(String("plain"))
     assert receive(subscriber).data == "plain"
     assert publisher.statistics() == []
 
 
-def test_construction_warns_of_nothing(publish_on):
+def test_construction_warns_of_nothing(opened):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        publish_on(Publisher, String)
+        opened(String)
 
 
-def test_messages_are_counted_where_rosnode_and_diagnostics_look(publish_on, connect, monkeypatch):
+def test_messages_are_counted_where_rosnode_and_diagnostics_look(opened, connect, monkeypatch):
     monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
-    publisher = publish_on(Publisher, String)
+    publisher = opened(String)
     subscribers = [connect(publisher, name) for name in ("/one", "/two")]
     publisher.publish(String("first"))
     publisher.publish("second")
@@ -130,34 +161,34 @@ def test_messages_are_counted_where_rosnode_and_diagnostics_look(publish_on, con
         ("/two", 3, 0, False),
     ]
     size = 3 * 8 + len("firstsecondthird")
-    name, total, connections = publisher.impl.get_stats()
+    name, total, connections = impl(publisher).get_stats()
     assert (name, total) == (TOPIC, size)
     assert [connection[1:] for connection in connections] == [(size, 3, True)] * 2
 
 
-def test_small_messages_are_not_held_back(publish_on):
-    publisher = publish_on(Publisher, String)
+def test_small_messages_are_not_held_back(opened):
+    publisher = opened(String)
     with socket.create_server(("localhost", 0)) as server:
         with socket.create_connection(server.getsockname()) as ours, server.accept()[0] as theirs:
             transport = TCPROSTransport(TCPROSPub(TOPIC, String), TOPIC)
             transport.set_socket(ours, "/subscriber")
-            publisher.impl.add_connection(transport)
+            impl(publisher).add_connection(transport)
             publisher.publish(String("news"))
             assert receive(theirs).data == "news"
             assert ours.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
             transport.close()
 
 
-def test_header_gets_its_sequence_number(publish_on, connect):
-    publisher = publish_on(Publisher, Log)
+def test_header_gets_its_sequence_number(opened, connect):
+    publisher = opened(Log)
     subscriber = connect(publisher)
     for _ in range(2):
         publisher.publish(Log())
     assert [receive(subscriber, Log).header.seq for _ in range(2)] == [1, 2]
 
 
-def test_late_joiner_of_latched_topic_gets_the_last_message_alone(publish_on, connect):
-    publisher = publish_on(Publisher, String, latch=True)
+def test_late_joiner_of_latched_topic_gets_the_last_message_alone(opened, connect):
+    publisher = opened(String, latch=True)
     early = connect(publisher, "/early")
     for word in ("old", "last"):
         publisher.publish(String(word))
@@ -167,8 +198,8 @@ def test_late_joiner_of_latched_topic_gets_the_last_message_alone(publish_on, co
     assert [receive(late).data for _ in range(2)] == ["last", "new"]
 
 
-def test_latched_late_joiner_that_does_not_read_delays_nobody_else(publish_on, connect):
-    publisher = publish_on(Publisher, String, latch=True)
+def test_latched_late_joiner_that_does_not_read_delays_nobody_else(opened, connect):
+    publisher = opened(String, latch=True)
     good = connect(publisher, "/good")
     long = "l" * 1_000_000
     reader = threading.Thread(target=receive, args=(good,))
@@ -182,33 +213,33 @@ def test_latched_late_joiner_that_does_not_read_delays_nobody_else(publish_on, c
     assert [receive(stalled).data for _ in range(2)] == [long, "news"]
 
 
-def test_publishers_of_one_topic_share_its_connections(publish_on, connect):
-    ours = [publish_on(Publisher, String) for _ in range(2)]
-    plain = publish_on(rospy.Publisher, String, queue_size=10)
+def test_publishers_of_one_topic_share_its_connections(opened, make_plain, connect):
+    ours = [opened(String) for _ in range(2)]
+    plain = make_plain()
     subscriber = connect(plain)
-    assert [type(connection) for connection in plain.impl.connections] == [TCPROSTransport]
+    assert [type(connection) for connection in impl(plain).connections] == [TCPROSTransport]
     words = [str(number) for number in range(6)]
     for word, publisher in zip(words, 3 * ours):
         publisher.publish(String(word))
-    plain.impl.publish(String("plain"))
+    impl(plain).publish(String("plain"))
     assert [receive(subscriber).data for _ in range(7)] == words + ["plain"]
     for publisher in ours:
         assert [(s.node, s.sent) for s in publisher.statistics()] == [("/subscriber", 7)]
 
 
-def test_where_there_is_a_plain_publisher_its_queue_is_used(publish_on, connect):
-    plain = publish_on(rospy.Publisher, String, queue_size=10)
+def test_where_there_is_a_plain_publisher_its_queue_is_used(opened, make_plain, connect):
+    plain = make_plain()
     subscriber = connect(plain)
-    ours = publish_on(Publisher, String)
-    assert ours.impl is plain.impl
-    assert isinstance(ours.impl.connections[0], QueuedConnection)
-    ours.impl.publish(String("news"))
+    ours = opened(String)
+    assert impl(ours) is impl(plain)
+    assert isinstance(impl(ours).connections[0], QueuedConnection)
+    impl(ours).publish(String("news"))
     assert receive(subscriber).data == "news"
     assert ours.statistics() == []
 
 
-def test_subscriber_that_has_gone_is_forgotten(publish_on, connect):
-    publisher = publish_on(Publisher, String)
+def test_subscriber_that_has_gone_is_forgotten(opened, connect):
+    publisher = opened(String)
     gone, rest = (connect(publisher, name) for name in ("/gone", "/rest"))
     gone.close()
     publisher.publish(String("news"))
@@ -217,8 +248,8 @@ def test_subscriber_that_has_gone_is_forgotten(publish_on, connect):
     assert receive(rest).data == "news"
 
 
-def test_threads_do_not_cut_into_each_others_messages(publish_on, connect):
-    publisher = publish_on(Publisher, String)
+def test_threads_do_not_cut_into_each_others_messages(opened, connect):
+    publisher = opened(String)
     subscriber = connect(publisher)
     words = {letter: letter * 50_000 for letter in "ab"}
 
@@ -235,8 +266,8 @@ def test_threads_do_not_cut_into_each_others_messages(publish_on, connect):
     assert sorted(received) == sorted(50 * list(words.values()))
 
 
-def test_value_that_does_not_fit_is_refused_and_sends_nothing(publish_on, connect):
-    publisher = publish_on(Publisher, Header)
+def test_value_that_does_not_fit_is_refused_and_sends_nothing(opened, connect):
+    publisher = opened(Header)
     subscriber = connect(publisher)
     with pytest.raises(rospy.ROSSerializationException):
         publisher.publish(Header(frame_id=3.14))
@@ -244,15 +275,15 @@ def test_value_that_does_not_fit_is_refused_and_sends_nothing(publish_on, connec
     assert receive(subscriber, Header).frame_id == "good"
 
 
-def test_publishing_without_a_node_is_refused(publish_on):
-    publisher = publish_on(Publisher, String)
+def test_publishing_without_a_node_is_refused(opened):
+    publisher = opened(String)
     with pytest.raises(rospy.ROSException):
         publisher.publish(String())
 
 
-def test_closed_topic_is_an_error_except_during_shutdown(publish_on, monkeypatch):
-    publisher = publish_on(Publisher, String)
-    publisher.impl.close()
+def test_closed_topic_is_an_error_except_during_shutdown(opened, monkeypatch):
+    publisher = opened(String)
+    impl(publisher).close()
     with pytest.raises(rospy.ROSException):
         publisher.publish(String())
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
@@ -260,8 +291,86 @@ def test_closed_topic_is_an_error_except_during_shutdown(publish_on, monkeypatch
     assert publisher.statistics() == []
 
 
-def test_unregistered_publisher_refuses(publish_on):
-    publisher = publish_on(Publisher, String)
-    publisher.unregister()
-    with pytest.raises(rospy.ROSException):
-        publisher.publish(String())
+@pytest.mark.parametrize("is_open", [True, False])
+def test_closed_publisher_refuses(unopened, is_open):
+    publisher = unopened(String, latch=True)
+    if is_open:
+        publisher.open()
+    for _ in range(2):
+        publisher.close()
+    for publish, argument in (
+        (publisher.publish, String()),
+        (publisher.publish, "text"),
+        (publisher.publish_all, [String()]),
+    ):
+        with pytest.raises(rospy.ROSException, match="closed publisher of " + TOPIC):
+            publish(argument)
+    assert (publisher.statistics(), publisher.get_num_connections()) == ([], 0)
+
+
+def test_closing_one_publisher_leaves_the_others_of_its_topic_alone(opened, connect):
+    closed, other = (opened(String) for _ in range(2))
+    subscriber = connect(closed)
+    closed.close()
+    other.publish(String("news"))
+    assert receive(subscriber).data == "news"
+    assert get_topic_manager().get_publisher_impl(TOPIC) is impl(other)
+    other.close()
+    assert get_topic_manager().get_publisher_impl(TOPIC) is None
+    assert subscriber.recv(1) == b"", "the last one ends the connections"
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_what_was_latched_before_opening_is_sent_then(unopened, connect, monkeypatch, known):
+    for module in (rospy.core, rospy.topics):
+        monkeypatch.setattr(module, "is_initialized", lambda: True)
+    if not known:
+        monkeypatch.setattr(publishers, "publisher_mismatch", lambda: "all is different")
+    publisher = unopened(String, latch=True)
+    publisher.publish(String("old"))
+    publisher.publish_all([String("older"), String("newer")])
+    publisher.publish(data="last")
+    assert publisher.get_num_connections() == 0
+    publisher.open()
+    subscriber = connect(publisher)
+    publisher.publish("new")
+    assert [receive(subscriber).data for _ in range(2)] == ["last", "new"]
+
+
+def test_what_was_not_latched_before_opening_is_not_sent(unopened, connect):
+    publisher = unopened(String)
+    publisher.publish(String("early"))
+    publisher.open()
+    subscriber = connect(publisher)
+    publisher.publish(String("news"))
+    assert receive(subscriber).data == "news"
+
+
+def test_opening_publishes_nothing_of_itself(unopened, connect):
+    publisher = unopened(String, latch=True)
+    publisher.open()
+    subscriber = connect(publisher)
+    publisher.publish(String("news"))
+    assert receive(subscriber).data == "news"
+    assert [s.sent for s in publisher.statistics()] == [1]
+
+
+def test_publisher_that_opens_while_the_last_other_one_closes_is_heard(
+    opened, unopened, connect, monkeypatch
+):
+    other, ours = opened(String), unopened(String)
+    closing = threading.Thread(target=other.close)
+    advertise = rospy.Publisher
+
+    def close_other_and_advertise(*args, **kwds):
+        closing.start()
+        closing.join(0.2)  # or it waits until ours is open
+        return advertise(*args, **kwds)
+
+    monkeypatch.setattr(rospy, "Publisher", close_other_and_advertise)
+    ours.open()
+    closing.join(TIME_OUT)
+    subscriber = connect(ours)
+    ours.publish(String("news"))
+    assert receive(subscriber).data == "news"
+    assert [s.sent for s in ours.statistics()] == [1]

@@ -1,10 +1,12 @@
-"""What is logged of lines that are too long to read."""
+"""What is logged of a stream that is too quick, and of lines that are too long to read."""
+
+import threading
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodekit.messaging.stream_log import LONGEST, shortened
+from nodekit.messaging.stream_log import LONGEST, StreamLog, shortened
 
 
 @given(st.text(max_size=LONGEST))
@@ -19,3 +21,65 @@ def test_a_very_long_one_keeps_its_ends_and_says_how_much_is_left_out(size):
     assert short.startswith("start") and short.endswith("end")
     assert "(%d characters)" % (size - LONGEST) in short
     assert len(short) < LONGEST + 40
+    logged = []
+    StreamLog(log=logged.append).line(text)
+    assert logged == [short]
+
+
+@given(st.integers(1, 20), st.lists(st.integers(0, 50), max_size=10))
+def test_each_second_some_lines_are_logged_and_the_rest_is_counted(per_second, seconds):
+    logged, expected = [], []
+    log = StreamLog(per_second, logged.append)
+    limit = per_second + StreamLog.JITTER
+    for second, count in enumerate(seconds):
+        lines = ["%d of second %d" % (number, second) for number in range(count)]
+        for line in lines:
+            log.line(line)
+        log.end_second(float(second))
+        expected += lines[:limit]
+        if count > limit:
+            expected.append("... and %d more in the last second" % (count - limit))
+    assert logged == expected
+
+
+def test_slow_stream_is_logged_line_by_line_at_once():
+    logged = []
+    log = StreamLog(log=logged.append)
+    for number in range(100):
+        log.line(str(number))
+        assert logged[-1] == str(number)
+        log.end_second()
+    assert len(logged) == 100
+
+
+def test_lines_of_several_threads_are_all_logged_or_counted():
+    logged = []
+    log = StreamLog(per_second=10, log=logged.append)
+
+    def talk():
+        for _ in range(1000):
+            log.line("line")
+
+    threads = [threading.Thread(target=talk) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20.0)
+    log.end_second()
+    limit = 10 + StreamLog.JITTER
+    assert logged == ["line"] * limit + ["... and %d more in the last second" % (4000 - limit)]
+
+
+def test_a_line_that_cannot_be_logged_counts_and_holds_up_no_other():
+    logged = []
+
+    def fail_first(text):
+        if text == "first":
+            raise OSError("the disk is full")
+        logged.append(text)
+
+    log = StreamLog(log=fail_first)
+    with pytest.raises(OSError):
+        log.line("first")
+    log.line("second")
+    assert logged == ["second"]

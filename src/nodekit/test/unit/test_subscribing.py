@@ -4,6 +4,7 @@ import contextlib
 import socket
 import struct
 import threading
+import time
 
 import pytest
 import rospy
@@ -17,25 +18,49 @@ from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32, String
 
 from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.subscriber import Subscriber
+from nodekit.messaging.subscription import Latest, Subscription
 from nodekit.rospy_internals import subscribers
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
+#: The float32 next to 0.1.
+(ROUNDED,) = struct.unpack("<f", b"\xcd\xcc\xcc=")
 
 
-class Publisherless:
-    """A subscriber with one connection, whose other end is a socket."""
+class Ear:
+    """An open subscription that keeps what it hears."""
 
-    def __init__(self, stack, make=Subscriber):
+    def __init__(self, stack, data_class=String):
         self.batches = []
-        self.subscriber = make(TOPIC, String, self.batches.append)
-        stack.callback(self.subscriber.unregister)
+        self.may_wait = []
+        self.subscription = Subscription(TOPIC, data_class, self.receive)
+        stack.callback(self.subscription.close)
+        self.subscription.open()
+
+    def receive(self, messages, may_wait):
+        self.batches.append(messages)
+        self.may_wait.append(may_wait)
+
+    @property
+    def impl(self):
+        """rospy's object behind the subscription."""
+        return self.subscription._subscriber.impl
+
+    @property
+    def words(self):
+        return [message.data for batch in self.batches for message in batch]
+
+
+class Publisherless(Ear):
+    """A subscription with one connection, whose other end is a socket."""
+
+    def __init__(self, stack):
+        super().__init__(stack)
         ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
         self.transport = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
         self.transport.set_socket(ours, "/publisher")
         stack.callback(self.transport.close)
-        self.subscriber.impl.add_connection(self.transport)
+        self.impl.add_connection(self.transport)
 
     def receive_all(self):
         """Do what the thread of a connection does, with all that has been sent."""
@@ -43,14 +68,10 @@ class Publisherless:
         self.receive_until_closed()
 
     def receive_until_closed(self):
+        topic = self.impl
         with pytest.raises(TransportTerminated):
             while True:
-                messages = self.transport.receive_once()
-                self.subscriber.impl.receive_callback(messages, self.transport)
-
-    @property
-    def words(self):
-        return [message.data for batch in self.batches for message in batch]
+                topic.receive_callback(self.transport.receive_once(), self.transport)
 
 
 @pytest.fixture
@@ -156,13 +177,13 @@ def test_latched_message_is_kept_for_callbacks_that_come_later(connected):
 
 
 def test_a_defect_of_one_callback_leaves_the_others_alone(connected):
-    def fail(messages):
+    def fail(messages, may_wait):
         raise ValueError("defect")
 
-    topic = connected.subscriber.impl
+    topic = connected.impl
     subscribers.receive_in_batches(TOPIC, String, fail)
     late = []
-    subscribers.receive_in_batches(TOPIC, String, late.extend)
+    subscribers.receive_in_batches(TOPIC, String, lambda messages, may_wait: late.extend(messages))
     connected.socket.sendall(packet("news"))
     connected.receive_all()
     assert connected.words == ["news"]
@@ -194,14 +215,19 @@ def test_where_batches_are_not_possible_messages_come_one_by_one(monkeypatch, kn
         assert connected.words == ["one", "two"]
 
 
+def test_the_thread_of_a_connection_may_be_kept_waiting(connected):
+    connected.socket.sendall(packet("news"))
+    connected.receive_all()
+    assert connected.may_wait == [True]
+
+
 def test_batch_that_is_published_arrives_whole_and_is_counted():
     with contextlib.ExitStack() as stack:
-        publisher = Publisher(TOPIC, String)
-        stack.callback(publisher.unregister)
+        publisher = opened(stack, String)
         ours, theirs = (stack.enter_context(end) for end in socket.socketpair())
         transport = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
         transport.set_socket(ours, "/subscriber")
-        publisher.impl.add_connection(transport)
+        publisher._publisher.impl.add_connection(transport)
         publisher.publish_all([])
         publisher.publish_all([String("one"), String("two")])
         expected = packet("one") + packet("two")
@@ -210,55 +236,94 @@ def test_batch_that_is_published_arrives_whole_and_is_counted():
         transport.close()
 
 
+def opened(stack, data_class, **kwds):
+    """Return an open publisher that is closed with the stack."""
+    publisher = Publisher(TOPIC, data_class, **kwds)
+    stack.callback(publisher.close)
+    publisher.open()
+    return publisher
+
+
 @pytest.fixture
-def together():
-    """A publisher and a subscriber of the same topic in the same process."""
+def stack():
     with contextlib.ExitStack() as stack:
-        batches = []
-        subscriber = Subscriber(TOPIC, String, batches.append)
-        stack.callback(subscriber.unregister)
-        publisher = Publisher(TOPIC, String, latch=True)
-        stack.callback(publisher.unregister)
-        yield publisher, subscriber, batches
+        yield stack
+
+
+@pytest.fixture
+def together(stack):
+    """A publisher and a subscription of the same topic in the same process."""
+    ear = Ear(stack)
+    return opened(stack, String, latch=True), ear
 
 
 def test_subscriber_of_the_same_process_hears_without_a_connection(together, monkeypatch):
-    publisher, subscriber, batches = together
+    publisher, ear = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
-    assert subscriber.impl.has_connection("http://here")
-    assert not subscriber.impl.has_connection("http://elsewhere")
+    assert ear.impl.has_connection("http://here")
+    assert not ear.impl.has_connection("http://elsewhere")
     sent = [String("one"), String("two")]
     publisher.publish_all(sent)
     publisher.publish(String("three"))
+    batches = ear.batches
     assert [[message.data for message in batch] for batch in batches] == [["one", "two"], ["three"]]
     assert batches[0][0] is not sent[0], "each side has a message of its own"
     assert batches[0][0]._connection_header["topic"] == TOPIC
 
 
-def test_numbers_are_rounded_as_for_any_other_subscriber():
-    with contextlib.ExitStack() as stack:
-        heard = []
-        stack.callback(Subscriber(TOPIC, Float32, heard.extend).unregister)
-        publisher = Publisher(TOPIC, Float32)
-        stack.callback(publisher.unregister)
-        publisher.publish(Float32(0.1))
-        assert [message.data for message in heard] == [struct.unpack("<f", b"\xcd\xcc\xcc=")[0]]
+def test_the_thread_that_publishes_in_the_same_process_may_not_be_kept_waiting(together, stack):
+    publisher, ear = together
+    publisher.publish(String("news"))
+    late = Ear(stack)
+    late.subscription.receive_latched()
+    assert (ear.may_wait, late.may_wait) == ([False], [False])
 
 
-def test_late_subscriber_of_the_same_process_gets_the_latched_message(together):
-    publisher, _, batches = together
+def test_numbers_are_rounded_as_for_any_other_subscriber(stack):
+    ear = Ear(stack, Float32)
+    opened(stack, Float32).publish(Float32(0.1))
+    assert ear.words == [ROUNDED]
+
+
+def test_late_subscriber_of_the_same_process_gets_the_latched_message(together, stack):
+    publisher, ear = together
     publisher.publish(String("last"))
-    late = []
-    second = Subscriber(TOPIC, String, late.extend)
-    assert [message.data for message in late] == ["last"]
-    assert len(batches) == 1
-    second.unregister()
+    late = Ear(stack)
+    assert late.words == [], "nothing before it is asked for"
+    late.subscription.receive_latched()
+    assert late.words == ["last"]
+    assert len(ear.batches) == 1
+
+
+def test_the_latched_message_is_like_any_other_message_of_the_same_process(stack):
+    publisher = opened(stack, Float32, latch=True)
+    ear = Ear(stack, Float32)
+    message = Float32(0.1)
+    publisher.publish(message)
+    late = Ear(stack, Float32)
+    late.subscription.receive_latched()
+    assert late.words == ear.words == [ROUNDED]
+    (first,), (second,) = ear.batches[0], late.batches[0]
+    assert second is not message and second is not first, "each side has a message of its own"
+    assert second._connection_header == first._connection_header
+
+
+@pytest.mark.parametrize("latch", [True, False])
+def test_where_nothing_is_latched_nothing_is_handed_over(stack, latch):
+    publisher = opened(stack, String, latch=latch)
+    first = Ear(stack)
+    if not latch:
+        publisher.publish(String("gone"))
+    late = Ear(stack)
+    late.subscription.receive_latched()
+    assert len(first.batches) == (0 if latch else 1)
+    assert late.batches == []
 
 
 def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
-    publisher, subscriber, batches = together
+    publisher, ear = together
 
-    def answer(messages):
+    def answer(messages, may_wait):
         if messages[0].data != "answer":
             other = threading.Thread(target=publisher.publish, args=(String("answer"),))
             other.start()
@@ -266,14 +331,109 @@ def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
 
     subscribers.receive_in_batches(TOPIC, String, answer)
     publisher.publish(String("question"))
-    assert [message.data for batch in batches for message in batch] == ["question", "answer"]
+    assert ear.words == ["question", "answer"]
 
 
 def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
-    publisher, subscriber, batches = together
+    publisher, ear = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
-    publisher.unregister()
-    assert not subscriber.impl.has_connection("http://here")
+    publisher.close()
+    assert not ear.impl.has_connection("http://here")
     plain = rospy.Publisher(TOPIC, String, queue_size=10)
-    assert not subscriber.impl.has_connection("http://here"), "a plain one needs a connection"
+    assert not ear.impl.has_connection("http://here"), "a plain one needs a connection"
     plain.unregister()
+
+
+def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(connected, stack):
+    other = Ear(stack)
+    topic = connected.impl
+    assert other.impl is topic
+    connected.subscription.close()
+    connected.socket.sendall(packet("news"))
+    topic.receive_callback(connected.transport.receive_once(), connected.transport)
+    assert (connected.batches, other.words) == ([], ["news"])
+    assert get_topic_manager().get_subscriber_impl(TOPIC) is topic
+    other.subscription.close()
+    assert get_topic_manager().get_subscriber_impl(TOPIC) is None
+    topic.receive_callback([String("late")], connected.transport)
+    assert (connected.batches, other.words) == ([], ["news"])
+    assert connected.subscription.get_num_connections() == 0
+
+
+def test_closed_subscription_hears_nothing_of_its_process_while_others_go_on(together, stack):
+    publisher, ear = together
+    other = Ear(stack)
+    publisher.publish(String("before"))
+    for _ in range(2):
+        ear.subscription.close()
+    publisher.publish(String("after"))
+    assert ear.words == ["before"]
+    assert other.words == ["before", "after"]
+
+
+def test_two_subscriptions_with_one_callback_are_closed_one_by_one(stack):
+    publisher = opened(stack, String)
+    first, heard = Ear(stack), []
+    second = Subscription(TOPIC, String, first.receive)
+    stack.callback(second.close)
+    second.open()
+    publisher.publish(String("both"))
+    heard += first.words
+    second.close()
+    publisher.publish(String("one"))
+    assert (heard, first.words) == (["both", "both"], ["both", "both", "one"])
+
+
+def test_subscription_that_opens_while_the_last_other_one_closes_hears(stack, monkeypatch):
+    publisher = opened(stack, String)
+    closing = threading.Thread(target=Ear(stack).subscription.close)
+    subscribe = rospy.Subscriber
+
+    def close_other_and_subscribe(*args, **kwds):
+        closing.start()
+        closing.join(0.2)  # or it waits until ours is open
+        return subscribe(*args, **kwds)
+
+    monkeypatch.setattr(rospy, "Subscriber", close_other_and_subscribe)
+    ours = Ear(stack)
+    closing.join(TIME_OUT)
+    publisher.publish(String("news"))
+    assert ours.words == ["news"]
+
+
+def test_plain_subscriber_goes_on_when_ours_is_closed(connected):
+    plain = []
+    second = rospy.Subscriber(TOPIC, String, plain.append)
+    connected.subscription.close()
+    connected.socket.sendall(packet("news"))
+    second.impl.receive_callback(connected.transport.receive_once(), connected.transport)
+    second.unregister()
+    assert (connected.words, [message.data for message in plain]) == ([], ["news"])
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_where_batches_are_not_possible_closing_ends_it_too(monkeypatch, known):
+    with contextlib.ExitStack() as stack:
+        plain = []
+        if not known:
+            monkeypatch.setattr(subscribers, "subscriber_mismatch", lambda: "all is different")
+        second = rospy.Subscriber(TOPIC, String, plain.append)
+        stack.callback(second.unregister)
+        connected = Publisherless(stack)
+        topic = connected.impl
+        connected.subscription.close()
+        connected.socket.sendall(packet("news"))
+        topic.receive_callback(connected.transport.receive_once(), connected.transport)
+        assert (connected.words, [message.data for message in plain]) == ([], ["news"])
+
+
+def test_latest_keeps_the_newest_message_and_knows_how_old_it_is(stack):
+    publisher = opened(stack, String)
+    latest = Latest(TOPIC, String)
+    assert (latest.message, latest.age) == (None, float("inf"))
+    stack.callback(latest.subscription.close)
+    latest.subscription.open()
+    before = time.monotonic()
+    publisher.publish_all([String("old"), String("new")])
+    assert latest.message.data == "new"
+    assert 0.0 <= latest.age <= time.monotonic() - before

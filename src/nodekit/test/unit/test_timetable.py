@@ -1,5 +1,7 @@
 """Deadlines of periodic work: an even grid that neither lateness nor retiming disturbs."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,6 +16,7 @@ EVENTS = st.lists(
         st.tuples(st.just("wait"), st.floats(0.0, 1e3)),
         st.tuples(st.just("sleep"), st.floats(0.0, 3.0)),
         st.tuples(st.just("rate"), RATES),
+        st.tuples(st.just("pause"), st.none()),
         st.tuples(st.just("back"), st.floats(0.001, 100.0)),
     ),
     max_size=30,
@@ -28,18 +31,21 @@ def run(timetable, start, events):
     now, calls = start, []
 
     def take_if_due():
-        deadline = timetable.deadline(now)
-        if now >= deadline - SLACK_S:
+        deadline = timetable.deadline
+        if deadline is not None and now >= deadline - SLACK_S:
             calls.append((now, deadline, timetable.take(now)))
 
     take_if_due()
     for event, amount in events:
         if event == "wait":
-            now = max(now, timetable.deadline(now)) + amount * 1e-6
+            deadline = timetable.deadline
+            now = (now if deadline is None else max(now, deadline)) + amount * 1e-6
         elif event == "sleep":
             now += amount
         elif event == "rate":
             timetable.set_rate(amount)
+        elif event == "pause":
+            timetable.set_rate(0.0)
         else:
             now -= amount
             timetable.restart(now)
@@ -49,9 +55,38 @@ def run(timetable, start, events):
 
 def test_the_first_call_is_due_at_once_with_no_time_passed():
     timetable = Timetable(0.1)
-    assert timetable.deadline(5.0) == 5.0
+    assert timetable.deadline == -math.inf
+    timetable.begin(5.0)
+    assert timetable.deadline == 5.0
     assert timetable.take(5.0) == 0.0
-    assert timetable.deadline(5.0) == 15.0
+    assert timetable.deadline == 15.0
+    assert timetable.skipped == 0
+
+
+@given(STARTS, RATES, st.floats(0.0, 1e3))
+def test_to_begin_again_changes_nothing(start, rate, later):
+    timetable = Timetable(rate)
+    timetable.begin(start)
+    timetable.begin(start + later)
+    assert timetable.deadline == start
+    assert timetable.take(start) == 0.0
+    due = timetable.deadline
+    timetable.begin(start + later)
+    assert timetable.deadline == due
+
+
+def test_the_first_call_that_is_late_counts_from_when_it_was_due():
+    timetable = Timetable(10.0)
+    timetable.begin(5.0)
+    assert timetable.take(5.25) == pytest.approx(0.2)
+    assert timetable.skipped == 2
+    assert timetable.deadline == pytest.approx(5.3)
+
+
+def test_to_take_begins():
+    timetable = Timetable(2.0)
+    assert timetable.take(7.0) == 0.0
+    assert timetable.deadline == 7.5
 
 
 @given(STARTS, RATES, st.lists(st.floats(0.0, 0.9), max_size=50))
@@ -60,7 +95,7 @@ def test_late_calls_do_not_drift(start, rate, lateness):
     timetable.take(start)
     for number, late in enumerate(lateness, start=1):
         due = start + number / rate
-        assert timetable.deadline(0.0) == pytest.approx(due, rel=1e-15, abs=1e-15)
+        assert timetable.deadline == pytest.approx(due, rel=1e-15, abs=1e-15)
         assert timetable.take(due + late / rate) == pytest.approx(number / rate)
 
 
@@ -68,29 +103,48 @@ def test_a_day_at_1_khz_ends_on_the_very_grid():
     timetable = Timetable(1000.0)
     timetable.take(1.7e9)
     assert timetable.take(1.7e9 + 86400.0004) == 86400.0
-    assert timetable.deadline(0.0) == 1.7e9 + 86400.001
+    assert timetable.deadline == 1.7e9 + 86400.001
 
 
 def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
     timetable = Timetable(10.0, catch_up=0.5)
     timetable.take(0.0)
     assert [timetable.take(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
-    assert timetable.deadline(0.31) == pytest.approx(0.4)
+    assert timetable.deadline == pytest.approx(0.4)
+    assert timetable.skipped == 0
 
 
 def test_what_is_missed_by_too_much_is_not_made_up_for():
     timetable = Timetable(10.0, catch_up=0.5)
     timetable.take(0.0)
     assert timetable.take(60.05) == pytest.approx(60.0)
-    assert timetable.deadline(60.05) == pytest.approx(60.1)
+    assert timetable.deadline == pytest.approx(60.1)
+    assert timetable.skipped == 599
 
 
 def test_missed_deadlines_are_skipped_and_the_grid_is_kept():
     timetable = Timetable(10.0)
     timetable.take(0.0)
     assert timetable.take(0.57) == 0.5
-    assert timetable.deadline(0.57) == 0.6
+    assert timetable.deadline == 0.6
+    assert timetable.skipped == 4
     assert timetable.take(0.6) == 0.6
+    assert timetable.skipped == 4
+    assert timetable.take(0.85) == 0.8
+    assert timetable.skipped == 5
+
+
+@given(STARTS, st.floats(0.1, 1000.0), st.lists(st.floats(0.0, 50.0), max_size=20))
+def test_what_is_not_taken_is_skipped_and_counted(start, rate, waits):
+    timetable = Timetable(rate)
+    now = start
+    timetable.begin(now)
+    taken = [timetable.take(now)]
+    for periods in waits:
+        now = max(now, timetable.deadline) + periods / rate
+        taken.append(timetable.take(now))
+    number = round(taken[-1] * rate)
+    assert len(taken) + timetable.skipped == number + 1
 
 
 @given(STARTS, RATES, EVENTS)
@@ -116,7 +170,7 @@ def test_new_rate_counts_from_the_last_call(start, rate, rates, waited):
     for latest in rates:
         timetable.set_rate(latest)
     next_one = start + 1.0 / rates[-1]
-    assert timetable.deadline(now) == pytest.approx(next_one, rel=1e-15, abs=1e-12)
+    assert timetable.deadline == pytest.approx(next_one, rel=1e-15, abs=1e-12)
     if now >= next_one:
         assert timetable.take(now) == pytest.approx(now - start, abs=1.0 / rates[-1] + SLACK_S)
 
@@ -126,18 +180,85 @@ def test_slow_task_that_becomes_quick_is_due_at_once_and_loses_no_time():
     timetable.take(100.0)
     timetable.set_rate(0.2)
     timetable.set_rate(50.0)
-    assert timetable.deadline(107.003) <= 107.003
+    assert timetable.deadline <= 107.003
     assert timetable.take(107.003) == pytest.approx(7.0)
-    assert timetable.deadline(107.003) == pytest.approx(107.02)
+    assert timetable.deadline == pytest.approx(107.02)
 
 
 def test_rate_that_changes_before_the_first_call():
     timetable = Timetable(0.1)
     timetable.set_rate(5.0)
-    assert timetable.deadline(3.0) == 3.0
+    timetable.begin(3.0)
+    assert timetable.deadline == 3.0
     timetable.set_rate(2.0)
+    assert timetable.deadline == 3.0
     assert timetable.take(3.0) == 0.0
-    assert timetable.deadline(3.0) == 3.5
+    assert timetable.deadline == 3.5
+
+
+def test_a_pause_has_no_deadline_and_counts_as_time():
+    timetable = Timetable(10.0)
+    timetable.begin(70.0)
+    timetable.take(70.0)
+    timetable.set_rate(0.0)
+    assert timetable.deadline is None
+    timetable.set_rate(10.0)
+    assert timetable.deadline == pytest.approx(70.1), "the grid is the old one"
+    assert timetable.take(75.0) == pytest.approx(5.0)
+    assert timetable.deadline == pytest.approx(75.1)
+
+
+def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped():
+    paused = Timetable(10.0)
+    paused.take(70.0)
+    paused.set_rate(0.0)
+    paused.set_rate(10.0)
+    assert paused.take(75.0) == pytest.approx(5.0)
+    assert paused.skipped == 0
+    assert paused.take(75.35) == pytest.approx(5.3)
+    assert paused.skipped == 2
+    slow = Timetable(0.1)
+    slow.take(100.0)
+    slow.set_rate(50.0)
+    assert slow.take(107.003) == pytest.approx(7.0)
+    assert slow.skipped == 0
+
+
+def test_the_same_rate_again_loses_nothing_of_what_is_made_up_for():
+    # All timers of a node are given their rates again after a change of any of its parameters.
+    timetable = Timetable(10.0, catch_up=1.0)
+    timetable.take(0.0)
+    assert timetable.take(0.55) == pytest.approx(0.1)
+    timetable.set_rate(10.0)
+    assert timetable.deadline == pytest.approx(0.2)
+    assert [timetable.take(0.55) for _ in range(4)] == pytest.approx([0.2, 0.3, 0.4, 0.5])
+    assert timetable.skipped == 0
+
+
+@pytest.mark.parametrize("rate", [0.0, 10.0])
+def test_what_is_paused_from_the_beginning_has_its_first_call_afterwards(rate):
+    timetable = Timetable(rate)
+    timetable.set_rate(0.0)
+    assert timetable.deadline is None
+    timetable.set_rate(4.0)
+    assert timetable.deadline == -math.inf
+    timetable.begin(9.0)
+    assert timetable.take(9.0) == 0.0
+    assert timetable.deadline == 9.25
+    assert timetable.skipped == 0
+
+
+def test_clock_set_back_during_a_pause():
+    timetable = Timetable(10.0)
+    for now in (50.0, 50.1):
+        timetable.take(now)
+    timetable.set_rate(0.0)
+    timetable.restart(20.0)
+    assert timetable.deadline is None
+    timetable.set_rate(5.0)
+    assert timetable.deadline == 20.0
+    assert timetable.take(20.0) == pytest.approx(0.2)
+    assert timetable.take(20.2) == pytest.approx(0.4)
 
 
 @given(st.floats(10.0, 1e5), st.floats(0.5, 100.0), st.integers(0, 20), st.floats(0.1, 1e5))
@@ -147,7 +268,7 @@ def test_clock_set_back_makes_the_task_due_one_period_on(start, rate, calls, bac
         timetable.take(start + number / rate)
     now = start - back
     timetable.restart(now)
-    assert timetable.deadline(now) == now
+    assert timetable.deadline == now
     assert timetable.take(now) == pytest.approx(calls / rate)
     assert timetable.take(now + 1.0 / rate) == pytest.approx((calls + 1) / rate)
 
@@ -163,7 +284,7 @@ def test_clock_whose_steps_are_the_deadlines_loses_none(hertz, first_ms, every):
     stamps = [(first_ms * 1000 + number * (10**6 // hertz)) / 1e6 for number in range(200)]
     taken = 0
     for stamp in stamps:
-        if timetable.deadline(stamp) <= stamp + SLACK_S:
+        if timetable.deadline <= stamp + SLACK_S:
             timetable.take(stamp)
             taken += 1
     assert taken == 200 // every
@@ -174,6 +295,6 @@ def test_rate_above_the_clocks_means_one_call_a_step(start, clock_rate):
     timetable = Timetable(20000.0)
     for number in range(50):
         now = start + number * max(1.0 / clock_rate, 0.001)
-        assert timetable.deadline(now) <= now + SLACK_S
+        assert timetable.deadline <= now + SLACK_S
         timetable.take(now)
-        assert timetable.deadline(now) > now + SLACK_S
+        assert timetable.deadline > now + SLACK_S

@@ -1,73 +1,50 @@
 """The panels of all nodes that describe their parameters, kept in step with them."""
 
 import time
-from collections import deque
 from functools import partial
-from typing import Any, Callable, Collection, Deque, Dict, List, Tuple
+from typing import Any, Callable, Collection, Dict, List, Mapping, Tuple
 
 import rospy
-from rosgraph_msgs.msg import Log
+import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.live.description import SERVICE
-from nodekit.live.watcher import Observation, Watch, get_watcher
+from nodekit.commands.calling import Call
+from nodekit.live import change, describe
+from nodekit.live.following import Following, open_all
+from nodekit.live.watcher import get_watcher
+from nodekit_msgs.srv import SetParameters
 from topic_scope import services
 from topic_scope.background import Background
 from topic_scope.panels import DescriptionError, Panel
-from topic_scope.settings import Answer, Settings, value_message
+from topic_scope.settings import Answer, Changed, Settings, value_message
 
 #: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
 PANELS = 64
 #: A node that did not answer is asked again after this time, s.
 RETRY_S = 5.0
-#: Warnings of nodes that are kept, to find in them why a value was refused.
-_WARNINGS = 200
-_END = "/" + SERVICE
-
-
-class ServerWatch(Watch):
-    """Passes on what stands on the parameter server below a namespace.
-
-    :param key: the namespace
-    :param tell: called with the values, from the thread of the watcher
-    """
-
-    def __init__(self, key: str, tell: Callable[[Any], None]) -> None:
-        super().__init__(key)
-        self._tell = tell
-
-    def observe(self, seen: Observation) -> bool:
-        self._tell(seen.value)
-        return True
+_END = "/" + describe.SERVICE
+#: Services that have no button.
+_INTERNAL = (describe.SERVICE, change.SERVICE)
 
 
 class Controls:
     """Knows the panels; all methods belong to the thread of the web.
 
     :param deliver: hands a function to that thread
-    :param later: hands a function to it after some seconds
     :param tell: tells all pages: a message, and what it is about
     """
 
     def __init__(
         self,
         deliver: Callable[[Callable[[], None]], None],
-        later: Callable[[float, Callable[[], None]], Any],
         tell: Callable[..., None],
     ) -> None:
         self._deliver, self._tell = deliver, tell
         self._background = Background(deliver)
         self._panels: Dict[str, Panel] = {}
-        self._watches: Dict[str, ServerWatch] = {}
+        self._followings: Dict[str, Following] = {}
         self._failed: Dict[str, float] = {}
-        self._warnings: Deque[Tuple[float, str]] = deque(maxlen=_WARNINGS)
-        self._settings = Settings(
-            self._background, later, _write, _describe, self._warned, self._tell_values
-        )
-
-    def listen(self) -> None:
-        """Hear what nodes say of values that they refuse."""
-        rospy.Subscriber("/rosout", Log, self._on_log)
+        self._settings = Settings(self._background, _change, self._tell_values)
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""
@@ -80,7 +57,8 @@ class Controls:
         gone = set(self._panels) - set(nodes)
         for node in gone:
             del self._panels[node]
-            leave = partial(get_watcher().remove, self._watches.pop(node))
+            self._settings.forget(node)
+            leave = self._followings.pop(node).close
             self._background.run(("leave", node), leave, lambda _: None)
         if gone:
             self._tell(self.message())
@@ -90,16 +68,19 @@ class Controls:
                 inspect = partial(self._inspect, node, list(names))
                 self._background.run(node, inspect, partial(self._on_inspected, node))
 
-    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, ServerWatch]:
-        own = [name for name in names if name.startswith(node + "/") and name != node + _END]
+    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, Following]:
+        own = [name for name in names if name.startswith(node + "/")]
+        own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
         kinds = {name: services.kind_of(name) for name in own}
-        watch = ServerWatch(node, lambda raw: self._deliver(partial(self._on_values, node, raw)))
-        get_watcher().add(watch)  # first: no change after the description is missed
+        following = Following(
+            node, get_watcher(), lambda raw: self._deliver(partial(self._on_values, node, raw))
+        )
+        open_all([following])  # first: no change after the description is missed
         try:
             offered = {name: kind for name, kind in kinds.items() if kind}
-            return Panel(node, _describe(node), offered), watch
+            return Panel(node, _describe(node), offered), following
         except Exception:
-            get_watcher().remove(watch)
+            following.close()
             raise
 
     def _on_inspected(self, node: str, result: Any) -> None:
@@ -108,7 +89,7 @@ class Controls:
             if isinstance(result, DescriptionError):
                 rospy.logwarn_throttle(60.0, "no panel for %s: %s" % (node, result))
             return
-        self._panels[node], self._watches[node] = result
+        self._panels[node], self._followings[node] = result
         self._tell(self.message())
 
     def _on_values(self, node: str, raw: Any) -> None:
@@ -148,17 +129,16 @@ class Controls:
                 return
         raise ValueError("there is no service %s to call" % service)
 
-    def _on_log(self, line: Log) -> None:
-        if line.level >= Log.WARN:
-            self._warnings.append((time.monotonic(), line.msg))
 
-    def _warned(self, since: float) -> List[str]:
-        return [text for heard, text in list(self._warnings) if heard >= since]
+def _change(node: str, values: Mapping[str, Any]) -> Changed:
+    """Have a node change parameters.
 
-
-def _write(values: Any) -> None:
-    get_watcher().server.write(values)
+    :raises NoAnswer: if it does not answer in good time
+    """
+    text = yaml.safe_dump(dict(values))
+    answer = Call("%s/%s" % (node, change.SERVICE), SetParameters, text).answer()
+    return Changed(answer.success, answer.message, yaml.safe_load(answer.values))
 
 
 def _describe(node: str) -> str:
-    return str(rospy.ServiceProxy(node + _END, Trigger)().message)
+    return str(Call(node + _END, Trigger).answer().message)

@@ -6,7 +6,7 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
-from nodekit.live.parameter_server import UNREACHABLE
+from nodekit.live.master import MasterClient, MasterUnreachable
 from topic_scope.layouts import Layouts
 from topic_scope.taps import Taps
 
@@ -48,7 +48,9 @@ class MasterWatch:
     def __init__(self, taps: Taps, layouts: Layouts) -> None:
         self._taps = taps
         self._layouts = layouts
-        self._master = rosgraph.Master(rospy.get_name())
+        self._master = MasterClient(
+            rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
+        )
         self._bell = threading.Event()
 
     def start(self, on_state: Callable[[GraphState], Any]) -> None:
@@ -67,12 +69,12 @@ class MasterWatch:
         while not rospy.is_shutdown():
             try:
                 self._taps.adjust()
-                publishers, subscribers, services = self._master.getSystemState()
-                types = dict(self._master.getTopicTypes())
+                publishers, subscribers, services = self._master.system_state()
+                types = self._master.topic_types()
                 for datatype in set(types.values()):
                     self._layouts.installed(datatype)
                 on_state(GraphState(publishers, subscribers, services, types))
-            except UNREACHABLE + (rosgraph.MasterException, rospy.ROSException) as error:
+            except (MasterUnreachable, rospy.ROSException) as error:
                 rospy.logdebug("the master does not answer: %s", error)
             self._bell.wait(PERIOD_S)
             self._bell.clear()

@@ -1,54 +1,25 @@
 """From what a node says of its parameters to a panel, and from a panel's value to the node's.
 
-The descriptions are those of the service ``~describe`` of basic_comms: a YAML list. The kinds of
-parameter that they name are basic_comms' own, so that a value is judged here as the node would, and
-refused in the same words.
+The descriptions are those of the service ``~describe`` of nodekit: a YAML list. The parameters are
+built from it again, so that a value is judged here as the node would, and is refused in the same
+words.
 """
 
-import re
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 import yaml
 
-from nodekit.parameters.kinds import (
-    BoolParameter,
-    EnumParameter,
-    FloatParameter,
-    IntParameter,
-    Parameter,
-    ParameterError,
-    StringParameter,
-    to_wire,
-)
+from nodekit.parameters.kinds import ListParameter, Parameter, ParameterError, to_wire
+from nodekit.parameters.schema import parameter_of
 
-_INTERVAL = re.compile(r"([\[(])\s*([^,\s]+)\s*,\s*([^,\s]+)\s*([\])])\Z")
 _KINDS = {"bool": "bool", "int": "int", "float": "float", "enum": "enum"}  # else: text
+_ENDS = ("minimum", "maximum", "above", "below")
 #: The loader of libyaml takes a tenth of the time of the one in Python.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class DescriptionError(ValueError):
     """A description that makes no sense."""
-
-
-class _AnyList(Parameter[Any]):
-    """A list, written as YAML; what may be in it is left to the node."""
-
-    type_name = "list"
-
-    @property
-    def allowed(self) -> str:
-        return "a list such as [1.0, 2.0]"
-
-    def coerce(self, raw: Any) -> Any:
-        if isinstance(raw, str):
-            try:
-                raw = yaml.load(raw, _LOADER)
-            except yaml.YAMLError:
-                raise self.refuse(raw) from None
-        if not isinstance(raw, (list, tuple)):
-            raise self.refuse(raw)
-        return tuple(raw)
 
 
 class Entry(NamedTuple):
@@ -108,10 +79,16 @@ class Panel:
         """Return the value that the node would make of one.
 
         :param name: name of the parameter
-        :param value: as the page, or the parameter server, has it
+        :param value: as the page, or the parameter server, has it; a page writes a list as YAML
         :raises ParameterError: if it is not allowed, in the node's own words
         """
-        return self.entries[name].parameter.coerce(value)
+        parameter = self.entries[name].parameter
+        if isinstance(parameter, ListParameter) and isinstance(value, str):
+            try:
+                value = yaml.load(value, _LOADER)
+            except yaml.YAMLError:
+                raise parameter.refuse(value) from None
+        return parameter.coerce(value)
 
     def follow(self, raw: Mapping[str, Any]) -> List[str]:
         """Take over what stands on the parameter server, as far as it is allowed.
@@ -131,15 +108,6 @@ class Panel:
         return changed
 
 
-def values_in(text: str) -> Dict[str, Any]:
-    """Return the values in force, by name.
-
-    :param text: the answer of a service ``describe``
-    :raises DescriptionError: if it makes no sense
-    """
-    return {str(described.get("name")): described.get("value") for described in _read(text)}
-
-
 def _read(text: str) -> List[Dict[str, Any]]:
     try:
         described = yaml.load(text, _LOADER)
@@ -151,70 +119,19 @@ def _read(text: str) -> List[Dict[str, Any]]:
 
 
 def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
+    name = str(described.get("name"))
     try:
-        name, kind = str(described["name"]), str(described["type"])
-        unit, help_, range_ = (str(described.get(key) or "") for key in ("unit", "help", "range"))
-        bounds = _bounds(range_) if kind in ("int", "float") else {}
-        choices = _choices(range_) if kind == "enum" else []
-        parameter = _parameter(kind, described["value"], bounds, choices, unit, help_)
-        parameter.name = "%s/%s" % (node, name)
+        parameter = parameter_of(described)
+        parameter.name = f"{node}/{name}"
         value = parameter.coerce(described["value"])
-    except (KeyError, ValueError) as error:  # an unknown kind, a bad range, a value that is none
-        raise DescriptionError("%s: %s" % (described.get("name"), error)) from None
+    except (KeyError, ValueError) as error:  # an unknown kind, a bad limit, a value that is none
+        raise DescriptionError(f"{name}: {error}") from None
     shown: Dict[str, Any] = {
         "name": name,
-        "kind": _KINDS.get(kind, "string"),
-        "unit": unit,
-        "help": help_,
-        **{end: bounds.get(end) for end in ("minimum", "maximum", "above", "below")},
-        "choices": choices,
+        "kind": _KINDS.get(parameter.type_name, "string"),
+        "unit": parameter.unit,
+        "help": parameter.help,
+        **{end: getattr(parameter, end, None) for end in _ENDS},
+        "choices": list(getattr(parameter, "choices", [])),
     }
     return name, Entry(parameter, shown), value
-
-
-def _parameter(
-    kind: str, value: Any, bounds: Dict[str, float], choices: List[str], unit: str, help_: str
-) -> Parameter[Any]:
-    if kind == "bool":
-        return BoolParameter(value, unit=unit, help=help_)
-    if kind == "int":
-        return IntParameter(value, unit=unit, help=help_, **bounds)
-    if kind == "float":
-        return FloatParameter(value, unit=unit, help=help_, **bounds)
-    if kind == "enum":
-        return EnumParameter(value, choices=choices, unit=unit, help=help_)
-    if kind == "list":
-        return _AnyList(value, unit=unit, help=help_)
-    if kind == "str":
-        return StringParameter(value, unit=unit, help=help_)
-    raise ValueError("there is no kind of parameter called %s" % kind)
-
-
-def _bounds(text: str) -> Dict[str, float]:
-    """Read an interval such as ``(0, 100]``; an infinite end is none."""
-    if not text:
-        return {}
-    match = _INTERVAL.match(text)
-    if not match:
-        raise ValueError("%s is no interval" % text)
-    left, low, high, right = match.groups()
-    ends = {("minimum" if left == "[" else "above"): float(low)}
-    ends["maximum" if right == "]" else "below"] = float(high)
-    return {end: bound for end, bound in ends.items() if abs(bound) != float("inf")}
-
-
-def _choices(text: str) -> List[str]:
-    if not (text.startswith("{") and text.endswith("}")):
-        raise ValueError("%s is no set of words" % text)
-    return text[1:-1].split(", ")
-
-
-def refusal_in(lines: "List[str]", node: str, name: str) -> Optional[str]:
-    """Return what a node said of a parameter, the latest first.
-
-    :param lines: warnings, oldest first
-    :param node: namespace of the parameter
-    :param name: its name in there
-    """
-    mention = re.compile(re.escape("%s/%s" % (node, name)) + r"(?![A-Za-z0-9_/])")
-    return next((line for line in reversed(lines) if mention.search(line)), None)

@@ -42,10 +42,8 @@ class Server:
         self._choices: List[Choice] = []
         self._statistics_at = 0.0
         loop = tornado.ioloop.IOLoop.current()
-        self._controls = Controls(loop.add_callback, loop.call_later, self._tell)
+        self._controls = Controls(loop.add_callback, self._tell)
         self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
-        if options.is_local:
-            self._controls.listen()
         watch.start(lambda state: loop.add_callback(self._on_graph, state))
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 

@@ -90,7 +90,7 @@ class Panels(PageTest):
                 lambda: nonsense in self.browser.text(_row("amplitude") + " .refusal"),
                 lambda: self.browser.text(_row("amplitude")),
             )
-            self.assertIn("allowed is", self.browser.text(_row("amplitude") + " .refusal"))
+            self.assertIn("must be", self.browser.text(_row("amplitude") + " .refusal"))
             self.wait_value("amplitude", 2.0)
             self.assertEqual(rospy.get_param(GENERATOR + "/amplitude"), 2.0)
         field.send_keys(Keys.CONTROL, "a")

@@ -72,7 +72,7 @@ class Controls(ScopeTest):
         self.set(page, "rate", -1)
         refused = page.wait_for("refused")
         self.assertEqual((refused["node"], refused["name"], refused["value"]), (NODE, "rate", -1))
-        self.assertIn("allowed is a number in [1e-06, 10000]", refused["text"])
+        self.assertIn("must be a number in [1e-06, 10000]", refused["text"])
         page.wait_for("value", lambda told: (told["name"], told["value"]) == ("rate", 100.0))
         self.set(page, "waveform", "wavy")
         page.wait_for("refused", lambda told: "one of sine, square" in told["text"])
@@ -85,13 +85,25 @@ class Controls(ScopeTest):
         before = rospy.get_param(NODE + "/multisine_amplitudes")
         self.set(page, "multisine_amplitudes", "[1.0, 2.0, 3.0]")
         refused = page.wait_for("refused")
-        self.assertIn("three lists of one length", refused["text"])
-        wait_until(
-            lambda: page.messages("value")[-1]["value"] == "[1.0, 0.5]",
-            lambda: page.messages("value"),
-        )
+        self.assertIn("three lists must have one length", refused["text"])
+        told = ("multisine_amplitudes", "[1.0, 0.5]")
+        page.wait_for("value", lambda value: (value["name"], value["value"]) == told)
         self.assertEqual(rospy.get_param(NODE + "/multisine_amplitudes"), before)
         self.assertEqual(other.messages("refused"), [])
+
+    def test_lists_that_must_have_one_length_are_changed_one_after_the_other(self) -> None:
+        page = self.panelled()
+        names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
+        for name in names:
+            self.restore(name)
+            self.set(page, name, "[1.0, 2.0, 3.0]")
+            if name != names[-1]:
+                page.wait_for("refused", lambda told: told["name"] == name)
+        for name in names:
+            page.wait_for(
+                "value", lambda told: (told["name"], told["value"]) == (name, "[1.0, 2.0, 3.0]")
+            )
+            self.assertEqual(rospy.get_param(NODE + "/" + name), [1.0, 2.0, 3.0])
 
     def test_the_last_of_many_values_wins(self) -> None:
         page = self.panelled()

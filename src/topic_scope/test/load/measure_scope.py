@@ -29,7 +29,10 @@ def publish() -> None:
     from nodekit.messaging.publisher import Publisher
 
     rospy.init_node("load")
-    publishers = [Publisher("load%d" % index, Float32) for index in range(TOPICS)]
+    names = [rospy.resolve_name("load%d" % index) for index in range(TOPICS)]
+    publishers = [Publisher(name, Float32) for name in names]
+    for publisher in publishers:
+        publisher.open()
     start, count = time.monotonic(), 0
     while not rospy.is_shutdown():
         count += 1

@@ -12,7 +12,7 @@ import tornado.httpclient
 import tornado.ioloop
 import tornado.websocket
 
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 Message = Dict[str, Any]
 
@@ -34,11 +34,11 @@ class Client:
         self._failure: Optional[BaseException] = None
         self._closed = False
         self._request = tornado.httpclient.HTTPRequest(
-            url.replace("http", "ws", 1) + "/ws", headers=headers or {}, connect_timeout=TIMEOUT
+            url.replace("http", "ws", 1) + "/ws", headers=headers or {}, connect_timeout=TIMEOUT_S
         )
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
-        self._ready.wait(TIMEOUT)
+        self._ready.wait(TIMEOUT_S)
         if self._failure is not None:
             raise self._failure
 
@@ -114,7 +114,7 @@ class Client:
     def close(self) -> None:
         """End the connection."""
         self._loop.add_callback(lambda: self._connection.close())
-        self._thread.join(TIMEOUT)
+        self._thread.join(TIMEOUT_S)
 
 
 def fetch(url: str, headers: Optional[Dict[str, str]] = None) -> Tuple[int, str]:

@@ -42,10 +42,10 @@ def message_text(found: Mapping[str, Optional[str]], keys: List[str], scope: str
 def as_text(raw: Any) -> Optional[str]:
     """Turn a scalar of the parameter server into text.
 
-    :param raw: the value as the server holds it
-    :returns: the text; None for a list or a namespace, which are no message
+    :param raw: the value as the server holds it, None where nothing is set
+    :returns: the text; None for nothing, a list or a namespace, which are no message
     """
-    if isinstance(raw, (dict, list)):
+    if raw is None or isinstance(raw, (dict, list)):
         return None
     data = getattr(raw, "data", None)  # base64 arrives wrapped
     return data.decode("utf-8", "replace") if isinstance(data, bytes) else str(raw)

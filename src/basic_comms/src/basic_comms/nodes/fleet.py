@@ -2,25 +2,12 @@
 
 import resource
 import sys
-from typing import Callable, List
 
 import rospy
 
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.live.watcher import get_watcher
-from nodekit.parameters.declaration import (
-    IntParameter,
-    ParameterError,
-    ParameterSet,
-    StringParameter,
-)
-from nodekit.process.run import run
-from nodekit.rospy_internals import parameters
-from nodekit.rospy_internals.registration import registering_together
-from nodekit.timing.scheduler import get_scheduler
+from nodekit import IntParameter, Node, ParameterSet, StringParameter, host_all, run
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
 #: that connects would wait as long at each of its steps while the members' signals are made.
@@ -46,37 +33,21 @@ class Fleet:
         - of each member, in ``<group>/signal_generator`` and ``<group>/process``
     """
 
-    def __init__(self) -> None:
+    def __init__(self, node: Node) -> None:
         _allow_many_connections()
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
-        # Or rospy sends the names of all topics with each line of the log.
-        parameters.cache(parameters.ROSOUT_PARAMETER, True)
-        self._parameters = LiveParameters(FleetParameters)
-        values = self._parameters.values
-        groups = [
-            rospy.resolve_name("%s%d" % (values.prefix, number))
-            for number in range(1, values.count + 1)
-        ]
-        self._members: List[object] = []
+        settings = node.parameters(FleetParameters).values
+        groups = ["%s%d" % (settings.prefix, number) for number in range(1, settings.count + 1)]
         # The process first, so that it hears the generator's first sample.
-        scopes = [
-            (member, NodeScope.hosted(group, name))
-            for group in groups
-            for member, name in ((Process, "process"), (SignalGenerator, "signal_generator"))
-        ]
-        keys = [scope.parameters for _, scope in scopes]
-        with get_scheduler().starting_together(), registering_together():
-            with get_watcher().starting_together(keys):
-                for member, scope in scopes:
-                    self._start(member, scope)
-        rospy.loginfo("%d members of %d groups run", len(self._members), len(groups))
-        self._parameters.start()
-
-    def _start(self, member: Callable[[NodeScope], object], scope: NodeScope) -> None:
-        try:
-            self._members.append(member(scope))
-        except ParameterError as error:
-            rospy.logerr("%s; %s stays down", error, scope.parameters)
+        members = host_all(
+            node,
+            [
+                (name, group, member)
+                for group in groups
+                for name, member in (("process", Process), ("signal_generator", SignalGenerator))
+            ],
+        )
+        rospy.loginfo("%d members of %d groups run", len(members), len(groups))
 
 
 def _allow_many_connections() -> None:

@@ -1,10 +1,8 @@
 """The listener: logs what it hears."""
 
-import rospy
 from std_msgs.msg import String
 
-from nodekit.messaging.stream_log import StreamLog
-from nodekit.process.run import run
+from nodekit import Node, run
 
 
 class Listener:
@@ -14,9 +12,9 @@ class Listener:
         - ``chatter`` (std_msgs/String)
     """
 
-    def __init__(self) -> None:
-        self._log = StreamLog()
-        rospy.Subscriber("chatter", String, self._on_chatter, tcp_nodelay=True)
+    def __init__(self, node: Node) -> None:
+        self._log = node.stream_log()
+        node.subscribe("chatter", String, self._on_chatter)
 
     def _on_chatter(self, message: String) -> None:
         publisher = message._connection_header["callerid"]

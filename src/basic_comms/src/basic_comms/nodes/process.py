@@ -1,6 +1,5 @@
 """The process node: scales, shifts and offsets the signal."""
 
-import threading
 import time
 from typing import List, Optional
 
@@ -11,12 +10,7 @@ from basic_comms.msg import signal_msg
 from basic_comms.signals.conditioning import Conditioner
 from basic_comms.signals.lateness import LatenessMonitor
 from basic_comms.signals.process_parameters import ProcessParameters
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.subscriber import Subscriber
-from nodekit.process.run import run
-from nodekit.timing.scheduler import get_scheduler
+from nodekit import Node, run
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
@@ -33,36 +27,32 @@ class Process:
 
     :ROS Parameters:
         - those of :class:`.ProcessParameters`, private and live
-
-    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self, scope: NodeScope = NodeScope()) -> None:
-        self._parameters = LiveParameters(ProcessParameters, scope.parameters)
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(ProcessParameters)
         self._conditioner = Conditioner()
         self._lateness = LatenessMonitor()
         # time_x follows /clock where there is one.
         self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
-        self._one_at_a_time = threading.Lock()  # each publisher of signal has a thread of its own
         self._latest: Optional[float] = None
-        self._publisher = Publisher(scope.topic("proc_signal"), Float32)
-        self._repetition = get_scheduler().every(self._parameters.values.rate, self._publish_latest)
-        self._subscriber = Subscriber(scope.topic("signal"), signal_msg, self._on_signal)
-        self._parameters.start(on_change=lambda new, old: self._repetition.set_rate(new.rate))
+        self._publisher = node.publisher("proc_signal", Float32)
+        self._input = node.resolve("signal")
+        node.subscribe_batches("signal", signal_msg, self._on_signal)
+        node.every(lambda: self._settings.values.rate, self._publish_latest)
 
     def _on_signal(self, samples: List[signal_msg]) -> None:
-        settings = self._parameters.values
+        settings = self._settings.values
         answers = []
-        with self._one_at_a_time:
-            if self._lateness.update(self._now(), samples):
-                self._warn_of_lateness()
-            for sample in samples:
-                value = self._condition(sample, settings)
-                if value is not None:
-                    self._latest = value
-                    answer = Float32()  # filled in afterwards, which takes genpy half the time
-                    answer.data = value
-                    answers.append(answer)
+        if self._lateness.update(self._now(), samples):
+            self._warn_of_lateness()
+        for sample in samples:
+            value = self._condition(sample, settings)
+            if value is not None:
+                self._latest = value
+                answer = Float32()  # filled in afterwards, which takes genpy half the time
+                answer.data = value
+                answers.append(answer)
         if settings.rate == 0.0:
             self._publisher.publish_all(answers)
 
@@ -86,12 +76,12 @@ class Process:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
             "%s: time_x went back or repeated itself (now %g s): the phase starts anew"
-            % (self._subscriber.resolved_name, time_x),
+            % (self._input, time_x),
         )
 
     def _warn_of_lateness(self) -> None:
         lateness = self._lateness
-        name = self._subscriber.resolved_name
+        name = self._input
         if lateness.is_late:
             rospy.logwarn_throttle(
                 _WARN_EVERY_S, "%s: samples are %.1f s late" % (name, lateness.worst)
@@ -107,7 +97,7 @@ class Process:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
             "%s: %d samples dropped so far, because a field or the result is not finite"
-            % (self._subscriber.resolved_name, self._conditioner.rejected),
+            % (self._input, self._conditioner.rejected),
         )
 
 

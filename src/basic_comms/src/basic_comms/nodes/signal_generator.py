@@ -1,7 +1,6 @@
 """The signal generator: publishes samples of a waveform."""
 
 import math
-import threading
 from typing import Optional
 
 import rospy
@@ -18,13 +17,8 @@ from std_srvs.srv import (
 from basic_comms.msg import signal_msg
 from basic_comms.signals.run_control import RUNNING, RunControl, RunStatus
 from basic_comms.signals.signal_parameters import SignalParameters
-from basic_comms.signals.signal_settings import highest_frequency
 from basic_comms.signals.signal_source import SignalSource
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.messaging.publisher import Publisher
-from nodekit.process.run import run
-from nodekit.timing.scheduler import get_scheduler
+from nodekit import Node, run
 
 #: A machine that is busy for up to this long makes samples late, but loses none, s.
 _CATCH_UP_S = 0.5
@@ -49,37 +43,30 @@ class SignalGenerator:
 
     :ROS Parameters:
         - those of :class:`.SignalParameters`, private and live
-
-    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self, scope: NodeScope = NodeScope()) -> None:
-        self._parameters = LiveParameters(SignalParameters, scope.parameters)
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(SignalParameters, on_change=self._on_change)
         self._source = SignalSource()
-        self._run_control = RunControl(self._parameters.values.autostart)
-        # Requests are obeyed at the next sample, by the one thread that makes samples.
-        self._requests = threading.Lock()
+        self._enabled = self._settings.values.autostart
+        self._run_control = RunControl(self._enabled)
+        # Requests are obeyed at the next sample, which says what time it is for the signal.
         self._wanted: Optional[bool] = None
         self._reset_wanted = False
-        self._enabled = self._parameters.values.autostart
         self._state = ""
         self._message = signal_msg()  # one for all: publishing puts it on the wire at once
-        self._publisher = Publisher(scope.topic("signal"), signal_msg)
-        self._status_publisher = Publisher(scope.private("status"), String, latch=True)
-        rospy.Service(scope.private("enable"), SetBool, self._enable)
-        rospy.Service(scope.private("reset"), Trigger, self._reset)
-        self._warn_above_nyquist(self._parameters.values)
-        self._task = get_scheduler().every(
-            self._parameters.values.rate, self._publish, catch_up=_CATCH_UP_S
-        )
-        self._parameters.start(on_change=self._on_change)
+        self._publisher = node.publisher("signal", signal_msg)
+        self._status_publisher = node.publisher("~status", String, latch=True)
+        node.service("~enable", SetBool, self._enable)
+        node.service("~reset", Trigger, self._reset)
+        node.every(lambda: self._settings.values.rate, self._publish, catch_up=_CATCH_UP_S)
+        self._warn_above_nyquist(self._settings.values)
 
     def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:
-        self._task.set_rate(new.rate)
         self._warn_above_nyquist(new)
 
     def _publish(self, elapsed: float) -> None:
-        settings = self._parameters.values
+        settings = self._settings.values
         if self._wanted is not None or self._reset_wanted:
             self._obey_requests(elapsed)
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
@@ -98,12 +85,11 @@ class SignalGenerator:
             self._announce(status)
 
     def _obey_requests(self, elapsed: float) -> None:
-        with self._requests:
-            wanted, self._wanted = self._wanted, None
-            reset_wanted, self._reset_wanted = self._reset_wanted, False
-        if wanted is not None:
-            self._run_control.enable(elapsed, wanted)
-        if reset_wanted:
+        if self._wanted is not None:
+            self._run_control.enable(elapsed, self._wanted)
+            self._wanted = None
+        if self._reset_wanted:
+            self._reset_wanted = False
             self._run_control.reset()
             self._source.reset()
             self._state = ""  # announced anew
@@ -114,19 +100,17 @@ class SignalGenerator:
         rospy.loginfo("%s: %s s", self._publisher.resolved_name, status)
 
     def _enable(self, request: SetBoolRequest) -> SetBoolResponse:
-        with self._requests:
-            changed = request.data != self._enabled
-            self._enabled = self._wanted = request.data
+        changed = request.data != self._enabled
+        self._enabled = self._wanted = request.data
         state = "enabled" if request.data else "stopped"
         return SetBoolResponse(True, state if changed else "%s already" % state)
 
     def _reset(self, _request: TriggerRequest) -> TriggerResponse:
-        with self._requests:
-            self._reset_wanted = True
+        self._reset_wanted = True
         return TriggerResponse(True, "time_x and phase start at 0 again")
 
     def _warn_above_nyquist(self, settings: SignalParameters) -> None:
-        highest = highest_frequency(settings)
+        highest = settings.highest_frequency
         nyquist = math.pi * settings.rate
         if highest > nyquist:
             rospy.logwarn(

@@ -11,15 +11,12 @@ looks f(theta + shift) up in the latest period, and does without the shift until
 """
 
 import math
-from typing import TYPE_CHECKING, Optional
+from typing import Optional
 
 from basic_comms.signals.delay_line import PhaseDelayLine
 from basic_comms.signals.phase_tracking import PhaseTracker
-
-if TYPE_CHECKING:
-    from basic_comms.signals.process_parameters import ProcessParameters
-
-_FLOAT32_MAX = (2.0 - 2.0**-23) * 2.0**127
+from basic_comms.signals.process_parameters import ProcessParameters
+from nodekit.messaging.finite import LARGEST_FLOAT32
 
 
 class Conditioner:
@@ -54,7 +51,7 @@ class Conditioner:
         frequency: float,
         time_x: float,
         signal_y: float,
-        settings: "ProcessParameters",
+        settings: ProcessParameters,
     ) -> Optional[float]:
         """Take in one sample and give the conditioned one.
 
@@ -78,7 +75,7 @@ class Conditioner:
         result = self._scale * shifted + self._offset
         if self._keep_positive:
             result += max(0.0, abs(self._scale * amplitude) - self._offset)
-        if not abs(result) <= _FLOAT32_MAX:
+        if not abs(result) <= LARGEST_FLOAT32:
             self.rejected += 1
             return None
         return result
@@ -93,7 +90,7 @@ class Conditioner:
             return (signal_y if earlier is None else earlier) - self._input_offset
         return (signal_y - self._input_offset) * self._cosine + quadrature * self._sine
 
-    def _adopt(self, settings: "ProcessParameters") -> None:
+    def _adopt(self, settings: ProcessParameters) -> None:
         self._settings = settings
         self._scale = settings.amplitude_scale
         self._delays = settings.method == "delay"

@@ -9,9 +9,9 @@ import math
 from typing import Any, Sequence
 
 #: from here on samples count as late, s: more than a generator catches up after a busy moment
-LATE = 1.0
+LATE_S = 1.0
 #: a lag that has lasted so long is the new normal one, s: the signal was stopped meanwhile
-SETTLED = 5.0
+SETTLED_S = 5.0
 
 
 class LatenessMonitor:
@@ -44,7 +44,7 @@ class LatenessMonitor:
             return False  # none of a signal
         lateness = now - first - self._lag if first > self._time else 0.0
         self._time = latest
-        if lateness < LATE or (self.is_late and now - self._since > SETTLED):
+        if lateness < LATE_S or (self.is_late and now - self._since > SETTLED_S):
             was_late, self.is_late = self.is_late, False
             self._lag = now - latest
             return was_late
@@ -54,6 +54,6 @@ class LatenessMonitor:
             self._since = now
             self.count, self.worst = 0, 0.0
         self.worst = max(self.worst, lateness)
-        limit = now - self._lag - LATE
+        limit = now - self._lag - LATE_S
         self.count += sum(sample.time_x <= limit for sample in samples)
         return begins

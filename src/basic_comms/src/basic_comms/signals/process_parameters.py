@@ -7,6 +7,7 @@ from nodekit.parameters.declaration import (
     EnumParameter,
     FloatParameter,
     ParameterSet,
+    RateParameter,
 )
 
 
@@ -35,10 +36,8 @@ class ProcessParameters(ParameterSet):
     input_offset = FloatParameter(
         0.0, minimum=-1e9, maximum=1e9, help="mean of the input, taken off first"
     )
-    rate = FloatParameter(
+    rate = RateParameter(
         0.0,
-        minimum=0.0,
-        maximum=10000.0,
-        unit="Hz",
+        pausable=True,
         help="publish the latest output at this rate; 0 answers each sample at once",
     )

@@ -1,53 +1,51 @@
 """The waveforms by name: each takes what it needs from the settings and gives a unit value."""
 
 import math
-from typing import TYPE_CHECKING, Callable, Dict, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from basic_comms.signals import waveforms
 from basic_comms.signals.multisine import Multisine
 from basic_comms.signals.noise import Noise
 from basic_comms.signals.prbs import Prbs
-
-if TYPE_CHECKING:  # the parameters name the waveforms, and so import this module
-    from basic_comms.signals.signal_parameters import SignalParameters
+from basic_comms.signals.signal_parameters import SignalParameters
 
 #: (phase in rad, time since the waveform was chosen in s, settings) -> value in [-1, 1]
-Shape = Callable[[float, float, "SignalParameters"], float]
+Shape = Callable[[float, float, SignalParameters], float]
 
 
-def _sine(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _sine(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.sine(phase)
 
 
-def _square(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _square(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.square(phase, settings.duty)
 
 
-def _pulse(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _pulse(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.pulse(phase, settings.duty)
 
 
-def _triangle(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _triangle(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.triangle(phase)
 
 
-def _sawtooth(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _sawtooth(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.sawtooth(phase, settings.symmetry)
 
 
-def _constant(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _constant(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return 1.0
 
 
-def _step(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _step(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.step(elapsed, settings.step_time)
 
 
-def _ramp(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _ramp(phase: float, elapsed: float, settings: SignalParameters) -> float:
     return waveforms.ramp(elapsed, settings.slope, settings.amplitude)
 
 
-def _file(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+def _file(phase: float, elapsed: float, settings: SignalParameters) -> float:
     if settings.series is None:
         return 0.0
     return settings.series.value(elapsed, settings.file_mode == "hold", settings.file_loop)
@@ -56,7 +54,7 @@ def _file(phase: float, elapsed: float, settings: "SignalParameters") -> float:
 def _multisine() -> Shape:
     multisine = Multisine()
 
-    def shape(phase: float, elapsed: float, settings: "SignalParameters") -> float:
+    def shape(phase: float, elapsed: float, settings: SignalParameters) -> float:
         return multisine.value(
             elapsed,
             settings.multisine_amplitudes,
@@ -74,7 +72,7 @@ class _NoiseShape:
         self._draw = draw
         self._seed: Optional[int] = None
 
-    def __call__(self, phase: float, elapsed: float, settings: "SignalParameters") -> float:
+    def __call__(self, phase: float, elapsed: float, settings: SignalParameters) -> float:
         if settings.seed != self._seed:
             self._seed = settings.seed
             self._noise = Noise(settings.seed)
@@ -90,7 +88,7 @@ class _PrbsShape:
         self._anchor = self._anchor_chips = 0.0
         self._chip_time = 0.0
 
-    def __call__(self, phase: float, elapsed: float, settings: "SignalParameters") -> float:
+    def __call__(self, phase: float, elapsed: float, settings: SignalParameters) -> float:
         register = (settings.prbs_order, settings.seed)
         if register != self._register:
             self._register = register
@@ -120,6 +118,3 @@ SHAPES: Dict[str, Callable[[], Shape]] = {
     "multisine": _multisine,
     "file": lambda: _file,
 }
-
-#: Names of all waveforms, the basic ones first.
-WAVEFORMS = tuple(SHAPES)

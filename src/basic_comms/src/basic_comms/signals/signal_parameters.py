@@ -4,7 +4,6 @@ import math
 from typing import Any, Optional
 
 from basic_comms.signals.replay import Series, SeriesError, load_series
-from basic_comms.signals.shapes import WAVEFORMS
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -13,10 +12,28 @@ from nodekit.parameters.declaration import (
     ListParameter,
     ParameterError,
     ParameterSet,
+    RateParameter,
     StringParameter,
     rule,
 )
-from nodekit.timing.timetable import SLOWEST_HZ
+
+#: Names of all waveforms, the basic ones first.
+WAVEFORMS = (
+    "sine",
+    "square",
+    "triangle",
+    "sawtooth",
+    "constant",
+    "step",
+    "ramp",
+    "pulse",
+    "chirp",
+    "gaussian_noise",
+    "uniform_noise",
+    "prbs",
+    "multisine",
+    "file",
+)
 
 _TWO_PI = 2.0 * math.pi
 
@@ -65,13 +82,7 @@ def _value(default: float, help: str) -> FloatParameter:
 class SignalParameters(ParameterSet):
     """What a signal looks like and when it runs; all of it may change at any sample."""
 
-    rate = FloatParameter(
-        10.0,
-        minimum=SLOWEST_HZ,
-        maximum=10000.0,
-        unit="Hz",
-        help="how many samples a second are published",
-    )
+    rate = RateParameter(10.0, help="how many samples a second are published")
     waveform = EnumParameter("sine", choices=WAVEFORMS, help="shape of the signal")
     amplitude = FloatParameter(
         2.0, minimum=0.0, maximum=_MAX_VALUE, help="peak of the signal around its offset"
@@ -163,21 +174,39 @@ class SignalParameters(ParameterSet):
         path = self.file
         return path.series if isinstance(path, SeriesPath) else None
 
+    @property
+    def highest_frequency(self) -> float:
+        """The highest fundamental frequency of the signal, rad/s, >= 0; 0 without one.
+
+        At a sample rate in Hz a signal is misrepresented if this exceeds ``pi * rate``, Nyquist's
+        limit. For a PRBS that is the case when its chips are shorter than the interval between
+        samples.
+        """
+        if self.waveform in ("sine", "square", "triangle", "sawtooth", "pulse"):
+            return abs(self.frequency)
+        if self.waveform == "chirp":
+            return max(abs(self.chirp_f0), abs(self.chirp_f1))
+        if self.waveform == "multisine":
+            return max(abs(frequency) for frequency in self.multisine_frequencies)
+        if self.waveform == "prbs":
+            return math.pi / self.chip_time
+        return 0.0
+
     @rule("chirp_shape", "chirp_f0", "chirp_f1")
     def _logarithmic_chirp(self) -> None:
         ends = (self.chirp_f0, self.chirp_f1)
         if self.chirp_shape == "logarithmic" and (min(ends) <= 0.0 or ends[0] == ends[1]):
-            raise ValueError("two frequencies above 0 that differ, for a logarithmic chirp")
+            raise ValueError("a logarithmic chirp must have two frequencies above 0 that differ")
 
     @rule("multisine_amplitudes", "multisine_frequencies", "multisine_phases")
     def _components(self) -> None:
         lists = (self.multisine_amplitudes, self.multisine_frequencies, self.multisine_phases)
         if len(set(map(len, lists))) > 1:
-            raise ValueError("three lists of one length")
+            raise ValueError("the three lists must have one length")
         if not any(self.multisine_amplitudes):
-            raise ValueError("at least one amplitude other than 0")
+            raise ValueError("at least one amplitude must be other than 0")
 
     @rule("waveform", "file")
     def _file_to_replay(self) -> None:
         if self.waveform == "file" and not self.file:
-            raise ValueError("a CSV file of time,value in file, for waveform 'file'")
+            raise ValueError("waveform 'file' must have a CSV file of time,value")

@@ -1,13 +1,11 @@
 """Signal source: from settings and time to one sample after another."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from basic_comms.signals.oscillator import PhaseAccumulator
 from basic_comms.signals.shapes import SHAPES
+from basic_comms.signals.signal_parameters import SignalParameters
 from basic_comms.signals.sweeps import Chirp
-
-if TYPE_CHECKING:
-    from basic_comms.signals.signal_parameters import SignalParameters
 
 
 class Sample(NamedTuple):
@@ -61,7 +59,7 @@ class SignalSource:
         self._waveform = ""
         self._time = 0.0
 
-    def sample(self, time_x: float, settings: "SignalParameters") -> Sample:
+    def sample(self, time_x: float, settings: SignalParameters) -> Sample:
         """Return the next sample.
 
         :param time_x: time of the sample, s since the start of the signal, never decreasing

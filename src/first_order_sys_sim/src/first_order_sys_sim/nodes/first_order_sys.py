@@ -1,23 +1,14 @@
 """The first-order system: a plant to control and to identify."""
 
-import math
-import threading
-
 import rospy
 from std_msgs.msg import Float32
 
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.messaging.publisher import Publisher
-from nodekit.process.run import run
-from nodekit.timing.scheduler import get_scheduler
+from nodekit import Node, run
 
 #: A machine that is busy for up to this long makes outputs late, but loses none, s.
 _CATCH_UP_S = 0.5
-#: Least time between two warnings about inputs that are not finite, s.
-_WARN_EVERY_S = 10.0
 
 
 class FirstOrderSystem:
@@ -34,51 +25,37 @@ class FirstOrderSystem:
 
     :ROS Parameters:
         - those of :class:`.SystemParameters`, private and live
-
-    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self, scope: NodeScope = NodeScope()) -> None:
-        self._parameters = LiveParameters(SystemParameters, scope.parameters)
-        values = self._parameters.values
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(SystemParameters, on_change=self._on_change)
+        values = self._settings.values
         self._plant = SampledPlant(
             values.plant, values.system_sample_time, values.system_initial_conditions
         )
-        self._one_at_a_time = threading.Lock()
         # In the plant's time, when the last output was due and the next one is; by the clock, when
         # the last one went out.
         self._due = self._next_due = 0.0
         self._published_at = 0.0
-        self._publisher = Publisher(scope.topic("output"), Float32)
-        self._task = get_scheduler().every(
-            values.system_node_rate, self._publish, catch_up=_CATCH_UP_S
+        self._publisher = node.publisher("output", Float32)
+        node.subscribe("input", Float32, self._on_input, finite=True)
+        node.every(
+            lambda: self._settings.values.system_node_rate, self._publish, catch_up=_CATCH_UP_S
         )
-        self._parameters.start(on_change=self._on_change)
-        rospy.Subscriber(scope.topic("input"), Float32, self._on_input, tcp_nodelay=True)
 
     def _publish(self, elapsed: float) -> None:
-        with self._one_at_a_time:
-            self._due = elapsed
-            self._next_due = elapsed + 1.0 / self._parameters.values.system_node_rate
-            self._published_at = rospy.get_time()
-            output = self._plant.output(elapsed)
-        self._publisher.publish(Float32(output))
+        self._due = elapsed
+        self._next_due = elapsed + 1.0 / self._settings.values.system_node_rate
+        self._published_at = rospy.get_time()
+        self._publisher.publish(Float32(self._plant.output(elapsed)))
 
     def _on_input(self, message: Float32) -> None:
-        if not math.isfinite(message.data):
-            rospy.logwarn_throttle(
-                _WARN_EVERY_S, "input: %s is not finite and is left out" % message.data
-            )
-            return
-        with self._one_at_a_time:
-            self._plant.set_input(self._now(), message.data)
+        self._plant.set_input(self._now(), message.data)
 
     def _on_change(self, new: SystemParameters, old: SystemParameters) -> None:
-        with self._one_at_a_time:
-            self._plant.change(self._now(), new.plant, new.system_sample_time)
-            if new.system_initial_conditions != old.system_initial_conditions:
-                self._plant.set_output(self._now(), new.system_initial_conditions)
-        self._task.set_rate(new.system_node_rate)
+        self._plant.change(self._now(), new.plant, new.system_sample_time)
+        if new.system_initial_conditions != old.system_initial_conditions:
+            self._plant.set_output(self._now(), new.system_initial_conditions)
 
     def _now(self) -> float:
         """Return the plant's time, s: from the last output on, until the next one is due."""

@@ -1,7 +1,5 @@
 """The DC motor: its input is a voltage, its output a speed."""
 
-import math
-import threading
 from typing import Optional
 
 import rospy
@@ -11,14 +9,7 @@ from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.motor_state import DISABLED, ENABLED, WAITING
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest, SetProcessBoolResponse
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.messaging.publisher import Publisher
-from nodekit.process.run import run
-from nodekit.timing.scheduler import get_scheduler
-
-#: Least time between two warnings about inputs that are not finite, s.
-_WARN_EVERY_S = 10.0
+from nodekit import Node, run
 
 
 class DcMotor:
@@ -39,48 +30,35 @@ class DcMotor:
 
     :ROS Parameters:
         - those of :class:`.MotorParameters`, private and live
-
-    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self, scope: NodeScope = NodeScope()) -> None:
-        self._parameters = LiveParameters(MotorParameters, scope.parameters)
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(MotorParameters)
         self._settings = self._parameters.values
         self._input = 0.0
-        self._one_at_a_time = threading.Lock()
         # None while it stands still; its time starts with the first step, at _begun_at.
         self._plant: Optional[FirstOrderPlant] = None
         self._begun_at: Optional[float] = None
-        self._speed_publisher = Publisher(scope.topic("motor_speed_y"), Float32)
-        self._state_publisher = Publisher(scope.topic("motor_state"), String, latch=True)
-        self._service_name = rospy.resolve_name(scope.topic("EnableProcess"))
-        self._task = get_scheduler().every(1.0 / self._settings.sample_time, self._step)
-        self._parameters.start(on_change=self._on_change)
-        rospy.Subscriber(scope.topic("motor_input_u"), Float32, self._on_input, tcp_nodelay=True)
-        rospy.Service(self._service_name, SetProcessBool, self._enable)
-        self._state_publisher.publish(String(WAITING))
-
-    def _on_change(self, new: MotorParameters, _old: MotorParameters) -> None:
-        self._task.set_rate(1.0 / new.sample_time)
+        self._speed_publisher = node.publisher("motor_speed_y", Float32)
+        self._state_publisher = node.publisher("motor_state", String, latch=True)
+        self._service_name = node.resolve("EnableProcess")
+        node.subscribe("motor_input_u", Float32, self._on_input, finite=True)
+        node.service("EnableProcess", SetProcessBool, self._enable)
+        node.every(lambda: 1.0 / self._parameters.values.sample_time, self._step)
+        self._state_publisher.publish(WAITING)
 
     def _on_input(self, message: Float32) -> None:
-        if math.isfinite(message.data):
-            self._input = message.data
-        else:
-            rospy.logwarn_throttle(
-                _WARN_EVERY_S, "motor_input_u: %s is not finite and is left out" % message.data
-            )
+        self._input = message.data
 
     def _step(self, elapsed: float) -> None:
-        with self._one_at_a_time:
-            if self._plant is None:
-                return
-            if self._begun_at is None:
-                self._begun_at = elapsed
-            moment = elapsed - self._begun_at
-            self._take_over_settings(self._plant, moment)
-            self._plant.hold(moment, self._input)
-            self._speed_publisher.publish(Float32(self._plant.output(moment)))
+        if self._plant is None:
+            return
+        if self._begun_at is None:
+            self._begun_at = elapsed
+        moment = elapsed - self._begun_at
+        self._take_over_settings(self._plant, moment)
+        self._plant.hold(moment, self._input)
+        self._speed_publisher.publish(Float32(self._plant.output(moment)))
 
     def _take_over_settings(self, plant: FirstOrderPlant, moment: float) -> None:
         new, old = self._parameters.values, self._settings
@@ -92,21 +70,20 @@ class DcMotor:
         self._settings = new
 
     def _enable(self, request: SetProcessBoolRequest) -> SetProcessBoolResponse:
-        with self._one_at_a_time:
-            if rospy.is_shutdown():
-                return SetProcessBoolResponse(False, "the motor is shutting down")
-            state = ENABLED if request.enable else DISABLED
-            if request.enable == (self._plant is not None):
-                if not request.enable:
-                    self._state_publisher.publish(String(state))
-                return SetProcessBoolResponse(True, state + " already")
-            if request.enable:
-                self._start()
-            else:
-                self._stop()
-            self._state_publisher.publish(String(state))
-            rospy.loginfo("%s: %s", self._service_name, state)
-            return SetProcessBoolResponse(True, state)
+        if rospy.is_shutdown():
+            return SetProcessBoolResponse(False, "the motor is shutting down")
+        state = ENABLED if request.enable else DISABLED
+        if request.enable == (self._plant is not None):
+            if not request.enable:
+                self._state_publisher.publish(state)
+            return SetProcessBoolResponse(True, state + " already")
+        if request.enable:
+            self._start()
+        else:
+            self._stop()
+        self._state_publisher.publish(state)
+        rospy.loginfo("%s: %s", self._service_name, state)
+        return SetProcessBoolResponse(True, state)
 
     def _start(self) -> None:
         self._settings = self._parameters.values

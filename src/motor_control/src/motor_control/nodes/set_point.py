@@ -6,11 +6,7 @@ from basic_comms.signals.run_control import RUNNING, RunControl
 from basic_comms.signals.signal_source import SignalSource
 from motor_control.motor_enabler import MotorEnabler
 from motor_control.set_point_parameters import SetPointParameters
-from nodekit.life.names import NodeScope
-from nodekit.live.live_parameters import LiveParameters
-from nodekit.messaging.publisher import Publisher
-from nodekit.process.run import run
-from nodekit.timing.scheduler import get_scheduler
+from nodekit import Node, run
 
 
 class SetPoint:
@@ -27,22 +23,19 @@ class SetPoint:
 
     :ROS Parameters:
         - those of :class:`.SetPointParameters`, private and live
-
-    :param scope: where the names above are; those of the process's own node by default
     """
 
-    def __init__(self, scope: NodeScope = NodeScope()) -> None:
-        self._parameters = LiveParameters(SetPointParameters, scope.parameters)
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(SetPointParameters)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
         self._ran = False
-        self._publisher = Publisher(scope.topic("motor_input_u"), Float32)
-        self._motor = MotorEnabler(scope)
-        self._task = get_scheduler().every(self._parameters.values.rate, self._publish)
-        self._parameters.start(on_change=lambda new, old: self._task.set_rate(new.rate))
+        self._publisher = node.publisher("motor_input_u", Float32)
+        self._motor = MotorEnabler(node)
+        node.every(lambda: self._settings.values.rate, self._publish)
 
     def _publish(self, elapsed: float) -> None:
-        settings = self._parameters.values
+        settings = self._settings.values
         runs, ran = self._motor.may_publish, self._ran
         self._ran = runs
         self._run_control.enable(elapsed, runs)

@@ -1,9 +1,8 @@
-"""The command ``rosrun basic_comms describe NAMESPACE``."""
+"""The command ``rosrun nodekit describe NAMESPACE``."""
 
 import argparse
-import difflib
-import socket
 import sys
+import time
 from typing import List
 
 import rosgraph
@@ -11,22 +10,15 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.live.description import SERVICE, as_table
+from nodekit.commands.calling import Call, NoAnswer, master, owners, say_what_there_is
+from nodekit.live.describe import SERVICE
+from nodekit.live.master import MasterUnreachable
+from nodekit.parameters.schema import as_table
 
-
-def describable(master: rosgraph.Master, namespace: str) -> List[str]:
-    """List the namespaces at or below one whose owner describes its parameters.
-
-    :param master: the master to ask
-    :param namespace: global name
-    :returns: global names, sorted
-    :raises socket.error: if there is no master
-    """
-    prefix = namespace.rstrip("/") + "/"
-    _, _, services = master.getSystemState()
-    suffix = "/" + SERVICE
-    owners = [name[: -len(suffix)] for name, _ in services if name.endswith(suffix)]
-    return sorted(owner for owner in owners if (owner + "/").startswith(prefix))
+#: How long those that answer may keep others that did waiting, for the order of the names, s.
+_ORDER_S = 0.5
+#: Most nodes that are asked at a time.
+_TOGETHER = 50
 
 
 def main() -> None:
@@ -40,32 +32,39 @@ def main() -> None:
     arguments = parser.parse_args(rospy.myargv()[1:])
     try:
         sys.exit(_describe(rosgraph.names.make_global_ns(arguments.namespace), arguments.yaml))
-    except socket.error as error:
-        sys.exit("describe: no master at %s (%s)" % (rosgraph.get_master_uri(), error))
+    except MasterUnreachable as error:
+        sys.exit("describe: no master at %s" % error)
     except KeyboardInterrupt:
         pass
 
 
 def _describe(namespace: str, wants_yaml: bool) -> int:
-    master = rosgraph.Master("/describe")
-    owners = describable(master, namespace)
-    if not owners:
-        everyone = describable(master, "/")
-        near = difflib.get_close_matches(namespace.rstrip("/"), everyone, n=1) or everyone
-        hint = "; there is %s" % ", ".join(near) if near else "; no such node is running"
-        print("describe: nothing at %s describes itself%s" % (namespace, hint), file=sys.stderr)
-        return 1
-    failures = 0
-    for owner in owners:
+    client = master("describe")
+    names = owners(client, SERVICE, namespace)
+    if not names:
+        problem = "describe: nothing at %s describes itself" % namespace
+        say_what_there_is(client, SERVICE, namespace, problem)
+    parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
+    answered = [_describe_together(part, wants_yaml) for part in parts]
+    return 0 if names and all(answered) else 1
+
+
+def _describe_together(names: List[str], wants_yaml: bool) -> bool:
+    """Describe nodes, those that are slow to answer last; tell whether all have answered."""
+    calls = {name: Call("%s/%s" % (name, SERVICE), Trigger) for name in names}
+    order = time.monotonic() + _ORDER_S
+    late = {name for name, call in calls.items() if not call.is_done_by(order)}
+    missing = 0
+    for name in sorted(names, key=lambda name: (name in late, name)):
         try:
-            answer = rospy.ServiceProxy("%s/%s" % (owner, SERVICE), Trigger)()
-        except (rospy.ServiceException, rospy.ROSException) as error:
-            print("describe: %s does not answer: %s" % (owner, error), file=sys.stderr)
-            failures += 1
+            entries = yaml.safe_load(calls[name].answer().message)
+        except NoAnswer as error:
+            print("describe: %s does not answer: %s" % (name, error), file=sys.stderr)
+            missing += 1
             continue
-        entries = yaml.safe_load(answer.message)
         if wants_yaml:
-            print(yaml.safe_dump({owner: entries}, sort_keys=False, allow_unicode=True), end="")
+            text = yaml.safe_dump({name: entries}, sort_keys=False, allow_unicode=True)
         else:
-            print("%s\n%s" % (owner, as_table(entries)))
-    return 1 if failures else 0
+            text = "%s\n%s\n" % (name, as_table(entries))
+        print(text, end="", flush=True)
+    return not missing

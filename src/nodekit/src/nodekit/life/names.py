@@ -2,38 +2,41 @@
 
 from typing import NamedTuple
 
+import rospy
 
-class NodeScope(NamedTuple):
-    """Turns the names that a node's class uses into names for rospy.
 
-    A node in a process of its own leaves both parts to rospy, which resolves
-    relative and private names. A hosted one gives the names it would have had.
+class Names(NamedTuple):
+    """Turns the names that a node's class uses into global ones.
 
-    :param group: prefix of topic names; ends with a slash unless empty
-    :param private: prefix of private names: ``~``, or the node's name and a slash
+    :param node: global name of the node
+    :param is_hosted: whether another node's process hosts it; otherwise it is the process's own,
+        whose names rospy resolves
     """
 
-    group: str = ""
-    private_prefix: str = "~"
+    node: str
+    is_hosted: bool
 
     @classmethod
-    def hosted(cls, group: str, node: str) -> "NodeScope":
-        """Return the scope of a node that another process hosts.
+    def of_process(cls) -> "Names":
+        """Return the names of this process's own node; it must have been initialised."""
+        return cls(rospy.get_name(), False)
 
-        :param group: global namespace of the node
-        :param node: base name of the node
+    @classmethod
+    def hosted(cls, namespace: str, name: str) -> "Names":
+        """Return the names of a node that another one hosts.
+
+        :param namespace: namespace of the node; a relative one is in that of the process
+        :param name: base name of the node
         """
-        return cls(group.rstrip("/") + "/", "%s/%s/" % (group.rstrip("/"), node))
+        return cls("%s/%s" % (rospy.resolve_name(namespace).rstrip("/"), name), True)
 
-    def topic(self, name: str) -> str:
-        """Return the name of a topic of the node."""
-        return self.group + name
+    def resolve(self, name: str) -> str:
+        """Return the global name of a topic, a service or a parameter.
 
-    def private(self, name: str) -> str:
-        """Return the name of a private topic or service of the node."""
-        return self.private_prefix + name
-
-    @property
-    def parameters(self) -> str:
-        """The namespace of the node's private parameters."""
-        return self.private_prefix.rstrip("/")
+        :param name: relative, global, or private (``~name``)
+        """
+        if not self.is_hosted or name.startswith("/"):
+            return str(rospy.resolve_name(name))
+        if name.startswith("~"):
+            return str(rospy.resolve_name("%s/%s" % (self.node, name[1:])))
+        return str(rospy.resolve_name("%s/%s" % (self.node.rpartition("/")[0], name)))

@@ -1,61 +1,36 @@
-"""Keep a declared set of parameters in step with the parameter server.
+"""Keep a declared set of parameters in step with the parameter server."""
 
-A node in a few lines::
-
-    parameters = LiveParameters(BlinkerParameters)
-    parameters.start(on_change=lambda new, old: timer.set_rate(new.rate))
-    ...
-    parameters.values.rate  # a plain attribute: no call to the master
-"""
-
+import contextlib
 import threading
 import time
-from typing import (
-    Any,
-    Callable,
-    Collection,
-    Dict,
-    Generic,
-    List,
-    Mapping,
-    Optional,
-    Sequence,
-    Set,
-    Tuple,
-    Type,
-    TypeVar,
-)
+from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequence, Tuple, Type
 
 import rospy
 
-from nodekit.live import reconfigure
-from nodekit.live.description import offer_description
-from nodekit.live.watcher import Observation, ParameterWatcher, Watch, get_watcher
-from nodekit.parameters.contention import Contention
-from nodekit.parameters.declaration import ParameterError, ParameterSet, RuleError, shown, to_wire
-from nodekit.parameters.no_value import MISSING, UNREADABLE
-from nodekit.parameters.settling import Settled, settle, unknown_names
+from nodekit.live.followers import Follower, call_listener
+from nodekit.live.master import MasterUnreachable
+from nodekit.live.watcher import Watcher
+from nodekit.parameters.declaration import Snapshot
+from nodekit.parameters.kinds import ParameterError, format_value
+from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
 
-Snapshot = TypeVar("Snapshot", bound=ParameterSet)
-Listener = Callable[[Snapshot, Snapshot], None]
-
-#: How long values that do not go together may stand before they are refused, s:
-#: on a busy machine "rosparam load" may pause between one leaf and the next.
-PATIENCE_S = 0.2
+Bell = Callable[[], None]
 
 
-class LiveParameters(Watch, Generic[Snapshot]):
+class LiveParameters(Generic[Snapshot]):
     """The parameters of one node, or of one part of it, validated and live.
 
-    Reads and validates the namespace, and writes the defaults of what is unset
-    to the server. From :meth:`start` on it follows changes: a good one comes
-    into force at once, a bad one is refused with one warning and put back.
+    The namespace is read and judged now. From :func:`open_all` on changes are
+    followed: a good one comes into force at once, a bad one is refused with one
+    warning and put back.
 
     :param declaration: the class that declares the parameters
-    :param namespace: where they stand; the node's private namespace by default
+    :param namespace: where they stand, a global name
+    :param watcher: reads the server
     :param exempt: names in the namespace that are used but not declared
-    :param watcher: who reads the server; one for the process by default
-    :raises ParameterError: if a value on the server is not allowed
+    :raises ParameterError: if values on the server are not allowed; names all of them
+    :raises MasterUnreachable: if the master does not answer
 
     :ivar values: the snapshot in force; never changes itself, is replaced
     """
@@ -65,208 +40,200 @@ class LiveParameters(Watch, Generic[Snapshot]):
     def __init__(
         self,
         declaration: Type[Snapshot],
-        namespace: str = "~",
+        namespace: str,
+        watcher: Watcher,
         exempt: Collection[str] = (),
-        watcher: Optional[ParameterWatcher] = None,
     ) -> None:
-        name = rospy.get_name() if namespace == "~" else rospy.resolve_name(namespace)
-        super().__init__(name.rstrip("/"))
-        self._watcher = watcher if watcher is not None else get_watcher()
-        self._server = self._watcher.server
-        self._exempt = exempt
-        self._listeners: List[Listener[Snapshot]] = []
-        self._lock = threading.RLock()
-        self._warned: Set[str] = set()
-        self._refused: Set[str] = set()
-        self._contention = Contention()
-        self._last_raw: Dict[str, Any] = {}
-        self._written_at = 0.0
-        self._broken_since: Optional[float] = None
-        self._telling = False
-        # Subscribed before it is read: a change in between is not missed.
-        self._watcher.subscribe(self)
+        self.declaration = declaration
+        self.namespace = namespace.rstrip("/")
+        self._watcher = watcher
+        self._reconciler = Reconciler(declaration, exempt)
+        self._follower = Follower(self.namespace, self._is_news, self._take)
+        self._lock = threading.Lock()
+        self._is_open = False
+        #: What :meth:`change` has to write when this is opened, by name.
+        self._unwritten: Dict[str, Any] = {}
+        #: Replaced and never changed, since several threads walk through it.
+        self._bells: Tuple[Bell, ...] = ()
+        #: What has not been logged yet: values before, and what has come of a change.
+        self._untold: List[Tuple[Snapshot, Outcome]] = []
+        raw = watcher.first_reading(self.namespace)
         try:
-            self.values = self._told = self._read_at_start(declaration)
-        except Exception:
-            self._watcher.remove(self)
-            raise
-
-    def _read_at_start(self, declaration: Type[Snapshot]) -> Snapshot:
-        raw = self._server.read([self.key]).values[self.key]
-        if raw is MISSING:
-            raw = {}
-        if not isinstance(raw, dict):
-            raise self._not_a_namespace(raw)
-        settled = settle(declaration(), raw)
-        if settled.refusals:
-            raise self._named(settled.refusals[0])
-        self._warn_of_unknown(declaration.declared, raw)
-        self._write(raw, settled.writes, at_once=True)
-        return settled.values  # type: ignore[return-value]
-
-    def start(self, on_change: Optional[Listener[Snapshot]] = None) -> None:
-        """Follow changes from now on, and describe the parameters when asked.
-
-        :param on_change: called with the new and the old snapshot, once for
-            each change; must be short, other changes wait for it
-        """
-        if on_change is not None:
-            self.add_listener(on_change)
-        rospy.loginfo("%s: %s", self.key, _settings(self.values.as_dict()))
-        self._watcher.add(self)
-        offer_description(self.key, lambda: self.values)
-        if reconfigure.AVAILABLE:
-            reconfigure.ReconfigureInterface(self)
-
-    def add_listener(self, on_change: Listener[Snapshot]) -> None:
-        """Have one more function called with each change.
-
-        :param on_change: as in :meth:`start`
-        """
-        self._listeners.append(on_change)
+            outcome = self._reconciler.start(raw, time.monotonic())
+        except ParameterError as error:
+            raise error.in_namespace(self.namespace) from None
+        self.values = self._reconciler.values
+        self._adopt(outcome)
+        self._tell()
 
     def update(self, **changes: Any) -> None:
-        """Change values from within the node, on the server too.
+        """Change values from within the node, on the server too: all or, if one is refused, none.
 
         :param changes: new values by name
-        :raises ParameterError: if a value or a combination is not allowed;
-            nothing is changed then
-        :raises UNREACHABLE: if the master does not answer; nothing is changed then
+        :raises ParameterError: if values are not allowed; names all of them
+        :raises MasterUnreachable: if the master does not answer; nothing is changed then
+        """
+        self.change(changes)
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change values as :meth:`update` does, given in one mapping.
+
+        :param changes: new values by name
         """
         with self._lock:
-            old = self.values
             try:
-                new = old.replace(**changes)
+                outcome = self._reconciler.judge(changes)
             except ParameterError as error:
-                raise self._named(error) from None
-            changed = {k: to_wire(v) for k, v in new.as_dict().items() if getattr(old, k) != v}
-            self._send(changed)
-            # Newer than what is on its way: no notification may take it back.
-            self._contention.forget(changed)
-            if isinstance(self.known, dict):
-                self.known = {**self.known, **changed}
-            self._bring_into_force(new)
+                raise error.in_namespace(self.namespace) from None
+            if self._is_open:
+                self._watcher.client.write(self._resolved(outcome.writes))
+            else:
+                self._unwritten.update(outcome.writes)
+            self._reconciler.adopt(outcome, time.monotonic())
+            self._adopt(outcome)
+        self._tell()
 
-    def observe(self, seen: Observation) -> bool:
-        """Judge what the server holds now; see :class:`parameter_watch.Watch`."""
+    def add_listener(self, bell: Bell) -> Callable[[], None]:
+        """Have a function called after each change, in whatever thread makes it.
+
+        :param bell: must not block: other changes wait for it
+        :returns: a function that ends this
+        """
         with self._lock:
-            if seen.read_at < self._written_at:
-                self._watcher.ring()  # read before our last write: says nothing of now
-                return False
-            raw = seen.value if seen.value is not MISSING else {}
-            if not isinstance(raw, dict):
-                self._restore_namespace(raw)
-                return True
-            settled = settle(
-                self.values,
-                raw,
-                missing=self.values if seen.forgotten else None,
-                overwritten=self._contention.overwritten(
-                    self.values, raw, self._by_name(seen.pushed), time.monotonic()
-                ),
-            )
-            if self._may_be_half_done(settled):
-                self._watcher.ring()
-                return False
-            self._warn_of_refused(settled)
-            self._warn_of_unknown(self.values.declared, raw)
-            try:
-                # Before any listener may write something newer.
-                self._write(raw, settled.writes, at_once=seen.forgotten)
-            finally:
-                self._bring_into_force(settled.values)  # type: ignore[arg-type]
-            self._broken_since = None
-            return True
+            self._bells += (bell,)
 
-    def _may_be_half_done(self, settled: Settled) -> bool:
-        """Tell whether values that do not go together may yet be followed by others that do."""
-        now = time.monotonic()
-        if not any(isinstance(error, RuleError) for error in settled.refusals):
-            self._broken_since = None
-        elif self._broken_since is None:
-            self._broken_since = now
-        return self._broken_since is not None and now - self._broken_since < PATIENCE_S
+        def remove() -> None:
+            with self._lock:
+                self._bells = tuple(other for other in self._bells if other is not bell)
 
-    def _by_name(self, pushed: Sequence[Tuple[str, Any]]) -> List[Tuple[str, Any]]:
-        """Take notifications of the namespace apart into those of its parameters."""
-        parts: List[Tuple[str, Any]] = []
-        for key, value in pushed:
-            if key != self.key:
-                parts.append((key[len(self.key) + 1 :], value))
-            elif isinstance(value, dict) or value is MISSING:
-                tree = value if value is not MISSING else {}
-                parts += [(name, tree.get(name, MISSING)) for name in self.values.declared]
-        return parts
+        return remove
 
-    def _bring_into_force(self, new: Snapshot) -> None:
-        before, self.values = self.values.as_dict(), new
-        for name, value in new.as_dict().items():
-            if value != before[name]:
-                text = "%s/%s: %s -> %s"
-                rospy.loginfo(text, self.key, name, shown(before[name]), shown(value))
-        if self._telling:
-            return  # a listener has changed values: the loop below tells of it
-        self._telling = True
-        while self.values != self._told:
-            old, self._told = self._told, self.values
-            for listener in list(self._listeners):
-                self._tell(listener, self._told, old)
-        self._telling = False
+    def close(self) -> None:
+        """Follow the server no longer; changes from within the node stay in here."""
+        close_all([self])
 
-    def _tell(self, listener: Listener[Snapshot], new: Snapshot, old: Snapshot) -> None:
+    def _is_news(self, raw: Any) -> bool:
+        with self._lock:
+            return self._reconciler.is_news(raw)
+
+    def _take(self, seen: Seen) -> bool:
         try:
-            listener(new, old)
-        except Exception:  # a listener's defect must not end the watcher for all
-            rospy.logerr("%s: a listener failed", self.key, exc_info=True)
+            with self._lock:
+                if not self._is_open:
+                    return False  # it is just being opened
+                outcome = self._step(seen)
+                if not outcome.again:
+                    _write([self], self._resolved(outcome.writes))
+                return not outcome.again
+        finally:
+            self._tell()
 
-    def _write(self, raw: Mapping[str, Any], writes: Mapping[str, Any], at_once: bool) -> None:
-        """Make the server tell the truth, or later what would be written too often."""
-        now = time.monotonic()
-        allowed = {k: v for k, v in writes.items() if at_once or self._contention.allow(k, now)}
-        for name, value in allowed.items():
-            self._contention.note(name, value, now)
-        self._send(allowed)
-        self.known = self._last_raw = {**raw, **writes}
-        if len(allowed) == len(writes):
-            self._refused.clear()
+    def _begin(self, raw: Any, read_at: float) -> Dict[str, Any]:
+        """Follow the server from now on; return what to write there now, by global name.
 
-    def _send(self, values: Mapping[str, Any]) -> None:
-        if not values:
-            return
-        self._server.write({"%s/%s" % (self.key, name): value for name, value in values.items()})
-        self._written_at = time.monotonic()
+        :param raw: the namespace as it is now; what it lacks is in force already
+        """
+        if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
+            raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
+        outcome = self._step(Seen(raw, forgotten=True, read_at=read_at))
+        unwritten, self._unwritten = self._unwritten, {}
+        self._is_open = True
+        return self._resolved({**unwritten, **outcome.writes})
 
-    def _restore_namespace(self, raw: Any) -> None:
-        rospy.logwarn("%s; all values stay in force", self._not_a_namespace(raw))
-        values = {name: to_wire(value) for name, value in self.values.as_dict().items()}
-        rest = {k: value for k, value in self._last_raw.items() if value is not UNREADABLE}
-        self.known = {**rest, **values}
-        self._server.write({self.key: self.known})
-        self._written_at = time.monotonic()
+    def _step(self, seen: Seen) -> Outcome:
+        outcome = self._reconciler.step(seen, time.monotonic())
+        self._adopt(outcome)
+        return outcome
 
-    def _not_a_namespace(self, raw: Any) -> ParameterError:
-        return ParameterError(self.key, raw, "a namespace with the node's parameters")
+    def _adopt(self, outcome: Outcome) -> None:
+        """Have in force what the reconciler has decided, and note to tell of it."""
+        self._untold.append((self.values, outcome))
+        self.values = self._reconciler.values
 
-    def _named(self, error: ParameterError) -> ParameterError:
-        names = ", ".join("%s/%s" % (self.key, name) for name in error.name.split(", "))
-        return ParameterError(names, error.value, error.allowed, error.reason)
+    def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
+        """Return values by global name; an empty name is that of the namespace."""
+        return {("%s/%s" % (self.namespace, n)).rstrip("/"): value for n, value in values.items()}
 
-    def _warn_of_refused(self, settled: Settled) -> None:
-        """Warn of what is refused, once also if it is put back only later."""
-        refused = {str(error): error for error in settled.refusals}
-        for text, error in refused.items():
-            if text not in self._refused:
-                kept = {name: getattr(settled.values, name) for name in error.name.split(", ")}
-                rospy.logwarn("%s; in force is %s", self._named(error), _settings(kept))
-        self._refused = set(refused)  # until it is put back
+    def _tell(self) -> None:
+        """Log what has happened, and ring the bells if values have changed: without the lock."""
+        with self._lock:
+            untold, self._untold = self._untold, []
+        for old, outcome in untold:
+            self._log(old, outcome)
+        if any(old != outcome.values for old, outcome in untold):
+            for bell in self._bells:
+                call_listener(bell, self.namespace)
 
-    def _warn_of_unknown(self, declared: Collection[str], raw: Mapping[str, Any]) -> None:
-        for name, nearest in unknown_names(declared, raw, self._exempt).items():
-            if name not in self._warned:
-                self._warned.add(name)
-                hint = "; did you mean %s?" % nearest if nearest else ""
-                rospy.logwarn("parameter %s/%s is not used by this node%s", self.key, name, hint)
+    def _log(self, old: Snapshot, outcome: Outcome) -> None:
+        for error in outcome.refusals:
+            in_force = outcome.values.as_dict()
+            kept = {name: in_force[name] for name in error.names if name in in_force}
+            told = "in force is " + _settings(kept) if kept else "all values stay in force"
+            rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
+        for name, nearest in outcome.unknown.items():
+            hint = "; did you mean %s?" % nearest if nearest else ""
+            rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
+        before = old.as_dict()
+        for name, value in outcome.values.as_dict().items():
+            if value != before[name]:
+                texts = format_value(before[name]), format_value(value)
+                rospy.loginfo("%s/%s: %s -> %s", self.namespace, name, *texts)
+
+
+def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
+    """Follow changes from now on, and write what the server lacks: all in a few requests.
+
+    A change since the parameters were made is not missed.
+
+    :param parameters: all with the same watcher
+    :raises MasterUnreachable: if the master does not answer; nothing is followed then
+    """
+    if not parameters:
+        return
+    watcher = parameters[0]._watcher
+    watcher.subscribe([one._follower for one in parameters])
+    try:
+        with contextlib.ExitStack() as locks:
+            for one in parameters:
+                locks.enter_context(one._lock)
+            read_at = time.monotonic()
+            held = watcher.client.read([one.namespace for one in parameters]).values
+            writes: Dict[str, Any] = {}
+            for one in parameters:
+                writes.update(one._begin(held[one.namespace], read_at))
+            _write(parameters, writes)
+    except MasterUnreachable:
+        close_all(parameters)
+        raise
+    for one in parameters:
+        rospy.loginfo("%s: %s", one.namespace, _settings(one.values.as_dict()))
+        one._tell()
+
+
+def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
+    """Follow the server no longer; changes from within the node do not reach it any more.
+
+    :param parameters: all with the same watcher
+    """
+    if not parameters:
+        return
+    for one in parameters:
+        with one._lock:
+            one._is_open = False
+    parameters[0]._watcher.close(*(one._follower for one in parameters))
+
+
+def _write(parameters: Sequence[LiveParameters[Any]], writes: Mapping[str, Any]) -> None:
+    """Write what a step of each has come to; their locks are held."""
+    try:
+        parameters[0]._watcher.client.write(writes)
+    except BaseException:
+        for one in parameters:
+            one._reconciler.failed()
+        raise
+    for one in parameters:
+        one._reconciler.written(time.monotonic())
 
 
 def _settings(values: Mapping[str, Any]) -> str:
-    return ", ".join("%s=%s" % (name, shown(value)) for name, value in values.items())
+    return ", ".join("%s=%s" % (name, format_value(value)) for name, value in values.items())

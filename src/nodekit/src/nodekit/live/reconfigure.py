@@ -8,11 +8,12 @@ Lists are left out, because the interface has none.
 
 import functools
 import sys
-from typing import TYPE_CHECKING, Any, Dict, Type
+from typing import Any, Callable, Dict, Type
 
 import rospy
 
-from nodekit.live.parameter_server import UNREACHABLE
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.master import MasterUnreachable
 from nodekit.parameters.declaration import (
     EnumParameter,
     ListParameter,
@@ -39,9 +40,6 @@ try:
 except ImportError:  # the package is optional
     AVAILABLE = False
 
-if TYPE_CHECKING:
-    from nodekit.live.live_parameters import LiveParameters
-
 _GROUP = "Default"
 _INT_RANGE = (-(2**31), 2**31 - 1)
 _FLOAT_RANGE = (-sys.float_info.max, sys.float_info.max)
@@ -59,40 +57,46 @@ class ReconfigureInterface:
         - ``set_parameters`` (dynamic_reconfigure/Reconfigure): all changes or,
           where one is refused, none; the answer holds the values in force
 
-    :param parameters: the parameters, whose namespace the names above are in
+    :param live: the parameters, whose namespace the names above are in
+    :param publisher: makes a publisher, given a name, a type and ``latch``
+    :param service: makes a service, given a name, a type and a handler
     """
 
-    def __init__(self, parameters: "LiveParameters[Any]") -> None:
-        self._parameters = parameters
-        values = parameters.values
-        self._descriptions = rospy.Publisher(
-            parameters.key + "/parameter_descriptions", ConfigDescription, latch=True, queue_size=1
-        )
-        self._descriptions.publish(_description(type(values)))  # type: ignore[arg-type]
-        self._updates = rospy.Publisher(
-            parameters.key + "/parameter_updates", Config, latch=True, queue_size=1
-        )
-        self._publish(values, values)
-        parameters.add_listener(self._publish)
-        rospy.Service(parameters.key + "/set_parameters", Reconfigure, self._set)
+    def __init__(
+        self,
+        live: LiveParameters[Any],
+        publisher: Callable[..., Any],
+        service: Callable[..., Any],
+    ) -> None:
+        self._live = live
+        name = live.namespace + "/%s"
+        descriptions = publisher(name % "parameter_descriptions", ConfigDescription, latch=True)
+        descriptions.publish(_description(type(live.values)))  # type: ignore[arg-type]
+        self._updates = publisher(name % "parameter_updates", Config, latch=True)
+        service(name % "set_parameters", Reconfigure, self._set)
+        #: Publishes no more changes.
+        self.close = live.add_listener(self._publish)
+        self._publish()
 
-    def _publish(self, new: ParameterSet, _old: ParameterSet) -> None:
-        self._updates.publish(_config(_offered(new)))
+    def _publish(self) -> None:
+        # Two threads may come here at once: the values published last are those in force.
+        published = None
+        while published is not self._live.values:
+            published = self._live.values
+            self._updates.publish(_config(_offered(published)))
 
     def _set(self, request: "ReconfigureRequest") -> "Config":
         parts = (request.config.bools, request.config.ints, request.config.doubles)
         changes = {item.name: item.value for part in parts for item in part}
         changes.update((item.name, item.value) for item in request.config.strs)
-        known = {
-            name: changes[name] for name in changes if name in self._parameters.values.declared
-        }
+        declared = self._live.declaration.declared
         try:
-            self._parameters.update(**known)
+            self._live.change({name: changes[name] for name in changes if name in declared})
         except ParameterError as error:
             rospy.logwarn("%s", error)
-        except UNREACHABLE as error:
+        except MasterUnreachable as error:
             rospy.logwarn("the master does not answer (%s): nothing is changed", error)
-        return _config(_offered(self._parameters.values))
+        return _config(_offered(self._live.values))
 
 
 def _offered(values: ParameterSet) -> Dict[str, Any]:

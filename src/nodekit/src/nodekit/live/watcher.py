@@ -6,105 +6,56 @@ while three of its subscribers hang. So a notification only rings a bell. One
 thread for each process then reads the truth, and reads it once a second anyway.
 """
 
-import contextlib
 import threading
 import time
 import traceback
-from collections import deque
-from typing import Any, Deque, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
 
-from nodekit.live.parameter_server import UNREACHABLE, ParameterServer, Reading, parts
+from nodekit.live.followers import Entry, Follower, Followers
+from nodekit.live.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameters.kinds import is_same
-from nodekit.parameters.no_value import MISSING, NoValue
+from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals import parameters, registration, shutdown
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
 #: Most keys that are read each second without a notification. Where there are
-#: more, as in a fleet of hundreds of groups, they take turns: reading them all
-#: would cost more than all else that the fleet does.
+#: more, as in a process that hosts hundreds of nodes, they take turns: reading
+#: them all would cost more than all else that the process does.
 RECONCILE_KEYS = 200
 #: A change counts as complete once two reads this far apart agree, s: "rosparam
 #: load" writes leaf by leaf, in far less than that from one leaf to the next.
 SETTLE_S = 0.02
 #: Longest wait for changes to come to rest, s.
 SETTLE_LIMIT_S = 0.15
-#: A defect of a watch is logged at most this often, s.
+#: A defect of a follower is logged at most this often, s.
 _LOG_PERIOD_S = 10.0
-_UNKNOWN = NoValue("UNKNOWN")
 
 
-class Observation(NamedTuple):
-    """What the watcher saw of one key.
-
-    :param value: raw value on the server, MISSING where nothing is set
-    :param pushed: notified (key, raw value) since the last observation that was
-        taken note of, oldest first; a deleted key comes as MISSING
-    :param forgotten: the master was restarted and lost what it held
-    :param read_at: start of the read, s on the monotonic clock
-    """
-
-    value: Any
-    pushed: List[Tuple[str, Any]]
-    forgotten: bool
-    read_at: float
-
-
-class Watch:
-    """Somebody who follows one key of the parameter server; a base class.
-
-    :param key: global name of a parameter or a namespace
-    """
-
-    def __init__(self, key: str) -> None:
-        self.key = key
-        #: What the server is to hold by now; another value is news. Whoever
-        #: writes to the server keeps this up to date.
-        self.known: Any = _UNKNOWN
-        #: Notifications that have not been taken note of yet.
-        self.pushes: Deque[Tuple[str, Any]] = deque()
-
-    def observe(self, seen: Observation) -> bool:
-        """Take note of a change. Called from the watcher's thread.
-
-        :param seen: the change
-        :returns: False to be called again after the next read, as if this call
-            had not been
-        :raises UNREACHABLE: if the master does not answer; called again later
-        """
-        raise NotImplementedError
-
-
-class ParameterWatcher:
+class Watcher:
     """Follows keys of the parameter server for everybody in this process.
 
-    :param server: the parameter server to follow
+    :param client: asks the master
+    :raises MasterUnreachable: if the master does not answer
     """
 
-    def __init__(self, server: ParameterServer) -> None:
-        self.server = server
-        self._lock = threading.Lock()
-        #: Those whose notifications are kept, and of them those who are told. Both
-        #: lists are replaced and never changed, since other threads walk through them.
-        self._subscribed: List[Watch] = []
-        self._watches: List[Watch] = []
+    def __init__(self, client: MasterClient) -> None:
+        self.client = client
+        self._followers = Followers(client)
+        self._ahead: Dict[str, Any] = {}
         self._turn_from = 0
         self._bell = threading.Event()
-        self._closed = False
         self._master_pid: Optional[int] = None
         self._restarted = False
-        #: Those who have not been told yet that the master was restarted.
-        self._lost: Set[Watch] = set()
         self._reachable = True
-        self._looking = threading.Lock()
-        self._starting_together = False
+        self._logged: Dict[str, float] = {}
         if not parameters.on_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         self._take_over_logging()
-        shutdown.at_shutdown(self.close)
+        shutdown.at_shutdown(self.shut_down)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
     def _take_over_logging(self) -> None:
@@ -114,224 +65,186 @@ class ParameterWatcher:
         started anew, the master would shut down whoever has its old port by then.
         """
         key = parameters.ROSOUT_PARAMETER
-        self._subscribe([key])
-        value = self.server.read([key]).values[key]
+        self._followers.subscribe([key])
+        value = self.client.read([key]).values[key]
         parameters.cache(key, value if value is not MISSING else False)
 
-    def subscribe(self, watch: Watch) -> None:
-        """Keep the notifications of a key until :meth:`add`.
+    def read_ahead(self, keys: Sequence[str]) -> None:
+        """Read many keys together, for as many calls of :meth:`first_reading`.
 
-        A change from now on is not missed, also if the value is replaced
-        before it is read.
-
-        :param watch: who will follow the key
-        :raises UNREACHABLE: if the master does not answer
+        :raises MasterUnreachable: if the master does not answer
         """
-        with self._lock:
-            if watch not in self._subscribed:
-                self._subscribed = self._subscribed + [watch]
-        if not self._starting_together:
-            self._subscribe([watch.key])
+        self._ahead = dict(self.client.read(keys).values)
 
-    def add(self, watch: Watch) -> None:
-        """Follow a key from now on; the first observation comes at once.
+    def first_reading(self, key: str) -> Any:
+        """Return the raw value of a key: as read ahead, or else as it is now.
 
-        :param watch: who follows it
-        :raises UNREACHABLE: if the master does not answer
+        :raises MasterUnreachable: if the master does not answer
         """
-        if watch not in self._subscribed:
-            self.subscribe(watch)
-        with self._lock:
-            self._watches = self._watches + [watch]
+        try:
+            return self._ahead.pop(key)
+        except KeyError:
+            return self.client.read([key]).values[key]
+
+    def subscribe(self, followers: Sequence[Follower]) -> None:
+        """Follow keys from now on; the followers are told when something is news to them.
+
+        :raises MasterUnreachable: if the master does not answer; nobody is followed then
+        """
+        self._followers.add(followers)
+
+    def open(self, followers: Sequence[Follower]) -> None:
+        """Follow keys from now on, and tell each follower soon what there is.
+
+        :param followers: subscribed already or not
+        :raises MasterUnreachable: if the master does not answer
+        """
+        self.subscribe([one for one in followers if one not in self._followers.entries])
+        for entry in map(self._followers.entries.get, followers):
+            if entry is not None:
+                entry.due = True
         self.ring()
 
-    @contextlib.contextmanager
-    def starting_together(self, keys: Sequence[str]) -> Iterator[None]:
-        """Start many watches with a few requests in place of several for each.
-
-        Nothing is followed meanwhile; what has changed by the end is noticed then.
-
-        :param keys: global names of all that the watches will read
-        :raises UNREACHABLE: if the master does not answer
-        """
-        with self._looking:
-            before = len(self._subscribed)
-            self._starting_together = True
-            try:
-                with self.server.in_advance(keys):
-                    yield
-            finally:
-                self._starting_together = False
-            for part in parts([watch.key for watch in self._subscribed[before:]]):
-                self._subscribe(part)
-
-    def remove(self, watch: Watch) -> None:
-        """Follow a key no longer.
-
-        :param watch: who followed it
-        """
-        with self._lock:
-            self._watches = [other for other in self._watches if other is not watch]
-            self._subscribed = [other for other in self._subscribed if other is not watch]
-        if all(other.key != watch.key for other in self._subscribed):
-            self._unsubscribe([watch.key])
+    def close(self, *followers: Follower) -> None:
+        """Follow keys no longer, and wait up to 1 s for a follower that is being told."""
+        self._followers.remove(followers)
 
     def ring(self) -> None:
         """Read soon, without waiting for a notification."""
         self._bell.set()
 
-    def close(self) -> None:
+    def shut_down(self) -> None:
         """End the thread and take the subscriptions back, which rospy itself does not."""
-        self._closed = True
-        self._unsubscribe(self._keys())
-
-    def _keys(self) -> List[str]:
-        return [parameters.ROSOUT_PARAMETER] + [watch.key for watch in self._subscribed]
-
-    def _subscribe(self, keys: Sequence[str]) -> None:
-        self.server.subscribe(keys)
-        if self._closed:
-            self._unsubscribe(keys)  # close() may have come before it, in another thread
-
-    def _unsubscribe(self, keys: Sequence[str]) -> None:
-        try:
-            self.server.unsubscribe(keys)
-        except UNREACHABLE:
-            pass  # a master that is gone has no subscriptions either
+        self._followers.end()
+        self.ring()
 
     def _on_push(self, key: str, value: Any) -> bool:
-        """Note a notification; tell whether the key is one of ours."""
-        key = key.rstrip("/")
-        followers = [watch for watch in self._subscribed if (key + "/").startswith(watch.key + "/")]
-        for watch in followers:
-            watch.pushes.append((key, MISSING if value == {} else value))
-        if followers:
+        """Note a notification; tell whether anybody follows the key."""
+        is_followed = self._followers.note(key, value)
+        if is_followed:
             self.ring()
-        return bool(followers)
+        return is_followed
 
     def _run(self) -> None:
         next_turn = time.monotonic() + RECONCILE_S
-        while not self._closed:
+        while not self._followers.ended:
             self._bell.wait(max(0.0, next_turn - time.monotonic()))
             self._bell.clear()
-            if self._closed:
-                continue
-            turn: List[Watch] = []
+            turn: List[Entry] = []
             if time.monotonic() >= next_turn:
                 next_turn = time.monotonic() + RECONCILE_S
                 turn = self._next_turn()
             try:
-                with self._looking:
-                    self._look(turn)
-            except UNREACHABLE as error:
+                self._look(turn)
+            except MasterUnreachable as error:
                 self._note_reachable(False, error)
+            except BaseException:  # no defect may end this thread
+                self._log_defect("the parameters are not followed")
             else:
                 self._note_reachable(True)
 
-    def _next_turn(self) -> List[Watch]:
+    def _next_turn(self) -> List[Entry]:
         """Return whose keys are read this second, whatever the master notifies."""
-        watches = self._watches[self._turn_from :][:RECONCILE_KEYS]
+        entries = list(self._followers.entries.values())
+        turn = entries[self._turn_from :][:RECONCILE_KEYS]
         self._turn_from += RECONCILE_KEYS
-        if self._turn_from >= len(self._watches):
+        if self._turn_from >= len(entries):
             self._turn_from = 0
-        return watches
+        return turn
 
     def _note_reachable(self, reachable: bool, error: Optional[Exception] = None) -> None:
-        if reachable != self._reachable and not self._closed:
+        if reachable != self._reachable and not self._followers.ended:
             self._reachable = reachable
             if reachable:
                 rospy.loginfo("the master answers again")
             else:
                 rospy.logwarn("the master does not answer (%s): settings stay as they are", error)
 
-    def _look(self, turn: List[Watch]) -> None:
+    def _look(self, turn: List[Entry]) -> None:
         """Read what may have changed; where something has, wait until it rests.
 
         :param turn: whose keys are read in any case
         """
-        watches = turn + [watch for watch in self._watches if self._is_due(watch)]
-        read_at, reading = self._read(watches)
+        due = [entry for entry in self._followers.entries.values() if entry.is_due]
+        entries = list(dict.fromkeys(turn + due))
+        read_at, reading = self._read(entries)
         if self._restarted:
-            watches = self._watches
-        elif self._unchanged(reading):
+            entries = list(self._followers.entries.values())
+        elif not self._news(entries, reading):
             return
         limit = read_at + SETTLE_LIMIT_S
         while True:
             time.sleep(SETTLE_S)
             before = reading
-            read_at, reading = self._read(watches)
+            read_at, reading = self._read(entries)
             if is_same(reading.values, before.values) or read_at > limit:
                 break
-        if self._restarted and not self._closed:
-            rospy.logwarn("the master was restarted: registering again, settings in force are kept")
-            registration.register_again()
-            self._subscribe(self._keys())
-            self._lost = set(self._subscribed)
-            self._restarted = False
-        self._pass_on(reading, read_at)
+        if self._restarted and not self._followers.ended:
+            self._begin_anew()
+        self._pass_on(self._news(entries, reading), reading, read_at)
 
-    def _read(self, watches: List[Watch]) -> Tuple[float, Reading]:
+    def _read(self, entries: List[Entry]) -> Tuple[float, Reading]:
         read_at = time.monotonic()
-        reading = self.server.read([watch.key for watch in watches])
+        reading = self.client.read([entry.key for entry in entries])
         if not reading.knows_node or self._master_pid not in (None, reading.master_pid):
             self._restarted = True
         self._master_pid = reading.master_pid
         return read_at, reading
 
-    def _is_due(self, watch: Watch) -> bool:
-        """Tell whether there is a reason to read a key."""
-        return bool(watch.pushes) or watch.known is _UNKNOWN or watch in self._lost
+    def _begin_anew(self) -> None:
+        """Tell a master that was restarted all that it has to know."""
+        registration.register_again(self.client.request)
+        self._followers.subscribe(self._followers.keys())
+        for entry in self._followers.entries.values():
+            entry.forgotten = True
+        self._restarted = False
+        rospy.logwarn("the master was restarted: registered again, settings in force are kept")
 
-    def _is_news(self, watch: Watch, reading: Reading) -> bool:
-        return self._is_due(watch) or not is_same(watch.known, reading.values[watch.key])
-
-    def _unchanged(self, reading: Reading) -> bool:
-        # One whose key was not read has its turn with the next read.
-        watches = [watch for watch in self._watches if watch.key in reading.values]
-        return not any(self._is_news(watch, reading) for watch in watches)
-
-    def _pass_on(self, reading: Reading, read_at: float) -> None:
-        unreachable: Optional[Exception] = None
-        for watch in self._watches:
-            if watch.key in reading.values and self._is_news(watch, reading):
-                try:
-                    self._tell(watch, reading.values[watch.key], read_at)
-                except UNREACHABLE as error:
-                    unreachable = error
-                except Exception:  # a defect of one watch must not end this thread for all
-                    text = "%s is not followed:\n%s" % (watch.key, traceback.format_exc())
-                    rospy.logerr_throttle(_LOG_PERIOD_S, text)
+    def _pass_on(self, entries: List[Entry], reading: Reading, read_at: float) -> None:
+        """Tell each follower; one that fails keeps no other from being told."""
+        unreachable: Optional[MasterUnreachable] = None
+        for entry in entries:
+            try:
+                if not self._followers.tell(entry, reading.values[entry.key], read_at):
+                    self.ring()
+            except MasterUnreachable as error:
+                unreachable = error
+            except BaseException:  # also what ends a thread: this one is everybody's
+                self._log_defect("%s is not followed" % entry.key)
         if unreachable is not None:
             raise unreachable
 
-    def _tell(self, watch: Watch, value: Any, read_at: float) -> None:
-        pushed = list(watch.pushes)
-        watch.known = value
-        done = False
-        try:
-            done = watch.observe(Observation(value, pushed, watch in self._lost, read_at))
-        finally:
-            if not done:
-                watch.known = _UNKNOWN
-        if done:
-            self._lost.discard(watch)
-            for _ in pushed:
-                watch.pushes.popleft()
+    def _news(self, entries: List[Entry], reading: Reading) -> List[Entry]:
+        """Return who is to be told of what was read."""
+        found: List[Entry] = []
+        for entry in entries:
+            try:
+                if entry.is_news(reading.values[entry.key]):
+                    found.append(entry)
+            except BaseException:
+                self._log_defect("%s is not followed" % entry.key)
+        return found
+
+    def _log_defect(self, what: str) -> None:
+        now = time.monotonic()
+        if now - self._logged.get(what, -_LOG_PERIOD_S) >= _LOG_PERIOD_S:
+            self._logged[what] = now
+            rospy.logerr("%s:\n%s", what, traceback.format_exc())
 
 
-_watcher: Optional[ParameterWatcher] = None
+_watcher: Optional[Watcher] = None
 _watcher_lock = threading.Lock()
 
 
-def get_watcher() -> ParameterWatcher:
+def get_watcher() -> Watcher:
     """Return this process's watcher, made at the first call.
 
     :returns: the watcher; the node must have been initialised
+    :raises MasterUnreachable: if the master does not answer
     """
     global _watcher
     with _watcher_lock:
         if _watcher is None:
-            _watcher = ParameterWatcher(
-                ParameterServer(rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri())
-            )
+            uri = rosgraph.get_master_uri()
+            _watcher = Watcher(MasterClient(uri, rospy.get_name(), rospy.get_node_uri()))
         return _watcher

@@ -1,11 +1,11 @@
 """Publishers that send at once, and that a stalled subscriber cannot hold up."""
 
-from typing import Any, List, NamedTuple, Sequence
+from typing import Any, List, NamedTuple, Optional, Sequence
 
 import genpy
 import rospy
 
-from nodekit.rospy_internals import publishers
+from nodekit.rospy_internals import publishers, registration
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
 FALLBACK_QUEUE_SIZE = 100
@@ -24,37 +24,74 @@ class SubscriberStatistics(NamedTuple):
     stalled: bool
 
 
-class Publisher(rospy.Publisher):
-    """A ``rospy.Publisher`` without a queue.
+class Publisher:
+    """A topic that a node publishes, without a queue.
 
     :meth:`publish` returns when the message is with the operating system: the lowest latency, and
     no loss to a subscriber that reads. One that does not holds up one call, by at most 50 ms; from
     then on it gets the newest message only, in the background, until it reads again. What it loses
     is counted and reported, and what it gets is whole. May be used from several threads.
 
-    :param name: topic
+    Before it is open nobody can hear it: of what is published then the last message is kept, if it
+    is latched, and sent on opening.
+
+    :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False) -> None:
+        self.resolved_name = name
+        self.data_class = data_class
+        self._latch = latch
+        self._first: Any = None
+        self._publisher: Optional[rospy.Publisher] = None
+        self._topic: Optional[publishers.OutgoingTopic] = None
+        self._is_closed = False
+
+    def open(self) -> None:
+        """Advertise it, unless it was closed."""
+        if self._is_closed:
+            return
         mismatch = publishers.publisher_mismatch()
         if mismatch:
             rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
-        self._sends_at_once = not mismatch and publishers.send_at_once(name, data_class, latch)
-        super().__init__(name, data_class, latch=latch, queue_size=FALLBACK_QUEUE_SIZE)
+        name, data_class = self.resolved_name, self.data_class
+        with registration.topic_lock():
+            if not mismatch:
+                self._topic = publishers.send_at_once(name, data_class, self._latch)
+            self._publisher = rospy.Publisher(
+                name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
+            )
+        first, self._first = self._first, None
+        if first is not None:
+            self.publish(first)
+
+    def close(self) -> None:
+        """Publish no longer."""
+        self._is_closed = True
+        publisher, self._publisher, self._topic = self._publisher, None, None
+        if publisher is not None:
+            publisher.unregister()
 
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, given itself or by its fields, as with ``rospy.Publisher``.
 
         :raises rospy.ROSSerializationException: if a field has a value that does not fit
-        :raises rospy.ROSException: if the publisher is unregistered or the node not initialised;
+        :raises rospy.ROSException: if the publisher is closed or the node not initialised;
             never because the node is shutting down
         """
-        if self._sends_at_once and not kwds and len(args) == 1 and type(args[0]) is self.data_class:
-            self.publish_all(args)
-        else:
-            super().publish(*args, **kwds)
+        if self._topic is not None and not kwds and len(args) == 1:
+            if type(args[0]) is self.data_class:
+                self.publish_all(args)
+                return
+        publisher = self._publisher
+        if publisher is not None:
+            publisher.publish(*args, **kwds)
+        elif self._is_closed:
+            raise rospy.ROSException("publish() to a closed publisher of %s" % self.resolved_name)
+        elif self._latch:
+            self._first = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send several messages in one go, which takes hardly longer than one.
@@ -63,24 +100,27 @@ class Publisher(rospy.Publisher):
         :raises rospy.ROSSerializationException: as :meth:`publish`; none is sent then
         :raises rospy.ROSException: as :meth:`publish`
         """
-        if not self._sends_at_once:
+        topic = self._topic
+        if topic is None:
             for message in messages:
                 self.publish(message)
-            return
-        if self.impl is None:
-            raise rospy.ROSException("publish() to an unregistered publisher")
-        if messages:
+        elif messages:
             try:
-                self.impl.publish_all(messages)
+                topic.publish_all(messages)
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
+
+    def get_num_connections(self) -> int:
+        """Tell how many subscribers are connected; those in the same process need no connection."""
+        publisher = self._publisher
+        return int(publisher.get_num_connections()) if publisher is not None else 0
 
     def statistics(self) -> List[SubscriberStatistics]:
         """Tell how the present subscribers fare.
 
         :returns: one entry per subscriber; none where rospy's own queues are in use
         """
-        links = self.impl.links() if self._sends_at_once else []
+        links = self._topic.links() if self._topic is not None else []
         return [
             SubscriberStatistics(link.name, link.sent, link.lost, link.stalled) for link in links
         ]

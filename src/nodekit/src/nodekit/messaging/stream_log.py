@@ -5,9 +5,6 @@ from typing import Callable
 
 import rospy
 
-from nodekit.timing.clocks import MonotonicClock
-from nodekit.timing.scheduler import Scheduler
-
 #: Longest line that is logged in full, characters.
 LONGEST = 1000
 #: Of a longer one, what is logged of its end, characters.
@@ -42,8 +39,6 @@ class StreamLog:
         self._log = log
         self._lock = threading.Lock()
         self._count = 0
-        # By the machine's clock: /clock may stand still while messages come.
-        Scheduler(MonotonicClock()).every(1.0, self._end_second)
 
     def line(self, text: str) -> None:
         """Log a line, or count it where there were too many this second.
@@ -56,7 +51,8 @@ class StreamLog:
                 return
         self._log(shortened(text))
 
-    def _end_second(self, _elapsed: float) -> None:
+    def end_second(self, _elapsed: float = 0.0) -> None:
+        """Tell what was left out in the second that ends now; to be called each second."""
         with self._lock:
             left_out, self._count = self._count - self._limit, 0
         if left_out > 0:

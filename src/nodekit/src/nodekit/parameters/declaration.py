@@ -29,15 +29,15 @@ from typing import (
 from nodekit.parameters.kinds import (
     BoolParameter,
     EnumParameter,
-    FloatParameter,
-    IntParameter,
     ListParameter,
     Parameter,
     ParameterError,
     StringParameter,
-    shown,
+    format_value,
     to_wire,
 )
+from nodekit.parameters.number_kinds import FloatParameter, IntParameter, RateParameter
+from nodekit.parameters.refusals import ParameterErrors, RuleError
 
 __all__ = [
     "BoolParameter",
@@ -47,12 +47,13 @@ __all__ = [
     "ListParameter",
     "Parameter",
     "ParameterError",
+    "ParameterErrors",
     "ParameterSet",
+    "RateParameter",
     "RuleError",
     "StringParameter",
-    "describe",
+    "format_value",
     "rule",
-    "shown",
     "to_wire",
 ]
 
@@ -63,31 +64,22 @@ Rule = Callable[[Any], None]
 def rule(*names: str) -> Callable[[Rule], Rule]:
     """Mark a method of a :class:`ParameterSet` as a rule across parameters.
 
-    The method raises :class:`ValueError` with the allowed combination, worded
-    to follow "allowed is", where the values do not go together.
+    Where the values do not go together, the method raises :class:`ValueError`
+    with a clause that says what must hold, such as "low must be at most high":
+    it follows the names and the values that were refused.
 
     :param names: the parameters that the rule is about
     :returns: the decorator
+    :raises TypeError: if no names are given
     """
+    if not names or not all(isinstance(name, str) for name in names):
+        raise TypeError("a rule names the parameters that it is about: @rule('low', 'high')")
 
     def mark(method: Rule) -> Rule:
         setattr(method, "parameters", names)
         return method
 
     return mark
-
-
-class RuleError(ParameterError):
-    """Values that are each allowed but do not go together.
-
-    :param names: names of the parameters
-    :param values: their values, in the same order
-    :param allowed: the allowed combination, worded to follow "allowed is"
-    """
-
-    def __init__(self, names: Tuple[str, ...], values: List[Any], allowed: str) -> None:
-        super().__init__(", ".join(names), values, allowed)
-        self.names = names
 
 
 class ParameterSet:
@@ -103,11 +95,19 @@ class ParameterSet:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        for name, item in vars(cls).items():
+            if isinstance(item, Parameter) and hasattr(ParameterSet, name):
+                raise TypeError(f"{cls.__name__}.{name}: every ParameterSet has a {name} already")
         members: Dict[str, Any] = {}
         for base in reversed(cls.__mro__):
             members.update(vars(base))
         cls.declared = {key: item for key, item in members.items() if isinstance(item, Parameter)}
         cls.rules = [item for item in members.values() if hasattr(item, "parameters")]
+        for method in cls.rules:
+            unknown = sorted(set(getattr(method, "parameters")) - set(cls.declared))
+            if unknown:
+                text = ", ".join(unknown)
+                raise TypeError(f"{cls.__name__}: a rule is about undeclared parameters: {text}")
 
     def __init__(self, **values: Any) -> None:
         unknown = sorted(set(values) - set(self.declared))
@@ -122,7 +122,7 @@ class ParameterSet:
             raise broken
 
     @classmethod
-    def unjudged(cls: Type[Snapshot], values: Mapping[str, Any]) -> Snapshot:
+    def from_coerced(cls: Type[Snapshot], values: Mapping[str, Any]) -> Snapshot:
         """Return a snapshot of coerced values that no rule has judged yet.
 
         :param values: one coerced value for each declared name
@@ -158,8 +158,8 @@ class ParameterSet:
         return hash(tuple(self.__dict__.items()))
 
     def __repr__(self) -> str:
-        settings = ", ".join("%s=%s" % (k, shown(v)) for k, v in self.__dict__.items())
-        return "%s(%s)" % (type(self).__name__, settings)
+        settings = ", ".join(f"{k}={format_value(v)}" for k, v in self.__dict__.items())
+        return f"{type(self).__name__}({settings})"
 
     def as_dict(self) -> Dict[str, Any]:
         """Return the values by name, in the order of declaration."""
@@ -172,23 +172,3 @@ class ParameterSet:
         :raises ParameterError: if a value or a combination is not allowed
         """
         return type(self)(**{**self.__dict__, **changes})
-
-
-def describe(values: ParameterSet) -> List[Dict[str, Any]]:
-    """Describe each parameter of a set with its value in force.
-
-    :param values: the snapshot to describe
-    :returns: for each parameter its name, value, type, unit, range, default and help
-    """
-    return [
-        {
-            "name": name,
-            "value": to_wire(values.__dict__[name]),
-            "type": parameter.type_name,
-            "unit": parameter.unit,
-            "range": parameter.range,
-            "default": to_wire(parameter.default),
-            "help": parameter.help,
-        }
-        for name, parameter in values.declared.items()
-    ]

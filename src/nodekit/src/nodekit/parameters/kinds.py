@@ -1,16 +1,10 @@
-"""The kinds of parameter a node can declare, and what each of them takes.
+"""What all kinds of parameter have in common, and those that hold no number.
 
-Coercion follows what users of ``rosparam`` expect: an integer serves as a
-float, and so does text such as ``1e3``, which YAML does not read as a number;
-a truth value is never a number, and nothing that is not finite gets through.
+No text stands for a truth value and no number for text; what is refused is
+refused in words that name the parameter, the value and what is allowed.
 """
 
-import math
-import numbers
 from typing import Any, ClassVar, Generic, Optional, Sequence, Tuple, TypeVar, Union, overload
-
-#: XML-RPC, and so the parameter server, carries integers of 32 bits.
-INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
 
 Value = TypeVar("Value")
 
@@ -18,9 +12,9 @@ Value = TypeVar("Value")
 class ParameterError(ValueError):
     """A value that a parameter does not allow.
 
-    :param name: name of the parameter, resolved or as declared
+    :param name: name of the parameter, empty for the namespace of all
     :param value: the value that was refused, as it came
-    :param allowed: what is allowed, worded to follow "allowed is"
+    :param allowed: what is allowed, worded to follow "must be"
     :param reason: more about this value, where what is allowed does not say it
     """
 
@@ -31,10 +25,22 @@ class ParameterError(ValueError):
         self.allowed = allowed
         self.reason = reason
 
+    @property
+    def names(self) -> Tuple[str, ...]:
+        """The names of all parameters that it is about."""
+        return (self.name,)
+
+    def in_namespace(self, namespace: str) -> "ParameterError":
+        """Return the same error with the resolved name.
+
+        :param namespace: global name of the namespace of the parameters
+        """
+        name = f"{namespace}/{self.name}" if self.name else namespace
+        return ParameterError(name, self.value, self.allowed, self.reason)
+
     def __str__(self) -> str:
-        text = "parameter %s: %s is refused, allowed is %s"
-        text %= (self.name, shown(self.value), self.allowed)
-        return "%s (%s)" % (text, self.reason) if self.reason else text
+        text = f"parameter {self.name}: refused {format_value(self.value)}: must be {self.allowed}"
+        return f"{text} ({self.reason})" if self.reason else text
 
 
 class Parameter(Generic[Value]):
@@ -73,7 +79,7 @@ class Parameter(Generic[Value]):
 
     @property
     def allowed(self) -> str:
-        """What is allowed, worded to follow "allowed is"."""
+        """What is allowed, worded to follow "must be"."""
         raise NotImplementedError
 
     @property
@@ -114,104 +120,6 @@ class BoolParameter(Parameter[bool]):
         return raw
 
 
-class _NumberParameter(Parameter[Value]):
-    """A finite number in a range whose ends are closed or open.
-
-    :param minimum: smallest allowed value (closed end)
-    :param maximum: largest allowed value (closed end)
-    :param above: bound below the allowed values (open end)
-    :param below: bound above the allowed values (open end)
-    :param step: distance of the allowed values from each other, counted from
-        the lower bound, or from 0 where there is none
-    """
-
-    noun: ClassVar[str] = ""
-
-    def __init__(
-        self,
-        default: Value,
-        *,
-        minimum: Optional[float] = None,
-        maximum: Optional[float] = None,
-        above: Optional[float] = None,
-        below: Optional[float] = None,
-        step: Optional[float] = None,
-        unit: str = "",
-        help: str,
-    ) -> None:
-        super().__init__(default, unit=unit, help=help)
-        self.minimum, self.maximum = minimum, maximum
-        self.above, self.below = above, below
-        self.step = step
-
-    @property
-    def allowed(self) -> str:
-        text = "%s in %s" % (self.noun, self.range) if self.range else self.noun
-        if self.step is not None:
-            text += " in steps of %s" % shown(self.step)
-        return text + " (%s)" % self.unit if self.unit else text
-
-    @property
-    def range(self) -> str:
-        if (self.minimum, self.maximum, self.above, self.below) == (None,) * 4:
-            return ""
-        low = "[%s" % shown(self.minimum) if self.minimum is not None else "(-inf"
-        high = "%s]" % shown(self.maximum) if self.maximum is not None else "inf)"
-        if self.above is not None:
-            low = "(%s" % shown(self.above)
-        if self.below is not None:
-            high = "%s)" % shown(self.below)
-        return "%s, %s" % (low, high)
-
-    def _in_range(self, number: float) -> bool:
-        return (
-            (self.minimum is None or number >= self.minimum)
-            and (self.maximum is None or number <= self.maximum)
-            and (self.above is None or number > self.above)
-            and (self.below is None or number < self.below)
-            and (self.step is None or self._on_step(number, self.step))
-        )
-
-    def _on_step(self, number: float, step: float) -> bool:
-        start = self.minimum if self.minimum is not None else self.above or 0.0
-        steps = (number - start) / step
-        # As much as rounding explains, also where the step is small against the number.
-        return math.isclose(steps, round(steps), rel_tol=1e-13, abs_tol=1e-9)
-
-
-class FloatParameter(_NumberParameter[float]):
-    """A finite number; integers and numeric text such as ``1e3`` are taken too."""
-
-    type_name = "float"
-    noun = "a number"
-
-    def coerce(self, raw: Any) -> float:
-        number = _finite_number(raw)
-        if number is None or not self._in_range(number):
-            raise self.refuse(raw)
-        return number
-
-
-class IntParameter(_NumberParameter[int]):
-    """A whole number of 32 bits; ``5.0`` and numeric text are taken too."""
-
-    type_name = "int"
-    noun = "a whole number"
-
-    def __init__(self, default: int, **options: Any) -> None:
-        if "above" not in options:
-            options.setdefault("minimum", INT32_MIN)
-        if "below" not in options:
-            options.setdefault("maximum", INT32_MAX)
-        super().__init__(default, **options)
-
-    def coerce(self, raw: Any) -> int:
-        number = _finite_number(raw)
-        if number is None or not number.is_integer() or not self._in_range(number):
-            raise self.refuse(raw)
-        return int(number)
-
-
 class StringParameter(Parameter[str]):
     """Text. A number is refused: YAML would have needed quotes around it."""
 
@@ -245,7 +153,7 @@ class EnumParameter(Parameter[str]):
 
     @property
     def range(self) -> str:
-        return "{%s}" % ", ".join(self.choices)
+        return "{" + ", ".join(self.choices) + "}"
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str) or raw not in self.choices:
@@ -280,19 +188,13 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
 
     @property
     def allowed(self) -> str:
-        return "a list of %d to %d elements, each %s" % (
-            self.min_length,
-            self.max_length,
-            self.element.allowed,
-        )
+        lengths = f"{self.min_length} to {self.max_length}"
+        return f"a list of {lengths} elements, each {self.element.allowed}"
 
     @property
     def range(self) -> str:
-        return "%d to %d of %s" % (
-            self.min_length,
-            self.max_length,
-            self.element.range or self.element.type_name,
-        )
+        kind = self.element.range or self.element.type_name
+        return f"{self.min_length} to {self.max_length} of {kind}"
 
     def coerce(self, raw: Any) -> Tuple[Any, ...]:
         if not isinstance(raw, (list, tuple)):
@@ -316,28 +218,17 @@ def to_wire(value: Any) -> Any:
     return str(value) if isinstance(value, str) else value
 
 
-def _finite_number(raw: Any) -> Optional[float]:
-    """Return the number that a raw value stands for, None if it is none."""
-    if isinstance(raw, bool) or not isinstance(raw, (numbers.Real, str)):
-        return None
-    try:
-        number = float(raw)
-    except (ValueError, OverflowError):
-        return None
-    return number if math.isfinite(number) else None
-
-
-def shown(value: Any, limit: int = 80) -> str:
+def format_value(value: Any, limit: int = 80) -> str:
     """Return a value for a message: short, and numbers without needless digits.
 
     :param value: any raw or coerced value
     :param limit: longest result, characters
     """
     if isinstance(value, float):
-        text = "%.6g" % value
-        text = (text if float(text) == value else "%.12g" % value).replace("e+0", "e")
+        text = f"{value:.6g}"
+        text = (text if float(text) == value else f"{value:.12g}").replace("e+0", "e")
     elif isinstance(value, str):
-        text = "'%s'" % value
+        text = f"'{value}'"
     else:
         text = repr(getattr(value, "data", to_wire(value)))  # base64 arrives wrapped
     return text if len(text) <= limit else text[: limit - 3] + "..."

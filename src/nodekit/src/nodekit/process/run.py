@@ -8,46 +8,64 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
-from nodekit.live.parameter_server import UNREACHABLE, ParameterServer
+from nodekit.live.master import MasterClient, MasterUnreachable
 from nodekit.live.watcher import get_watcher
-from nodekit.parameters.declaration import ParameterError
+from nodekit.node import Node
+from nodekit.parameters.kinds import ParameterError
 from nodekit.process import timer_slack
-from nodekit.rospy_internals import signals
+from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often
 
 EXIT_OK, EXIT_REFUSED = 0, 1
 
 #: Longest wait for a start that is under way when the node is told to end, s.
-_PATIENCE_S = 1.0
+_START_WAIT_S = 1.0
 
 
-def run(name: str, start: Callable[[], object]) -> None:
+def run(name: str, cls: Callable[[Node], object]) -> None:
     """Run a node until it is shut down, then end the process.
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
     where the start was refused because of a parameter or an unreachable master.
 
     :param name: name of the node where none is given by ``__name``
-    :param start: makes the node, after it was registered; what it returns is
-        kept alive until the end
+    :param cls: the node's class, called with the process's :class:`.Node`
     """
     try:
         signals.register()
         timer_slack.tighten()
         _wait_for_master(name)
-        node = _start_beside(name, start)
+        kept_alive = _start_beside(name, cls)
         if not rospy.is_shutdown():
             rospy.spin()
-        del node
+        del kept_alive
     except ParameterError as error:
         rospy.logfatal("%s", error)
         sys.exit(EXIT_REFUSED)
-    except UNREACHABLE as error:
+    except MasterUnreachable as error:
         rospy.logfatal("the master stopped answering during the start: %s", error)
         sys.exit(EXIT_REFUSED)
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
     sys.exit(EXIT_OK)
+
+
+def register(name: str) -> Node:
+    """Make this process a node of the graph, whose class is to be made and started next.
+
+    :func:`run` does this; a test that has a node within itself calls it instead of
+    ``rospy.init_node``.
+
+    :param name: name of the node where none is given by ``__name``
+    :returns: what its class makes everything through
+    :raises MasterUnreachable: if the master does not answer
+    """
+    patches.apply()
+    with looking_often():
+        rospy.init_node(name, disable_signals=True)
+    # The watcher also registers the node again, should the master be restarted.
+    registration.take_over(get_watcher().client.request)
+    return Node()
 
 
 def _wait_for_master(name: str) -> None:
@@ -56,38 +74,37 @@ def _wait_for_master(name: str) -> None:
     ``rospy.init_node`` waits too, but holds a lock that the answer to a signal needs.
     """
     uri = rosgraph.get_master_uri()
-    master = ParameterServer(uri, "/" + name, "", timeout=1.0)
+    master = MasterClient(uri, "/" + name, "", timeout=1.0)
     told = False
     while not rospy.is_shutdown():
         try:
             master.read([])
             return
-        except UNREACHABLE as error:
+        except MasterUnreachable as error:
             if not told:
-                rospy.logwarn("waiting for the master at %s: %s", uri, error)
+                rospy.logwarn("waiting for the master: %s", error)
                 told = True
             time.sleep(0.1)
 
 
-def _start_beside(name: str, start: Callable[[], object]) -> List[object]:
+def _start_beside(name: str, cls: Callable[[Node], object]) -> List[object]:
     """Start a node in a thread of its own, while this one stays free for signals.
 
     rospy answers a signal by talking to the master, over a connection with a
     lock. In the very thread that was registering a topic over it, it would wait
     for itself for ever.
 
-    :returns: the node, in a list that is empty where a signal came first
+    :returns: the node and the class's object, none where a signal came first
     :raises Exception: what the start raised, unless the node is shutting down
     """
-    node: List[object] = []
+    made: List[object] = []
     errors: List[BaseException] = []
 
     def work() -> None:
         try:
-            with looking_often():
-                rospy.init_node(name, disable_signals=True)
-            get_watcher()  # also registers the node again, should the master be restarted
-            node.append(start())
+            node = register(name)
+            made.extend([node, cls(node)])
+            node.start()
         except BaseException as error:
             errors.append(error)
 
@@ -95,7 +112,7 @@ def _start_beside(name: str, start: Callable[[], object]) -> List[object]:
     worker.start()
     while worker.is_alive() and not rospy.is_shutdown():
         worker.join(0.1)
-    worker.join(_PATIENCE_S)
+    worker.join(_START_WAIT_S)
     if errors and not rospy.is_shutdown():
         raise errors[0]
-    return node
+    return made

@@ -22,7 +22,8 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
-from nodekit.transport import delivery
+from nodekit.transport.delivery import deliver
+from nodekit.transport.link import Link
 
 _PUBLISHER_ATTRIBUTES = "publock closed connections is_latch latch seq message_data_sent"
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
@@ -53,28 +54,27 @@ def publisher_mismatch() -> str:
         return repr(error)
 
 
-def send_at_once(name: str, data_class: type, latch: bool) -> bool:
+def send_at_once(name: str, data_class: type, latch: bool) -> Optional["OutgoingTopic"]:
     """Have a topic's messages sent through :mod:`nodekit.transport.delivery`.
 
     To be called before the topic is advertised.
 
-    :param name: topic
+    :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :returns: whether that is possible; not where there is a plain ``rospy.Publisher`` already
+    :returns: what sends them; None where there is a plain ``rospy.Publisher`` already
     """
     manager = get_topic_manager()
-    resolved_name = rospy.resolve_name(name)
     with manager.lock:
-        topic = manager.get_publisher_impl(resolved_name)
+        topic = manager.get_publisher_impl(name)
         if topic is None:
-            topic = OutgoingTopic(resolved_name, data_class)
+            topic = OutgoingTopic(name, data_class)
             manager._add(topic, manager.pubs, Registration.PUB)
     if not isinstance(topic, OutgoingTopic):
-        return False
+        return None
     if latch:
         topic.enable_latch()
-    return True
+    return topic
 
 
 class OutgoingTopic(rospy.topics._PublisherImpl):
@@ -109,7 +109,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
             self._update_links()
             link = self._links.get(connection_override)
             if link is not None:
-                delivery.deliver(self._serialize(message), [link])
+                deliver(self._serialize(message), [link])
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send messages, all at once.
@@ -137,7 +137,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
             if self._links:
                 data = b"".join(packets)
                 self.message_data_sent += len(data)
-                delivery.deliver(data, self._links.values(), len(packets))
+                deliver(data, self._links.values(), len(packets))
         if listener is not None:  # without the lock: it may publish on other topics
             listener.receive_here([packet[_LENGTH.size :] for packet in packets])
 
@@ -183,7 +183,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self._links = links
 
 
-class _SubscriberLink(delivery.Link):
+class _SubscriberLink(Link):
     """A subscriber's connection.
 
     :param transport: rospy's object for it
@@ -205,7 +205,7 @@ class _SubscriberLink(delivery.Link):
         self._transport.stat_bytes = self._header_bytes + self.sent_bytes
         self._transport.stat_num_msg = self.sent
 
-    def drop(self) -> None:
+    def close(self) -> None:
         self._transport.close()
 
     def report(self, stalled: bool, lost: int) -> None:

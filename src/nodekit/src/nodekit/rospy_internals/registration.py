@@ -1,10 +1,14 @@
-"""How rospy tells the master of topics and services: one by one, unless told otherwise."""
+"""How rospy tells the master of topics and services: one by one and without a time-out.
+
+Its listener for them is replaced by one of ours, which does as much with requests that have a
+time-out, several registrations at once where it is told to.
+"""
 
 import contextlib
-import xmlrpc.client
-from typing import Any, Iterator, List, Tuple
+import threading
+import time
+from typing import Any, Callable, ContextManager, Iterator, List, Optional, Tuple
 
-import rosgraph
 import rospy
 import rospy.core
 from rospy.impl.registration import (
@@ -17,25 +21,184 @@ from rospy.impl.registration import (
 
 #: Most registrations in one request; the master's other clients are served between two.
 _TOGETHER = 500
+#: Pause before a master that does not answer is asked again, s.
+_PAUSE_S = 0.2
 
-#: In this order: where what is published is known first, those who listen learn of it from the
-#: answer to their own registration, and the master need not call each of them.
-_METHODS = {
+#: Methods of the master's interface that add and remove each kind. In this order: where what is
+#: published is known first, those who listen learn of it from the answer to their own
+#: registration, and the master need not call each of them.
+_ADD = {
     Registration.PUB: "registerPublisher",
     Registration.SUB: "registerSubscriber",
     Registration.SRV: "registerService",
 }
+_REMOVE = {
+    Registration.PUB: "unregisterPublisher",
+    Registration.SUB: "unregisterSubscriber",
+    Registration.SRV: "unregisterService",
+}
+_KINDS = list(_ADD)
 
+#: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
+#: value); raises ConnectionError where it does not answer in time.
+Request = Callable[[List[Tuple[Any, ...]]], List[Any]]
 #: What is registered: kind, name, and its type or, of a service, its URI.
 _Entry = Tuple[str, str, str]
 
 
-def register_again() -> None:
+class _Batch:
+    """What is to be added and removed together."""
+
+    def __init__(self) -> None:
+        self.added: List[_Entry] = []
+        self.removed: List[_Entry] = []
+
+
+class _Registrar(RegistrationListener):
+    """Stands in for rospy's listener.
+
+    :param listener: rospy's own, which connects subscribers to publishers
+    :param request: asks the master
+    """
+
+    def __init__(self, listener: Any, request: Request) -> None:
+        self.request = request
+        self.local = threading.local()
+        self._listener = listener
+
+    def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
+        """Note, or register at once, what rospy has made."""
+        entry = (reg_type, resolved_name, data_type_or_uri)
+        batch: Optional[_Batch] = getattr(self.local, "batch", None)
+        if batch is not None:
+            batch.added.append(entry)
+        else:
+            self.add([entry])
+
+    def reg_removed(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
+        """Note, or take back at once, what rospy has closed."""
+        entry = (reg_type, resolved_name, data_type_or_uri)
+        batch: Optional[_Batch] = getattr(self.local, "batch", None)
+        if batch is None:
+            self.remove([entry])
+        elif entry in batch.added:
+            batch.added.remove(entry)
+        else:
+            batch.removed.append(entry)
+
+    def add(self, entries: List[_Entry], request: Optional[Request] = None) -> None:
+        """Register, and connect to the publishers that there are.
+
+        :param entries: what is new
+        :param request: asks the master; by default, as often as it takes to have an answer
+        :raises ConnectionError: if the request does
+        """
+        request = request or self._ask_until_answered
+        entries = sorted(entries, key=lambda entry: _KINDS.index(entry[0]))
+        uri = rospy.get_node_uri()
+        for start in range(0, len(entries), _TOGETHER):
+            part = entries[start : start + _TOGETHER]
+            calls: List[Tuple[Any, ...]] = [
+                (_ADD[kind], name, type_or_uri, uri) for kind, name, type_or_uri in part
+            ]
+            for (kind, name, _), answer in zip(part, request(calls)):
+                if answer[0] != 1:
+                    rospy.logerr("the master refuses to register %s: %s", name, answer[1])
+                elif kind == Registration.SUB:
+                    self._connect(name, answer[2])
+            if rospy.core.is_shutdown_requested():  # rospy's own farewell may have come before
+                self.remove(part)
+
+    def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
+        # When the node ends, rospy takes back what there was, and nothing must follow.
+        told = False
+        while not rospy.core.is_shutdown_requested():
+            try:
+                return self.request(calls)
+            except ConnectionError as error:
+                if not told:
+                    rospy.logwarn("cannot register yet: %s", error)
+                    told = True
+                time.sleep(_PAUSE_S)
+        return []
+
+    def remove(self, entries: List[_Entry]) -> None:
+        """Take registrations back; a master that does not answer is left as it is.
+
+        :param entries: what is no more
+        """
+        uri = rospy.get_node_uri()
+        calls: List[Tuple[Any, ...]] = [
+            (_REMOVE[kind], name, type_or_uri if kind == Registration.SRV else uri)
+            for kind, name, type_or_uri in entries
+        ]
+        try:
+            for start in range(0, len(calls), _TOGETHER):
+                self.request(calls[start : start + _TOGETHER])
+        except ConnectionError as error:
+            rospy.logwarn("what was closed stays registered: %s", error)
+
+    def _connect(self, name: str, publishers: List[str]) -> None:
+        """Connect to the publishers of a topic, but to those that need no connection."""
+        topic = get_topic_manager().get_subscriber_impl(name)
+        missing = [uri for uri in publishers if topic is None or not topic.has_connection(uri)]
+        if missing:
+            self._listener.publisher_update(name, missing)
+
+
+_registrar: Optional[_Registrar] = None
+
+
+def topic_lock() -> ContextManager[Any]:
+    """Keep rospy from closing a topic, whose last user goes, while another one is made."""
+    lock: ContextManager[Any] = get_topic_manager().lock
+    return lock
+
+
+def take_over(request: Request) -> None:
+    """Register through these requests from now on; the node must have been initialised.
+
+    :param request: asks the master, with a time-out
+    """
+    global _registrar
+    listeners = get_registration_listeners()
+    with listeners.lock:
+        if _registrar is None and len(listeners.listeners) == 1:
+            _registrar = _Registrar(listeners.listeners[0], request)
+            listeners.listeners = [_registrar]
+
+
+@contextlib.contextmanager
+def together() -> Iterator[None]:
+    """Put off what this thread registers and takes back; tell the master of all of it at the end.
+
+    For a node that has thousands of topics and services: the requests would take most of its start.
+    """
+    registrar = _registrar
+    if registrar is None or getattr(registrar.local, "batch", None) is not None:
+        yield
+        return
+    batch = registrar.local.batch = _Batch()
+    try:
+        yield
+    finally:
+        registrar.local.batch = None
+        if batch.removed:
+            registrar.remove(batch.removed)
+        if batch.added:
+            registrar.add(batch.added)
+
+
+def register_again(request: Request) -> None:
     """Tell the master once more of every topic and service of this node.
 
     rospy registers each of them once, so after a restart of the master no new
     subscriber or client would find it. Connections that exist are not touched.
+
+    :param request: asks the master
+    :raises ConnectionError: if that does
     """
+    registrar = _registrar or _Registrar(get_registration_listeners().listeners[0], request)
     topics, services = get_topic_manager(), get_service_manager()
     entries: List[_Entry] = []
     for found, kind in (
@@ -44,75 +207,4 @@ def register_again() -> None:
         (services.get_services(), Registration.SRV),
     ):
         entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
-    _register(get_registration_listeners().listeners, entries)
-
-
-@contextlib.contextmanager
-def registering_together() -> Iterator[None]:
-    """Put off registrations, and make them in a few requests at the end.
-
-    For a node that has thousands of topics and services: the requests would take most of its start.
-    """
-    listeners = get_registration_listeners()
-    collector = _Collector()
-    with listeners.lock:
-        before, listeners.listeners = listeners.listeners, [collector]
-    try:
-        yield
-    finally:
-        with listeners.lock:
-            # When the node ends, rospy has taken back what there was, and nothing must follow.
-            ends = rospy.core.is_shutdown_requested()
-            listeners.listeners = [] if ends else before
-        if not ends:
-            _register(before, collector.entries)
-
-
-class _Collector(RegistrationListener):
-    """Notes what is to be registered."""
-
-    def __init__(self) -> None:
-        self.entries: List[_Entry] = []
-
-    def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
-        self.entries.append((reg_type, resolved_name, data_type_or_uri))
-
-    def reg_removed(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
-        self.entries.remove((reg_type, resolved_name, data_type_or_uri))
-
-
-def _register(listeners: List[Any], entries: List[_Entry]) -> None:
-    """Register with the master, or one by one with rospy's patience where it does not answer."""
-    kinds = list(_METHODS)
-    entries = sorted(entries, key=lambda entry: kinds.index(entry[0]))
-    for start in range(0, len(entries), _TOGETHER):
-        part = entries[start : start + _TOGETHER]
-        try:
-            answers = _request(part)
-        except (OSError, xmlrpc.client.Error):
-            answers = [None] * len(part)
-        for (kind, name, type_or_uri), answer in zip(part, answers):
-            for listener in listeners:
-                if answer is None or answer[0] != 1:
-                    listener.reg_added(name, type_or_uri, kind)
-                elif kind == Registration.SUB:
-                    _connect(listener, name, answer[2])
-
-
-def _request(entries: List[_Entry]) -> List[Any]:
-    with xmlrpc.client.ServerProxy(rosgraph.get_master_uri()) as master:
-        batch = xmlrpc.client.MultiCall(master)
-        for kind, name, type_or_uri in entries:
-            getattr(batch, _METHODS[kind])(
-                rospy.get_name(), name, type_or_uri, rospy.get_node_uri()
-            )
-        answers = batch()
-        return [answers[i] for i in range(len(entries))]
-
-
-def _connect(listener: Any, name: str, publishers: List[str]) -> None:
-    """Connect to the publishers of a topic, but to those that need no connection."""
-    topic = get_topic_manager().get_subscriber_impl(name)
-    missing = [uri for uri in publishers if topic is None or not topic.has_connection(uri)]
-    if missing:
-        listener.publisher_update(name, missing)
+    registrar.add(entries, request)

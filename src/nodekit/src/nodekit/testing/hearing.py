@@ -5,7 +5,7 @@ from typing import Any, Callable, List
 
 import rospy
 
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 class Ear:
@@ -36,7 +36,7 @@ class Ear:
         with self._lock:
             self._heard.clear()
 
-    def wait_for(self, condition: Callable[[Any], bool], timeout: float = TIMEOUT) -> Any:
+    def wait_for(self, condition: Callable[[Any], bool], timeout: float = TIMEOUT_S) -> Any:
         """Return the first message that meets a condition, heard already or yet to come.
 
         :raises AssertionError: when none does in time; the text shows the latest messages

@@ -11,7 +11,7 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 
-from nodekit.testing.waiting import TIMEOUT, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 class Process:
@@ -70,9 +70,9 @@ class Process:
 
     def wait(self) -> int:
         """Wait for the end; return the exit status."""
-        status = self.popen.wait(TIMEOUT)
+        status = self.popen.wait(TIMEOUT_S)
         for reader in self._readers:
-            reader.join(TIMEOUT)
+            reader.join(TIMEOUT_S)
         return status
 
     def end(self) -> None:
@@ -103,7 +103,11 @@ class Master:
     def kill(self) -> None:
         """End it at once."""
         self._popen.kill()
-        self._popen.wait(TIMEOUT)
+        self._popen.wait(TIMEOUT_S)
+
+    def send_signal(self, number: int) -> None:
+        """Send it a signal, as SIGSTOP to have it hang."""
+        self._popen.send_signal(number)
 
     def _answers(self) -> bool:
         try:

@@ -6,13 +6,13 @@ from typing import Callable, Optional, TypeVar
 Value = TypeVar("Value")
 
 #: Long enough for a loaded machine, s: a condition that holds is seen at once all the same.
-TIMEOUT = 30.0
+TIMEOUT_S = 30.0
 
 
 def wait_until(
     condition: Callable[[], Optional[Value]],
     what: Callable[[], str],
-    timeout: float = TIMEOUT,
+    timeout: float = TIMEOUT_S,
 ) -> Value:
     """Poll until the condition holds.
 

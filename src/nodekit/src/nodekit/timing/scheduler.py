@@ -1,17 +1,17 @@
 """Periodic work without drift that can be retimed or stopped at once.
 
-One thread serves all periodic tasks of a process. It waits on absolute
-deadlines, so lateness of one call never delays the next, and it is woken when a
-rate changes. It follows /clock where /use_sim_time is set: at most one call for
-each step of the clock, none while it stands still.
+One thread serves all timers of a clock. It waits on absolute deadlines, so lateness of one call
+never delays the next, and it is woken when a rate changes. It follows /clock where /use_sim_time
+is set: at most one call for each step of the clock, none while it stands still.
 """
 
-import contextlib
 import heapq
 import itertools
+import math
+import numbers
 import threading
 import traceback
-from typing import Callable, Iterator, List, Optional, Tuple, Union
+from typing import Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
@@ -21,161 +21,208 @@ from nodekit.timing.timetable import SLACK_S, Timetable
 AnyClock = Union[MonotonicClock, SimulatedClock]
 Callback = Callable[[float], None]
 
+#: Highest rate of a timer, Hz: deadlines must be further apart than they are blurred.
+HIGHEST_HZ = 0.1 / SLACK_S
 
-class PeriodicTask:
-    """A function that is called at a rate; made by :meth:`Scheduler.every`."""
 
-    def __init__(self, scheduler: "Scheduler", callback: Callback, catch_up: float) -> None:
-        self.callback = callback
-        self.catch_up = catch_up
-        self.timetable: Optional[Timetable] = None
-        self.paused = False
-        #: Counts how often it was planned; what was queued before is void.
-        self.generation = 0
+def checked_rate(rate: float) -> float:
+    """Return a rate that a timer can keep.
+
+    :param rate: calls a second, Hz; 0 pauses
+    :raises ValueError: if it is no number, below 0, or above :data:`HIGHEST_HZ`
+    """
+    if isinstance(rate, numbers.Real) and 0.0 <= rate <= HIGHEST_HZ:
+        return float(rate)
+    raise ValueError(f"a rate of {rate!r} Hz: must be a number in [0, {HIGHEST_HZ:g}]")
+
+
+class Timer:
+    """A function that is called at a rate.
+
+    :param scheduler: who calls it, from when it is given to :meth:`Scheduler.start`
+    :param callback: called with the time since the first call, s; short, since all other timers
+        wait for it
+    :param rate: calls a second, Hz; 0 pauses
+    :param catch_up: lateness up to which calls are made up for, s; never where time is simulated
+    :raises ValueError: if the rate is not one to keep
+    """
+
+    def __init__(
+        self, scheduler: "Scheduler", callback: Callback, rate: float, catch_up: float = 0.0
+    ) -> None:
+        self.timetable = Timetable(checked_rate(rate), scheduler.allowed_catch_up(catch_up))
+        #: Calls the function when it is due; who owns the timer may do so somewhere else.
+        self.ring: Callable[[], None] = self.tick
         self._scheduler = scheduler
+        self._callback = callback
+
+    @property
+    def skipped(self) -> int:
+        """Calls that were left out so far, because they would have come too late."""
+        return self.timetable.skipped
 
     def set_rate(self, rate: float) -> None:
         """Change the rate with immediate effect.
 
         :param rate: calls a second, Hz; 0 pauses
+        :raises ValueError: if it is not one to keep; the old one stays
         """
-        self._scheduler.set_rate(self, rate)
+        self._scheduler.set_rate(self, checked_rate(rate))
+
+    def close(self) -> None:
+        """Make no call any more."""
+        self._scheduler.remove(self)
+
+    def tick(self) -> None:
+        """Make the call that is due, unless the timer was paused or closed meanwhile."""
+        elapsed = self._scheduler.take(self)
+        if elapsed is not None:
+            self._callback(elapsed)
 
 
 class Scheduler:
-    """Calls periodic tasks from one thread of its own.
+    """Rings timers when they are due, from one thread of its own.
 
-    :param clock: the time to go by; that of rospy where None
+    :param clock: the time to go by
     """
 
-    def __init__(self, clock: Optional[AnyClock] = None) -> None:
-        if clock is None:
-            clock = MonotonicClock() if rospy.rostime.is_wallclock() else SimulatedClock()
+    def __init__(self, clock: AnyClock) -> None:
         self._clock = clock
         self._lock = threading.Lock()
-        self._tasks: List[PeriodicTask] = []
-        self._unplanned: List[PeriodicTask] = []
-        self._held = 0
-        #: (deadline, tie-break, generation, task) of what is planned, a heap.
-        self._queue: List[Tuple[float, int, int, PeriodicTask]] = []
+        #: The deadline for which each timer is queued; None while it is rung, or paused.
+        self._timers: Dict[Timer, Optional[float]] = {}
+        #: (deadline, tie-break, timer), a heap.
+        self._queue: List[Tuple[float, int, Timer]] = []
         self._order = itertools.count()
-        self._latest = float("-inf")
+        self._latest = -math.inf
         self._closed = False
+        self._thread = threading.Thread(target=self._run, name="scheduler", daemon=True)
         rospy.on_shutdown(self.close)
-        threading.Thread(target=self._run, name="scheduler", daemon=True).start()
+        self._thread.start()
 
-    def every(self, rate: float, callback: Callback, catch_up: float = 0.0) -> PeriodicTask:
-        """Call a function at a rate, the first time at once.
+    def allowed_catch_up(self, catch_up: float) -> float:
+        """Return how far a timer may catch up on this clock: simulated time jumps.
 
-        :param rate: calls a second, Hz; 0 pauses
-        :param callback: called with the time since the first call, s; short,
-            since the other tasks of the process wait for it
-        :param catch_up: lateness up to which calls are made up for, s; never
-            where time is simulated
-        :returns: the task, to change its rate by
+        :param catch_up: how far it would, s
         """
-        if not isinstance(self._clock, MonotonicClock):
-            catch_up = 0.0
-        task = PeriodicTask(self, callback, catch_up)
-        with self._lock:
-            self._tasks.append(task)
-        self.set_rate(task, rate)
-        return task
+        return catch_up if isinstance(self._clock, MonotonicClock) else 0.0
 
-    @contextlib.contextmanager
-    def starting_together(self) -> Iterator[None]:
-        """Let the tasks that are made meanwhile begin together, once all of them are there.
+    def start(self, timers: Iterable[Timer]) -> None:
+        """Begin to call timers, the first time at once.
 
         Those of one rate are then due at the same moments for good. Called one after the other,
         they need about half the processor time, as each finds the caches warm.
+
+        :param timers: new ones
         """
         with self._lock:
-            self._held += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._held -= 1
-            self._clock.wake()
-
-    def set_rate(self, task: PeriodicTask, rate: float) -> None:
-        """Change a task's rate; see :meth:`PeriodicTask.set_rate`."""
-        with self._lock:
-            task.paused = rate <= 0.0
-            if task.timetable is not None and not task.paused:
-                task.timetable.set_rate(rate)
-            elif not task.paused:
-                task.timetable = Timetable(rate, task.catch_up)
-            self._unplanned.append(task)
+            for timer in timers:
+                self._timers[timer] = None
+                self._plan(timer)
         self._clock.wake()
+
+    def set_rate(self, timer: Timer, rate: float) -> None:
+        """Change a timer's rate; see :meth:`Timer.set_rate`."""
+        with self._lock:
+            timer.timetable.set_rate(rate)
+            if timer in self._timers:
+                self._plan(timer)
+        self._clock.wake()
+
+    def remove(self, timer: Timer) -> None:
+        """Forget a timer; see :meth:`Timer.close`."""
+        with self._lock:
+            self._unqueue(timer)
+            self._timers.pop(timer, None)
+
+    def take(self, timer: Timer) -> Optional[float]:
+        """Take a timer's deadline, and plan the next one.
+
+        :param timer: the timer that was rung
+        :returns: time from its first deadline to this one, s; None if it is not due (any more)
+        """
+        now = self._clock.now()
+        with self._lock:
+            if now is None or timer not in self._timers:
+                return None
+            deadline = timer.timetable.deadline
+            if deadline is None or deadline > now + SLACK_S:
+                self._plan(timer)
+                return None
+            elapsed = timer.timetable.take(now)
+            self._plan(timer)
+        if threading.get_ident() != self._thread.ident:
+            self._clock.wake()
+        return elapsed
 
     def close(self) -> None:
         """Call nothing any more."""
         self._closed = True
         self._clock.wake()
 
+    def _plan(self, timer: Timer) -> None:
+        """Queue a timer for its next deadline; a new one is due at once."""
+        self._unqueue(timer)
+        deadline = self._timers[timer] = timer.timetable.deadline
+        if deadline is not None:
+            heapq.heappush(self._queue, (deadline, next(self._order), timer))
+
+    def _unqueue(self, timer: Timer) -> None:
+        if self._timers.get(timer) is not None:
+            self._queue = [entry for entry in self._queue if entry[2] is not timer]
+            heapq.heapify(self._queue)
+
     def _run(self) -> None:
         while not self._closed:
             now = self._clock.now()
             if now is not None:
-                for callback, elapsed in self._take_due(now):
+                for timer in self._due(now):
                     if self._closed:
                         return
                     try:
-                        callback(elapsed)
-                    except Exception:  # one task's defect must not end the others
-                        rospy.logerr_throttle(
-                            5.0, "a periodic task failed:\n%s" % traceback.format_exc()
-                        )
-            self._clock.wait_until(self._queue[0][0] if self._queue else None)
+                        timer.ring()
+                    except BaseException:  # one timer's defect must not end the others
+                        text = "a timer failed:\n%s" % traceback.format_exc()
+                        rospy.logerr_throttle(5.0, text)
+            with self._lock:
+                moment = self._queue[0][0] if self._queue else None
+            self._clock.wait_until(moment)
 
-    def _take_due(self, now: float) -> List[Tuple[Callback, float]]:
-        """Return what is to be called now, and queue it for the next time."""
-        due: List[Tuple[Callback, float]] = []
+    def _due(self, now: float) -> List[Timer]:
+        """Return the timers to be rung now; each is queued again when it has taken its deadline."""
+        due: List[Timer] = []
         with self._lock:
             if now < self._latest:
                 self._follow_clock_back(now)
             self._latest = now
-            if self._unplanned and not self._held:
-                for task in self._unplanned:
-                    self._plan(task, now)
-                self._unplanned = []
             queue = self._queue
             while queue and queue[0][0] <= now + SLACK_S:
-                _, order, generation, task = queue[0]
-                if generation != task.generation or task.timetable is None:
-                    heapq.heappop(queue)
-                    continue
-                due.append((task.callback, task.timetable.take(now)))
-                deadline = task.timetable.deadline(now)
-                heapq.heapreplace(queue, (deadline, order, generation, task))
+                timer = heapq.heappop(queue)[2]
+                timer.timetable.begin(now)
+                self._timers[timer] = None
+                due.append(timer)
         return due
 
-    def _plan(self, task: PeriodicTask, now: float) -> None:
-        task.generation += 1
-        if task.timetable is not None and not task.paused:
-            deadline = task.timetable.deadline(now)
-            heapq.heappush(self._queue, (deadline, next(self._order), task.generation, task))
-
     def _follow_clock_back(self, now: float) -> None:
-        self._queue = []
-        self._unplanned = list(self._tasks)
-        for task in self._tasks:
-            if task.timetable is not None:
-                task.timetable.restart(now)
+        for timer in self._timers:
+            timer.timetable.restart(now)
+            self._plan(timer)
 
 
-_scheduler: Optional[Scheduler] = None
-_scheduler_lock = threading.Lock()
+_schedulers: Dict[bool, Scheduler] = {}
+_schedulers_lock = threading.Lock()
 
 
-def get_scheduler() -> Scheduler:
-    """Return this process's scheduler, made at the first call.
+def get_scheduler(steady: bool = False) -> Scheduler:
+    """Return one of this process's schedulers, made at the first call.
 
-    :returns: a scheduler on the clock of rospy; the node must have been initialised
+    :param steady: whether to go by the machine's monotonic clock in any case, as time-outs do, and
+        not by rospy's, which follows /clock where /use_sim_time is set
+    :returns: the scheduler; the node must have been initialised
     """
-    global _scheduler
-    with _scheduler_lock:
-        if _scheduler is None:
-            _scheduler = Scheduler()
-        return _scheduler
+    with _schedulers_lock:
+        is_simulated = not (steady or rospy.rostime.is_wallclock())
+        if is_simulated not in _schedulers:
+            clock: AnyClock = SimulatedClock() if is_simulated else MonotonicClock()
+            _schedulers[is_simulated] = Scheduler(clock)
+        return _schedulers[is_simulated]

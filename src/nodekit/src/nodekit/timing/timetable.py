@@ -7,9 +7,6 @@ from typing import Optional
 #: rounded, since 1970 to 2.4e-7 s, and must not miss the deadlines they meet.
 SLACK_S = 1e-6
 
-#: Lowest rate to offer, Hz. Long before the smallest numbers there are, a period is infinite.
-SLOWEST_HZ = 1e-6
-
 
 class Timetable:
     """When a periodic task is due, and what time has passed for it.
@@ -18,30 +15,38 @@ class Timetable:
     changes or the clock is set back, so that rounding and lateness never add
     up. Elapsed time counts on over both.
 
-    :param rate: how often the task is due, Hz; above 0 and below 1 / SLACK_S
+    :param rate: how often the task is due, Hz; 0 or above, and below 1 / SLACK_S; 0 pauses
     :param catch_up: lateness up to which every deadline is taken, one after the
         other, s; of those that are later only the latest is
     """
 
     def __init__(self, rate: float, catch_up: float = 0.0) -> None:
+        #: Deadlines that were left out because they were too late.
+        self.skipped = 0
         self._rate = rate
+        self._is_paused = rate == 0.0
         self._catch_up = catch_up
-        self._anchor: Optional[float] = None
+        #: Whether the rate was changed since a deadline was taken last.
+        self._is_retimed = False
+        #: Minus infinity before it began.
+        self._anchor = -math.inf
         self._elapsed_at_anchor = 0.0
         #: Number of the next deadline, counted from 0 at the anchor, and that deadline.
         self._next = 0
-        self._deadline = 0.0
-        self._taken_at = float("-inf")
+        self._deadline = self._taken_at = -math.inf
 
-    def deadline(self, now: float) -> float:
-        """Return when the task is due next; at once, where it was never taken.
+    @property
+    def deadline(self) -> Optional[float]:
+        """When the task is due next, s; minus infinity before it began, None while it is paused."""
+        return None if self._is_paused else self._deadline
 
-        :param now: the time, s
-        :returns: a moment on the same scale, s
+    def begin(self, now: float) -> None:
+        """Put the first deadline; without effect where there is one.
+
+        :param now: that deadline, s
         """
-        if self._anchor is None:
+        if self._anchor == -math.inf:
             self._anchor = self._deadline = now
-        return self._deadline
 
     def take(self, now: float) -> float:
         """Take a deadline that has passed: the next, or the latest if that is too late.
@@ -49,22 +54,31 @@ class Timetable:
         :param now: the time, at or after the deadline, s
         :returns: time from the first deadline to this one, s
         """
-        anchor = self._anchor
-        if anchor is None:
-            anchor = self._anchor = self._deadline = now
-        self._next += 1
+        self.begin(now)
+        following = self._next + 1
         if now - self._deadline > self._catch_up:
-            self._next = max(self._next, self._first_after(now, anchor))
-        self._deadline = anchor + self._next / self._rate
+            latest = max(following, self._first_after(now, self._anchor))
+            if not self._is_retimed:
+                self.skipped += latest - following
+            following = latest
+        self._is_retimed = False
+        self._next = following
+        self._deadline = self._anchor + following / self._rate
         self._taken_at = now
-        return self._elapsed_at_anchor + (self._next - 1) / self._rate
+        return self._elapsed_at_anchor + (following - 1) / self._rate
 
     def set_rate(self, rate: float) -> None:
         """Change the rate; the next deadline counts from the last one taken.
 
-        :param rate: how often the task is due from now on, Hz
+        :param rate: how often the task is due from now on, Hz; 0 pauses
         """
-        if self._anchor is not None and self._next:
+        if rate == (0.0 if self._is_paused else self._rate):
+            return
+        self._is_paused = rate == 0.0
+        if self._is_paused:
+            return
+        if self._next:
+            self._is_retimed = True
             last = (self._next - 1) / self._rate
             self._anchor += last
             self._elapsed_at_anchor += last
@@ -78,7 +92,8 @@ class Timetable:
 
         :param now: the time that the clock was set to, s
         """
-        self._elapsed_at_anchor += self._next / self._rate
+        if self._next:
+            self._elapsed_at_anchor += self._next / self._rate
         self._anchor = self._deadline = now
         self._next = 0
 

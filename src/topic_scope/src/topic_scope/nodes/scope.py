@@ -16,7 +16,7 @@ import rospy
 import tornado.httpserver
 import tornado.ioloop
 
-from nodekit.process.run import run
+from nodekit import run
 from topic_scope import options, web
 from topic_scope.layouts import Layouts
 from topic_scope.master_watch import MasterWatch
@@ -31,11 +31,10 @@ class Scope:
 
     :ROS Subscribers:
         - the topics of the fields that are looked at, of any type
-        - ``/rosout`` (rosgraph_msgs/Log), unless it is read-only: why a node refuses a value
 
     :ROS Services called:
-        - ``describe`` of each node that has it; SetBool and Trigger services beside it, when a page
-          calls them
+        - ``describe`` and ``change`` of each node that has them; SetBool and Trigger services
+          beside them, when a page calls them
 
     :param chosen: the options
     :param sockets: where to serve
@@ -91,7 +90,7 @@ def main() -> None:
     logging.getLogger("tornado").setLevel(logging.ERROR)
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else "scope_%d" % chosen.port
-    run(name, lambda: Scope(chosen, sockets))
+    run(name, lambda _node: Scope(chosen, sockets))
 
 
 def _why_not(error: OSError, chosen: Options) -> str:

@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""Keep a robot one metre from a wall."""
+
+from nodekit import FloatParameter, Node, ParameterSet, RateParameter, run
+from std_msgs.msg import Float32
+from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
+
+
+class Settings(ParameterSet):
+    rate = RateParameter(20.0, help="how often the speed is published")
+    gain = FloatParameter(0.5, minimum=0.0, unit="1/s", help="speed for each metre of error")
+
+
+class RangeKeeper:
+    def __init__(self, node: Node) -> None:
+        self.settings = node.parameters(Settings)
+        self.enabled = True
+        self.speed = node.publisher("speed", Float32)
+        self.range = node.latest("range", Float32)
+        node.service("~enable", SetBool, self.enable)
+        node.every(lambda: self.settings.values.rate, self.control)
+
+    def enable(self, request: SetBoolRequest) -> SetBoolResponse:
+        self.enabled = request.data
+        return SetBoolResponse(True, "")
+
+    def control(self, elapsed: float) -> None:
+        if self.enabled and self.range.age < 1.0:
+            self.speed.publish(self.settings.values.gain * (self.range.message.data - 1.0))
+
+
+if __name__ == "__main__":
+    run("range_keeper", RangeKeeper)

@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""A talker and a listener that one process hosts are as good as nodes of their own."""
+
+import os
+import unittest
+
+import rospy
+import rostest
+from std_msgs.msg import String
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+
+HELPER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "helpers", "hosted_talk.py")
+
+
+class Hosted(unittest.TestCase):
+    """The process is started by the test."""
+
+    def test_talker_and_listener(self) -> None:
+        rospy.set_param("/lab/Message", "from the group")
+        process = Process(HELPER)
+        self.addCleanup(process.end)
+        ear = Ear("/lab/chatter", String)
+        self.addCleanup(ear.close)
+        ear.wait_for(lambda message: message.data.startswith("from the group "))
+        rospy.set_param("/lab/talker/Message", "my own")
+        ear.wait_for(lambda message: message.data.startswith("my own "))
+        process.wait_for_log("I heard 'my own", "from /hosted")
+        rospy.set_param("/lab/talker/rate", 200.0)
+        wait_until(lambda: ear.count() > 100, lambda: "%d messages" % ear.count())
+        self.assertEqual(process.interrupt(), 0)
+        self.assertEqual(process.logged("Traceback"), [])
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_hosted")
+    rostest.rosrun("basic_comms", "hosted", Hosted)

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""A motor and its set point in one process: each publishes what the other one hears."""
+
+import os
+import signal
+import subprocess
+import sys
+import unittest
+from typing import Any, List
+
+import rospy
+import rostest
+from std_msgs.msg import Float32
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+HELPER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "helpers")
+PAIRS = ["/pair%d" % number for number in range(3)]
+
+
+class Hosted(unittest.TestCase):
+    """One process with three pairs, quick ones: if two callbacks waited for each other, it hung."""
+
+    process: "subprocess.Popen[bytes]"
+    graph: Graph
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_hosted")
+        cls.graph = Graph()
+        for pair in PAIRS:
+            rospy.set_param(pair + "/motor_sys/sample_time", 0.002)
+            rospy.set_param(pair + "/sp_gen/rate", 500.0)
+        cls.process = subprocess.Popen([sys.executable, os.path.join(HELPER, "hosted_motors.py")])
+
+    def ear(self, topic: str, kind: Any) -> Ear:
+        ear = Ear(topic, kind)
+        self.addCleanup(ear.close)
+        return ear
+
+    def test_motors_follow_their_set_points_and_go_on_when_they_are_retimed(self) -> None:
+        speeds = [self.ear(pair + "/motor_speed_y", Float32) for pair in PAIRS]
+        for round_ in range(3):
+            for speed in speeds:
+                speed.forget()
+                speed.wait_for(lambda message: abs(message.data) > 0.01)
+                wait_until(lambda: speed.count() > 300, lambda: "%d speeds" % speed.count())
+            for pair in PAIRS:
+                rospy.set_param(pair + "/sp_gen/amplitude", 2.0 + round_)
+                rospy.set_param(pair + "/motor_sys/sys_gain_K", 1.0 + round_)
+        names = {"%s/%s" % (pair, name) for pair in PAIRS for name in ("motor_sys", "sp_gen")}
+        held: List[str] = rospy.get_param_names()
+        self.assertEqual(
+            {name for name in names if name + "/rate" in held},
+            {name for name in names if name.endswith("sp_gen")},
+        )
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.process.send_signal(signal.SIGINT)
+        status = cls.process.wait(TIMEOUT_S)
+        assert status == 0, "exit status %d" % status
+
+
+if __name__ == "__main__":
+    rostest.rosrun("motor_control", "hosted", Hosted)

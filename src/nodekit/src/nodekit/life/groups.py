@@ -1,0 +1,170 @@
+"""Callback groups: which callbacks of a node may run at the same time.
+
+rospy calls back from many threads: one for each connection, one for timers, one for each call of a
+service. Callbacks of one exclusive group run one after the other all the same, in the order in
+which they came, so that a node's class needs no lock of its own.
+
+A group is not a lock. It is left to a thread that waits for it (a message, a call of a service) or
+to work that was left with it (a tick, a change of parameters), which the leaving thread does
+itself: so the threads that serve a whole process never wait for one node's callback.
+"""
+
+import threading
+import time
+from collections import deque
+from types import TracebackType
+from typing import Callable, Deque, Dict, Optional, Type, Union
+
+#: Work that may be left with a group; raises nothing.
+Work = Callable[[], None]
+
+
+class _Waiting:
+    """A thread that waits for its turn."""
+
+    def __init__(self, thread: int) -> None:
+        self.thread = thread
+        self.turn = threading.Lock()
+        self.turn.acquire()
+
+
+class Group:
+    """One callback at a time, in the order of arrival; the group of rclpy's name.
+
+    A thread that is inside enters again without waiting.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._holder = 0  # of which thread the group is, 0 if it is free
+        self._depth = 0
+        self._queue: Deque[Union[_Waiting, Work]] = deque()
+
+    def enter(self, timeout: float = -1.0) -> bool:
+        """Wait until it is the calling thread's turn.
+
+        :param timeout: longest wait, s; below 0 for ever
+        :returns: whether it is; False only where the time is over
+        """
+        me = threading.get_ident()
+        with self._lock:
+            if self._holder in (0, me):
+                self._holder = me
+                self._depth += 1
+                return True
+            waiting = _Waiting(me)
+            self._queue.append(waiting)
+        if waiting.turn.acquire(timeout=timeout):
+            return True
+        with self._lock:
+            if waiting not in self._queue:
+                return True  # it was handed over at the last moment
+            self._queue.remove(waiting)
+            return False
+
+    def leave(self) -> None:
+        """Hand the group over; do what was left with it before."""
+        while True:
+            with self._lock:
+                if self._depth > 1 or not self._queue:
+                    self._depth -= 1
+                    if not self._depth:
+                        self._holder = 0
+                    return
+                following = self._queue.popleft()
+                if isinstance(following, _Waiting):
+                    self._holder = following.thread
+                    following.turn.release()
+                    return
+            following()
+
+    def offer(self, work: Work) -> None:
+        """Do some work at once or, if the group is taken, leave it to the thread that leaves.
+
+        Never waits, and never does the work in the middle of a callback of the same thread.
+
+        :param work: what to do
+        """
+        with self._lock:
+            if self._holder:
+                self._queue.append(work)
+                return
+            self._holder = threading.get_ident()
+            self._depth = 1
+        try:
+            work()
+        finally:
+            self.leave()
+
+    def wait_until_left(self, timeout: float) -> bool:
+        """Wait for a callback that is under way, but not for one of the calling thread.
+
+        :param timeout: longest wait, s
+        :returns: whether it has ended
+        """
+        if not self.enter(timeout):
+            return False
+        self.leave()
+        return True
+
+    def __enter__(self) -> "Group":
+        self.enter()
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        self.leave()
+
+
+class ReentrantGroup(Group):
+    """Any number of callbacks at a time, as rospy itself has it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._inside: Dict[int, int] = {}  # how deep each thread is inside
+        self._left = threading.Condition(self._lock)
+
+    def enter(self, timeout: float = -1.0) -> bool:
+        """Go in without waiting."""
+        me = threading.get_ident()
+        with self._lock:
+            self._inside[me] = self._inside.get(me, 0) + 1
+        return True
+
+    def leave(self) -> None:
+        """Go out."""
+        me = threading.get_ident()
+        with self._lock:
+            self._inside[me] -= 1
+            if not self._inside[me]:
+                del self._inside[me]
+                self._left.notify_all()
+
+    def offer(self, work: Work) -> None:
+        """Do some work at once.
+
+        :param work: what to do
+        """
+        self.enter()
+        try:
+            work()
+        finally:
+            self.leave()
+
+    def wait_until_left(self, timeout: float) -> bool:
+        """Wait for all callbacks that are under way now; see :meth:`Group.wait_until_left`.
+
+        :param timeout: longest wait, s
+        :returns: whether they have ended
+        """
+        deadline = time.monotonic() + timeout
+        with self._lock:
+            others = set(self._inside) - {threading.get_ident()}
+            while others & set(self._inside):
+                if not self._left.wait(deadline - time.monotonic()):
+                    return False
+        return True

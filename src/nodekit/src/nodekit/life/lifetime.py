@@ -1,0 +1,116 @@
+"""What a node makes, and how long it lives."""
+
+from functools import partial
+from typing import Any, Callable, Collection, Optional, Type
+
+from std_srvs.srv import Trigger
+
+from nodekit.life.groups import Group, ReentrantGroup
+from nodekit.life.telling import Change, Followed
+from nodekit.life.timers import NodeTimer, Rate
+from nodekit.life.topics import TopicMaker
+from nodekit.live import reconfigure
+from nodekit.live.change import change_handler
+from nodekit.live.describe import description_handler
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.watcher import get_watcher
+from nodekit.messaging.service import Service
+from nodekit.messaging.stream_log import StreamLog
+from nodekit.parameters.declaration import Snapshot
+from nodekit.timing.scheduler import get_scheduler
+from nodekit_msgs.srv import SetParameters
+
+
+class Lifetime(TopicMaker):
+    """Makes all that a node uses, and closes it together.
+
+    What is made before the node's start is opened with it; what is made later, at once.
+    """
+
+    def every(
+        self,
+        rate: Rate,
+        callback: Callable[[float], Any],
+        catch_up: float = 0.0,
+        steady: bool = False,
+        group: Optional[Group] = None,
+    ) -> NodeTimer:
+        """Call a function at a rate, the first time at once, without drift.
+
+        :param rate: calls a second, Hz; 0 pauses. Of a function the result: it is asked at the
+            start and after each change of parameters of this node
+        :param callback: called with the time since the first call, s; short
+        :param catch_up: lateness up to which calls are made up for, s; never on a simulated clock
+        :param steady: go by the machine's clock also where /use_sim_time is set
+        :param group: the callback's group; the node's own by default
+        :raises ValueError: if the rate is a number that no timer can keep
+        """
+        group = group or self._surroundings.group
+        what = "%s: %s" % (self.name, getattr(callback, "__qualname__", "a timer"))
+        timer = NodeTimer(get_scheduler(steady), group, rate, callback, catch_up, what)
+        self.own(timer.callback)
+        if callable(rate):
+            self._surroundings.rates.add(timer)
+        return self._open(timer)
+
+    def parameters(
+        self,
+        declaration: Type[Snapshot],
+        on_change: Optional[Callable[[Snapshot, Snapshot], Any]] = None,
+        exempt: Collection[str] = (),
+        group: Optional[Group] = None,
+    ) -> "LiveParameters[Snapshot]":
+        """Read and judge the node's private parameters now, and follow them from the start on.
+
+        :param declaration: the class that declares them
+        :param on_change: called with the new and the old values after a change
+        :param exempt: names beside them that are used but not declared
+        :param group: the callback's group; the node's own by default
+        :returns: an object whose ``values`` are those in force
+        :raises ParameterError: if a value on the server is not allowed
+        """
+        live = LiveParameters(declaration, self.name, get_watcher(), exempt)
+        live.add_listener(self._surroundings.rates.follow)
+        if on_change is not None:
+            self._open(Change(group or self._surroundings.group, live, on_change))
+        # In no group: a callback that takes its time holds up no user.
+        self._open(Service(self.resolve("~describe"), Trigger, description_handler(live)))
+        self._open(Service(self.resolve("~change"), SetParameters, change_handler(live)))
+        if reconfigure.AVAILABLE:
+            service = partial(self.service, group=self.group(exclusive=False))
+            self.own(reconfigure.ReconfigureInterface(live, self.publisher, service))
+        return self._open(live)
+
+    def follow(
+        self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None
+    ) -> None:
+        """Follow a parameter that is not declared, or not this node's.
+
+        :param key: name of the parameter
+        :param callback: called with its value, None where it is not set: once at the start and
+            after each change
+        :param group: the callback's group; the node's own by default
+        """
+        group = group or self._surroundings.group
+        self._open(Followed(group, self.resolve(key), get_watcher(), callback))
+
+    def stream_log(self, per_second: int = 10) -> StreamLog:
+        """Log lines at info, of a quick stream a part.
+
+        :param per_second: how many lines a second are logged, 1/s
+        """
+        log = StreamLog(per_second)
+        # By the machine's clock: /clock may stand still while messages come.
+        self.every(1.0, log.end_second, steady=True, group=self.group(exclusive=False))
+        return log
+
+    def group(self, exclusive: bool = True) -> Group:
+        """Make a callback group.
+
+        :param exclusive: whether its callbacks exclude each other
+        """
+        return Group() if exclusive else ReentrantGroup()
+
+    def lifetime(self) -> "Lifetime":
+        """Return a maker of its own, whose ``close`` ends only what was made through it."""
+        return self.own(Lifetime(self._surroundings))

@@ -1,0 +1,107 @@
+"""The timers of a node: in its callback group, and following its parameters."""
+
+from typing import Any, Callable, Iterable, List, Union
+
+import rospy
+
+from nodekit.life.callbacks import Bell, Callback
+from nodekit.life.groups import Group
+from nodekit.timing.scheduler import Scheduler, Timer, checked_rate
+
+#: A rate in Hz, or a function that returns it.
+Rate = Union[float, Callable[[], float]]
+
+
+class NodeTimer:
+    """A function that is called at a rate, in a group.
+
+    Where the group is taken when a call is due, the thread that leaves it makes the call; a tick
+    that comes meanwhile is left out, and counted.
+
+    :param scheduler: who says when a call is due
+    :param group: the function's group
+    :param rate: calls a second, Hz; 0 pauses. Of a function the result, see :meth:`follow`
+    :param callback: called with the time since the first call, s
+    :param catch_up: lateness up to which calls are made up for, s
+    :param what: names it in the log
+    :raises ValueError: if the rate is a number that no timer can keep
+    """
+
+    def __init__(
+        self,
+        scheduler: Scheduler,
+        group: Group,
+        rate: Rate,
+        callback: Callable[[float], Any],
+        catch_up: float,
+        what: str,
+    ) -> None:
+        self._scheduler = scheduler
+        self._what = what
+        self._rate = rate
+        self._is_started = False
+        self.callback = Callback(group, callback, what)
+        first = 0.0 if callable(rate) else checked_rate(rate)
+        self._timer = Timer(scheduler, self.callback.call_inside, first, catch_up)
+        self._bell = Bell(group, self._timer.tick, what)
+        self._timer.ring = self._bell.ring
+
+    @property
+    def skipped(self) -> int:
+        """Calls that were left out so far, because they would have come too late."""
+        return self._timer.skipped
+
+    def set_rate(self, rate: float) -> None:
+        """Change the rate with immediate effect.
+
+        :param rate: calls a second, Hz; 0 pauses
+        :raises ValueError: if it is not one to keep; the old one stays
+        """
+        self._timer.set_rate(rate)
+
+    def follow(self) -> None:
+        """Ask for the rate, where it is a function; one that fails leaves the old rate."""
+        if callable(self._rate) and self._is_started:
+            try:
+                self._timer.set_rate(self._rate())
+            except Exception as error:
+                rospy.logerr("%s keeps its rate: %s: %s", self._what, type(error).__name__, error)
+
+    def close(self) -> None:
+        """Make no call any more."""
+        self.callback.close()
+        self._bell.close()
+        self._timer.close()
+
+    @staticmethod
+    def start_together(timers: Iterable["NodeTimer"]) -> None:
+        """Begin to call timers; see :meth:`.Scheduler.start`.
+
+        :param timers: new ones
+        """
+        by_scheduler: "dict[Scheduler, List[Timer]]" = {}
+        for timer in timers:
+            timer._is_started = True
+            timer.follow()
+            by_scheduler.setdefault(timer._scheduler, []).append(timer._timer)
+        for scheduler, started in by_scheduler.items():
+            scheduler.start(started)
+
+
+class RateFollowers:
+    """The timers of a node whose rates follow its parameters."""
+
+    def __init__(self) -> None:
+        self._timers: List[NodeTimer] = []
+
+    def add(self, timer: NodeTimer) -> None:
+        """Have a timer follow until it is closed.
+
+        :param timer: one whose rate is a function
+        """
+        self._timers = [other for other in self._timers if not other.callback.closed] + [timer]
+
+    def follow(self) -> None:
+        """Ask for all rates, as parameters have changed."""
+        for timer in self._timers:
+            timer.follow()

@@ -1,0 +1,90 @@
+"""Subscriptions that hand over at once whatever has arrived."""
+
+import time
+from typing import Any, Callable, List, Optional
+
+import rospy
+
+from nodekit.rospy_internals import registration, subscribers
+
+
+class Subscription:
+    """A topic that a node hears.
+
+    Mostly one message has arrived. After a busy moment it is many, which are handed over together.
+    None is left out.
+
+    :param name: topic, resolved
+    :param data_class: message class
+    :param receive: called with a list of messages, oldest first, and whether the calling thread may
+        be kept waiting; from a thread for each publisher, or from that of a publisher in this
+        process
+    """
+
+    def __init__(
+        self, name: str, data_class: type, receive: Callable[[List[Any], bool], None]
+    ) -> None:
+        self.resolved_name = name
+        self._data_class, self._receive = data_class, receive
+        self._subscriber: Optional[rospy.Subscriber] = None
+        self._is_closed = False
+
+    def open(self) -> None:
+        """Subscribe, unless it was closed."""
+        if self._is_closed:
+            return
+        mismatch = subscribers.subscriber_mismatch()
+        if mismatch:
+            rospy.logwarn_once("receiving one by one, as this rospy is not known: %s", mismatch)
+        name, data_class = self.resolved_name, self._data_class
+        with registration.topic_lock():
+            if not mismatch and subscribers.receive_in_batches(name, data_class, self._receive):
+                self._subscriber = rospy.Subscriber(name, data_class, tcp_nodelay=True)
+            else:
+                self._subscriber = rospy.Subscriber(
+                    name,
+                    data_class,
+                    lambda message: self._receive([message], True),
+                    tcp_nodelay=True,
+                )
+
+    def receive_latched(self) -> None:
+        """Hand over what this process has latched on the topic; once, after :meth:`open`."""
+        subscribers.receive_latched(self.resolved_name, self._receive)
+
+    def get_num_connections(self) -> int:
+        """Tell how many publishers are connected; those in the same process need no connection."""
+        subscriber = self._subscriber
+        return int(subscriber.get_num_connections()) if subscriber is not None else 0
+
+    def close(self) -> None:
+        """Unsubscribe."""
+        self._is_closed = True
+        subscriber, self._subscriber = self._subscriber, None
+        if subscriber is not None:
+            subscribers.stop_receiving(self.resolved_name, self._receive)
+            subscriber.unregister()
+
+
+class Latest:
+    """The latest message of a topic; no callback, so nobody waits for anybody.
+
+    :param name: topic, resolved
+    :param data_class: message class
+
+    :ivar message: the message, None before the first
+    """
+
+    def __init__(self, name: str, data_class: type) -> None:
+        self.message: Any = None
+        self.subscription = Subscription(name, data_class, self._receive)
+        self._arrived_at = float("-inf")
+
+    @property
+    def age(self) -> float:
+        """Time since the message has arrived, s, by the machine's clock; infinite before it."""
+        return time.monotonic() - self._arrived_at
+
+    def _receive(self, messages: List[Any], _may_wait: bool) -> None:
+        self.message = messages[-1]
+        self._arrived_at = time.monotonic()

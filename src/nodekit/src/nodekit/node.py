@@ -1,0 +1,61 @@
+"""The front door: what a node's class is given, and makes everything through."""
+
+from typing import Callable, Optional
+
+from nodekit.life.groups import Group
+from nodekit.life.lifetime import Lifetime
+from nodekit.life.names import Names
+from nodekit.life.opening import Opener
+from nodekit.life.timers import RateFollowers
+from nodekit.life.topics import Surroundings
+
+
+class Node(Lifetime):
+    """A node: a name, and all that is made under it.
+
+    A class that is a node takes one in its constructor, and makes publishers, subscriptions,
+    services, timers and parameters through it. Parameters are read there; the rest is only noted,
+    so no callback is called before the constructor has returned. :func:`nodekit.run` makes the node
+    of a process and starts it.
+
+    :param names: where its names are; those of this process's own node by default
+    :param opener: what starts it; another node's where that hosts it
+    """
+
+    def __init__(self, names: Optional[Names] = None, opener: Optional[Opener] = None) -> None:
+        super().__init__(
+            Surroundings(names or Names.of_process(), opener or Opener(), Group(), RateFollowers())
+        )
+        self._guest: object = None
+
+    def start(self) -> None:
+        """Open all that was made, here and by nodes that this one hosts, with a few requests.
+
+        Subscriptions come before timers.
+
+        :raises rospy.ROSException: if a topic is used with two types
+        """
+        self._opener.start()
+
+    def host(self, name: str, namespace: str, cls: Callable[["Node"], object]) -> "Node":
+        """Have another node in this process.
+
+        It looks like a node of its own: its topics stand in its namespace, its private names in
+        ``namespace/name``. It starts with this one or, if that has been, at once.
+
+        :param name: base name
+        :param namespace: its namespace; a relative one is in that of the process
+        :param cls: its class, called with the node
+        :returns: the node, which is closed with this one
+        :raises ParameterError: if one of its parameters is refused; nothing of it stays
+        """
+        names = Names.hosted(namespace, name)
+        node = Node(names, Opener() if self._opener.has_started else self._opener)
+        try:
+            node._guest = cls(node)
+        except BaseException:
+            node.close()
+            raise
+        if node._opener is not self._opener:
+            node.start()
+        return self.own(node)

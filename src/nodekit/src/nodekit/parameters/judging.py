@@ -1,0 +1,149 @@
+"""Judge raw values against those in force: each for itself, then all together."""
+
+import difflib
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
+
+from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.kinds import Parameter, ParameterError, to_wire
+from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.refusals import RuleError
+
+
+def accept_each(
+    in_force: ParameterSet, raw: Mapping[str, Any], missing: Mapping[str, Any]
+) -> Tuple[Dict[str, Any], List[ParameterError]]:
+    """Judge each raw value for itself; a refused one leaves the one in force.
+
+    :param in_force: the values in force so far
+    :param raw: raw values by name; other names are left alone
+    :param missing: coerced values by name that stand for those that ``raw`` lacks
+    :returns: a coerced value for each declared name, and the refusals
+    """
+    values = in_force.as_dict()
+    refusals: List[ParameterError] = []
+    for name, parameter in in_force.declared.items():
+        try:
+            values[name] = (
+                _accept(parameter, raw[name], values[name]) if name in raw else missing[name]
+            )
+        except ParameterError as error:
+            refusals.append(error)
+    return values, refusals
+
+
+def keep_rules(in_force: Snapshot, values: Mapping[str, Any]) -> Tuple[Snapshot, List[RuleError]]:
+    """Judge values together; a broken rule takes back only the changes that it is about.
+
+    :param in_force: the values in force so far
+    :param values: a coerced value for each declared name
+    :returns: the values that are left, and the refusals
+    """
+    current, values = in_force.as_dict(), dict(values)
+    changed = {name for name in values if values[name] != current[name]}
+    refusals: List[RuleError] = []
+    while True:
+        candidate = in_force.from_coerced(values)
+        broken = candidate.broken_rule(changed)
+        if broken is None:
+            return candidate, refusals
+        refusals.append(broken)
+        values.update({name: current[name] for name in changed.intersection(broken.names)})
+        changed.difference_update(broken.names)
+
+
+def on_wire(values: ParameterSet) -> Dict[str, Any]:
+    """Return values by name as the parameter server takes them.
+
+    :param values: the values
+    """
+    return {name: to_wire(value) for name, value in values.as_dict().items()}
+
+
+def corrections(values: ParameterSet, raw: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return by name what the server has to be told, so that it tells the truth.
+
+    :param values: the values in force
+    :param raw: raw values by name, as the server holds them
+    """
+    wire = on_wire(values)
+    return {n: value for n, value in wire.items() if n not in raw or not _denotes(raw[n], value)}
+
+
+def _accept(parameter: Parameter[Any], raw: Any, current: Any) -> Any:
+    """Return what a raw value means; the one in force is not judged again."""
+    return current if _denotes(raw, to_wire(current)) else parameter.coerce(raw)
+
+
+def _denotes(raw: Any, value: Any) -> bool:
+    """Tell whether the server's value may stay as it is: 5 may for 5.0, '5' may not."""
+    if isinstance(value, list):
+        return isinstance(raw, list) and len(raw) == len(value) and all(map(_denotes, raw, value))
+    return bool(raw == value) and isinstance(raw, bool) == isinstance(value, bool)
+
+
+def last_good(
+    in_force: ParameterSet, names: Collection[str], pushed: Sequence[Tuple[str, Any]]
+) -> Dict[str, Any]:
+    """Pick, of the values that were notified for some parameters, the last allowed ones.
+
+    :param in_force: the values in force so far
+    :param names: the parameters
+    :param pushed: notified name, empty for the whole namespace, and raw value or
+        MISSING, oldest first
+    :returns: coerced values by name; a name with no allowed value is left out
+    """
+    current = in_force.as_dict()
+    found: Dict[str, Any] = {}
+    for key, value in pushed:
+        each: Dict[str, Any] = {}
+        if key:
+            each = {key: value}
+        elif value is MISSING or isinstance(value, dict):
+            each = {**dict.fromkeys(names, MISSING), **(value if value is not MISSING else {})}
+        for name in each.keys() & set(names):
+            parameter, raw = in_force.declared[name], each[name]
+            try:
+                found[name] = (
+                    _accept(parameter, raw, current[name])
+                    if raw is not MISSING
+                    else parameter.default
+                )
+            except ParameterError:
+                pass  # a bad one itself
+    return found
+
+
+def unknown_names(
+    declared: Collection[str], names: Collection[str], exempt: Collection[str] = ()
+) -> Dict[str, Optional[str]]:
+    """Find names that nobody declared, most likely misspelt.
+
+    :param declared: the declared names
+    :param names: the names to look at
+    :param exempt: other names that are known to be used
+    :returns: for each unknown name the nearest known one, None if none is near
+    """
+    known = sorted({*declared, *exempt})
+    found: Dict[str, Optional[str]] = {}
+    for name in names:
+        if name not in known:
+            near = difflib.get_close_matches(name.lower(), known, n=1)
+            found[name] = near[0] if near else None
+    return found
+
+
+def unknown_refused(declared: Collection[str], changes: Mapping[str, Any]) -> List[ParameterError]:
+    """Refuse to change what nobody declared.
+
+    :param declared: the declared names
+    :param changes: new values by name
+    """
+    return [
+        ParameterError(
+            name,
+            changes[name],
+            "one that this node declares",
+            f"did you mean {near}?" if near else "",
+        )
+        for name, near in unknown_names(declared, changes).items()
+    ]

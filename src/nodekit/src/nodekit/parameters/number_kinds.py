@@ -1,0 +1,141 @@
+"""The kinds of parameter that hold a number: in a range, in steps, a rate.
+
+Coercion follows what users of ``rosparam`` expect: an integer serves as a
+float, and so does text such as ``1e3``, which YAML does not read as a number;
+a truth value is never a number, and nothing that is not finite gets through.
+"""
+
+import math
+import numbers
+from typing import Any, ClassVar, Optional
+
+from nodekit.parameters.kinds import Parameter, Value, format_value
+
+#: XML-RPC, and so the parameter server, carries integers of 32 bits.
+INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
+#: Lowest rate other than 0 (once in eleven days) and highest one to offer, Hz.
+SLOWEST_HZ, FASTEST_HZ = 1e-6, 10000.0
+
+
+class _NumberParameter(Parameter[Value]):
+    """A finite number in a range whose ends are closed or open.
+
+    :param minimum: smallest allowed value (closed end)
+    :param maximum: largest allowed value (closed end)
+    :param above: bound below the allowed values (open end)
+    :param below: bound above the allowed values (open end)
+    :param step: distance of the allowed values from each other, counted from
+        the lower bound, or from 0 where there is none
+    """
+
+    noun: ClassVar[str] = ""
+
+    def __init__(
+        self,
+        default: Value,
+        *,
+        minimum: Optional[float] = None,
+        maximum: Optional[float] = None,
+        above: Optional[float] = None,
+        below: Optional[float] = None,
+        step: Optional[float] = None,
+        unit: str = "",
+        help: str,
+    ) -> None:
+        super().__init__(default, unit=unit, help=help)
+        self.minimum, self.maximum = minimum, maximum
+        self.above, self.below = above, below
+        self.step = step
+
+    @property
+    def allowed(self) -> str:
+        text = f"{self.noun} in {self.range}" if self.range else self.noun
+        if self.step is not None:
+            text += f" in steps of {format_value(self.step)}"
+        return f"{text} ({self.unit})" if self.unit else text
+
+    @property
+    def range(self) -> str:
+        if (self.minimum, self.maximum, self.above, self.below) == (None,) * 4:
+            return ""
+        low = f"[{format_value(self.minimum)}" if self.minimum is not None else "(-inf"
+        high = f"{format_value(self.maximum)}]" if self.maximum is not None else "inf)"
+        if self.above is not None:
+            low = f"({format_value(self.above)}"
+        if self.below is not None:
+            high = f"{format_value(self.below)})"
+        return f"{low}, {high}"
+
+    def _in_range(self, number: float) -> bool:
+        return (
+            (self.minimum is None or number >= self.minimum)
+            and (self.maximum is None or number <= self.maximum)
+            and (self.above is None or number > self.above)
+            and (self.below is None or number < self.below)
+            and (self.step is None or self._on_step(number, self.step))
+        )
+
+    def _on_step(self, number: float, step: float) -> bool:
+        start = self.minimum if self.minimum is not None else self.above or 0.0
+        steps = (number - start) / step
+        # As much as rounding explains, also where the step is small against the number.
+        return math.isclose(steps, round(steps), rel_tol=1e-13, abs_tol=1e-9)
+
+
+class FloatParameter(_NumberParameter[float]):
+    """A finite number; integers and numeric text such as ``1e3`` are taken too."""
+
+    type_name = "float"
+    noun = "a number"
+
+    def coerce(self, raw: Any) -> float:
+        number = _finite_number(raw)
+        if number is None or not self._in_range(number):
+            raise self.refuse(raw)
+        return number
+
+
+class RateParameter(FloatParameter):
+    """How often something is done, in Hz.
+
+    :param default: rate in force where none is set, Hz
+    :param pausable: whether 0, for never, is a rate too
+    :param maximum: highest allowed rate, Hz
+    """
+
+    def __init__(
+        self, default: float, *, pausable: bool = False, maximum: float = FASTEST_HZ, help: str
+    ) -> None:
+        minimum = 0.0 if pausable else SLOWEST_HZ
+        super().__init__(default, minimum=minimum, maximum=maximum, unit="Hz", help=help)
+
+
+class IntParameter(_NumberParameter[int]):
+    """A whole number of 32 bits; ``5.0`` and numeric text are taken too."""
+
+    type_name = "int"
+    noun = "a whole number"
+
+    def __init__(self, default: int, **options: Any) -> None:
+        if "above" not in options:
+            options.setdefault("minimum", INT32_MIN)
+        if "below" not in options:
+            options.setdefault("maximum", INT32_MAX)
+        super().__init__(default, **options)
+
+    def coerce(self, raw: Any) -> int:
+        number = _finite_number(raw)
+        if number is None or not number.is_integer() or not self._in_range(number):
+            raise self.refuse(raw)
+        return int(number)
+
+
+def _finite_number(raw: Any) -> Optional[float]:
+    """Return the number that a raw value stands for, None if it is none."""
+    if isinstance(raw, bool) or not isinstance(raw, (numbers.Real, str)):
+        return None
+    try:
+        number = float(raw)
+    except (ValueError, OverflowError):
+        return None
+    return number if math.isfinite(number) else None

@@ -1,0 +1,250 @@
+"""Decide what becomes of values on a parameter server that everybody writes to.
+
+Users write good values, bad ones and half of what belongs together; the server
+has no compare-and-set, so that a write that puts a bad value back may hit a
+newer, good one, of which only the notifications tell. :class:`Reconciler` is
+told what was read and what was notified, and answers with what is in force,
+what has to be written and what has to be warned of. It knows neither the server
+nor a clock: whoever owns it reads, writes and locks.
+"""
+
+import math
+from typing import (
+    Any,
+    Collection,
+    Dict,
+    Generic,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Type,
+)
+
+from nodekit.parameters.budget import Budget
+from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.judging import (
+    accept_each,
+    corrections,
+    keep_rules,
+    last_good,
+    on_wire,
+    unknown_names,
+    unknown_refused,
+)
+from nodekit.parameters.kinds import ParameterError, is_same
+from nodekit.parameters.no_value import MISSING, UNREADABLE, NoValue
+from nodekit.parameters.refusals import RuleError, raise_all
+
+#: How long values that do not go together may stand before they are refused, s:
+#: on a busy machine "rosparam load" may pause between one leaf and the next.
+HALF_DONE_S = 0.2
+#: How long after a write a notification may still tell of a value that the
+#: write has replaced, s.
+OVERLAP_S = 5.0
+_UNKNOWN = NoValue("UNKNOWN")
+
+
+class Seen(NamedTuple):
+    """What was seen of a namespace on the server.
+
+    :param raw: the namespace as the server holds it, MISSING where nothing is set
+    :param pushed: notified since the last step that was done, oldest first: name
+        below the namespace, empty for the namespace itself, and raw value or MISSING
+    :param forgotten: the master was restarted and lost what it held
+    :param read_at: start of the read, s on the monotonic clock
+    """
+
+    raw: Any
+    pushed: Sequence[Tuple[str, Any]] = ()
+    forgotten: bool = False
+    read_at: float = math.inf
+
+
+class Outcome(NamedTuple):
+    """What a step has come to.
+
+    :param values: in force from now on
+    :param writes: by name, what to write now; an empty name means to replace the
+        whole namespace
+    :param refusals: what to warn of, without what was warned of before
+    :param unknown: names that nobody declared and nobody was told of, each with
+        the nearest known one, None if none is near
+    :param again: nothing is decided yet: read again soon and hand over the same
+        notifications once more
+    """
+
+    values: ParameterSet
+    writes: Dict[str, Any]
+    refusals: List[ParameterError]
+    unknown: Dict[str, Optional[str]]
+    again: bool = False
+
+
+class Reconciler(Generic[Snapshot]):
+    """Keeps declared values and those on the server in step; pure.
+
+    Each outcome of :meth:`start` and :meth:`step` is written, and then
+    :meth:`written` or :meth:`failed` is called, before the next step.
+
+    :param declaration: the class that declares the parameters
+    :param exempt: names in the namespace that are used but not declared
+    :raises ParameterError: if the defaults do not go together
+
+    :ivar values: the snapshot in force
+    """
+
+    values: Snapshot
+
+    def __init__(self, declaration: Type[Snapshot], exempt: Collection[str] = ()) -> None:
+        self.values = declaration()
+        self._exempt = exempt
+        self._budget = Budget()
+        #: What the server is to hold by now, undeclared names too; another value is news.
+        self._held: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
+        #: When the server was last written to, s: what was read before says nothing of now.
+        self._last_write = -math.inf
+        #: What steps have written and may still stand, each with its name and time, s: it
+        #: may have replaced a newer value, of which a notification is on its way.
+        self._own: List[Tuple[str, Any, float]] = []
+        #: Since when values on the server do not go together, s; None if they do.
+        self._broken_since: Optional[float] = None
+        #: What was warned of: refused values until they are put back, and unknown names.
+        self._told_refused: Set[str] = set()
+        self._told_unknown: Set[str] = set()
+
+    def is_news(self, raw: Any) -> bool:
+        """Tell whether the server holds something else than it is to hold.
+
+        :param raw: the namespace as the server holds it, MISSING where nothing is set
+        """
+        return not is_same(raw if raw is not MISSING else {}, self._held)
+
+    def start(self, raw: Any, now: float) -> Outcome:
+        """Bring the values at the start into force, or refuse them all.
+
+        :param raw: the namespace as the server holds it, MISSING where nothing is set
+        :param now: the time, s on the monotonic clock
+        :raises ParameterError: names all that is refused; nothing is in force then
+        """
+        seen = Seen(raw, forgotten=True)  # as after a restart: the server holds nothing of ours
+        values, refusals = self._judge(seen, now)
+        raise_all(refusals)
+        return self._decide(seen, values, [], now)
+
+    def step(self, seen: Seen, now: float) -> Outcome:
+        """Judge what the server holds now, and adopt what is good.
+
+        :param seen: what was seen of the namespace
+        :param now: the time, s on the monotonic clock
+        """
+        if seen.read_at >= self._last_write:
+            values, refusals = self._judge(seen, now)
+            if not self._may_be_half_done(refusals, now):
+                return self._decide(seen, values, refusals, now)
+        self.failed()  # to be asked again, whatever is read
+        return Outcome(self.values, {}, [], {}, again=True)
+
+    def judge(self, changes: Mapping[str, Any]) -> Outcome:
+        """Judge a change from within the node; nothing is adopted yet.
+
+        :param changes: new values by name
+        :raises ParameterError: names all that is refused
+        """
+        coerced, refused = accept_each(self.values, changes, missing=self.values.as_dict())
+        values, broken = keep_rules(self.values, coerced)
+        raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
+        return Outcome(values, corrections(values, on_wire(self.values)), [], {})
+
+    def adopt(self, outcome: Outcome, now: float) -> None:
+        """Bring a judged change into force: it has been written.
+
+        It is newer than what is on its way: no notification may take it back.
+
+        :param outcome: what :meth:`judge` returned
+        :param now: the time, s on the monotonic clock
+        """
+        self.values = outcome.values  # type: ignore[assignment]
+        self._held.update(outcome.writes)
+        self._own = [own for own in self._own if own[0] not in outcome.writes]
+        self._last_write = now
+
+    def written(self, now: float) -> None:
+        """Note that the writes of the latest start or step have reached the server.
+
+        :param now: the time, s on the monotonic clock
+        """
+        self._last_write = now
+        self._broken_since = None
+        if all(value is not _UNKNOWN for value in self._held.values()):  # all is put back
+            self._told_refused.clear()
+
+    def failed(self) -> None:
+        """Note that they may not have reached it: what it holds is not known."""
+        self._held.update(dict.fromkeys(self.values.declared, _UNKNOWN))
+
+    def _tree(self, raw: Any) -> Dict[str, Any]:
+        """Return the namespace by name; what stands in its place is a bad value for each."""
+        if _is_namespace(raw):
+            return raw if raw is not MISSING else {}
+        return {**self._held, **dict.fromkeys(self.values.declared, UNREADABLE)}
+
+    def _judge(self, seen: Seen, now: float) -> Tuple[Snapshot, List[ParameterError]]:
+        """Return which values are to come into force, and what is refused."""
+        tree = self._tree(seen.raw)
+        defaults = {name: item.default for name, item in self.values.declared.items()}
+        missing = self.values.as_dict() if seen.forgotten else defaults
+        coerced, refused = accept_each(self.values, tree, missing)
+        bad = {error.name for error in refused}
+        coerced.update(last_good(self.values, bad | self._still_own(tree, now), seen.pushed))
+        if not _is_namespace(seen.raw):
+            refused = [ParameterError("", seen.raw, "a namespace with the node's parameters")]
+        values, broken = keep_rules(self.values, coerced)
+        return values, [*refused, *broken]
+
+    def _still_own(self, tree: Mapping[str, Any], now: float) -> Set[str]:
+        """Return the parameters whose value is one that a step has written lately."""
+        self._own = [
+            (name, value, at)
+            for name, value, at in self._own
+            if is_same(tree.get(name), value) and now - at < OVERLAP_S
+        ]
+        return {name for name, _, _ in self._own}
+
+    def _may_be_half_done(self, refusals: Sequence[ParameterError], now: float) -> bool:
+        """Tell whether values that do not go together may yet be followed by others that do."""
+        if not any(isinstance(error, RuleError) for error in refusals):
+            self._broken_since = None
+        elif self._broken_since is None:
+            self._broken_since = now
+        return self._broken_since is not None and now - self._broken_since < HALF_DONE_S
+
+    def _decide(
+        self, seen: Seen, values: Snapshot, refusals: Sequence[ParameterError], now: float
+    ) -> Outcome:
+        """Adopt values; return what to write now, and what to tell of."""
+        tree = self._tree(seen.raw)
+        self.values = values
+        wanted = corrections(values, tree)
+        self._held = {**tree, **wanted}
+        if not _is_namespace(seen.raw):
+            wanted = {"": {n: value for n, value in self._held.items() if value is not UNREADABLE}}
+        writes = {n: v for n, v in wanted.items() if seen.forgotten or self._budget.allow(n, now)}
+        for name in wanted:
+            names = [name] if name else list(values.declared)
+            if name in writes:
+                self._own += [(each, self._held[each], now) for each in names]
+            else:
+                self._held.update(dict.fromkeys(names, _UNKNOWN))
+        told, self._told_refused = self._told_refused, set(map(str, refusals))
+        names = [name for name in tree if name not in self._told_unknown]
+        unknown = unknown_names(values.declared, names, self._exempt)
+        self._told_unknown.update(unknown)
+        return Outcome(values, writes, [e for e in refusals if str(e) not in told], unknown)
+
+
+def _is_namespace(raw: Any) -> bool:
+    return raw is MISSING or isinstance(raw, dict)

@@ -1,0 +1,136 @@
+"""Describe parameters to programs and people, exactly enough to judge by.
+
+A description says all that a kind of :mod:`nodekit.parameters.kinds` judges by,
+so that a client in another process can build the same parameter of it.
+"""
+
+import math
+from typing import Any, Dict, List, Mapping, Type
+
+import yaml
+
+from nodekit.parameters.declaration import ParameterSet
+from nodekit.parameters.kinds import (
+    BoolParameter,
+    EnumParameter,
+    ListParameter,
+    Parameter,
+    StringParameter,
+    to_wire,
+)
+from nodekit.parameters.number_kinds import FloatParameter, IntParameter
+
+_KINDS: Dict[str, Type[Parameter[Any]]] = {
+    "bool": BoolParameter,
+    "int": IntParameter,
+    "float": FloatParameter,
+    "str": StringParameter,
+    "enum": EnumParameter,
+    "list": ListParameter,
+}
+_NUMBERS = ("minimum", "maximum", "above", "below", "step", "min_length", "max_length")
+
+
+def describe(values: ParameterSet) -> List[Dict[str, Any]]:
+    """Describe each parameter of a set with its value in force.
+
+    :param values: the snapshot to describe
+    :returns: for each parameter its ``name``, ``value``, ``type``, ``unit``,
+        ``range`` in words, ``default`` and ``help``; as far as declared its
+        ``minimum``, ``maximum``, ``above``, ``below``, ``step``, ``choices``,
+        ``min_length``, ``max_length`` and ``element`` (``type``, ``unit``,
+        ``range`` and the same again);
+        ``exact``: whether it judges by no more than this
+    """
+    return [
+        {
+            "name": name,
+            "value": to_wire(values.as_dict()[name]),
+            "type": parameter.type_name,
+            "unit": parameter.unit,
+            "range": parameter.range,
+            "default": to_wire(parameter.default),
+            "help": parameter.help,
+            **_limits(parameter),
+        }
+        for name, parameter in values.declared.items()
+    ]
+
+
+def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:
+    """Return what a parameter judges by, and whether that is all."""
+    limits = {key: getattr(parameter, key, None) for key in _NUMBERS}
+    found: Dict[str, Any] = {key: limit for key, limit in limits.items() if _is_finite(limit)}
+    if isinstance(parameter, EnumParameter):
+        found["choices"] = list(parameter.choices)
+    kind = _KINDS.get(parameter.type_name)
+    exact = kind is not None and type(parameter).coerce is kind.coerce
+    if isinstance(parameter, ListParameter):
+        element = parameter.element
+        found["element"] = {
+            "type": element.type_name,
+            "unit": element.unit,
+            "range": element.range,
+            **_limits(element),
+        }
+        exact = exact and found["element"]["exact"]
+    return {**found, "exact": exact}
+
+
+def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
+    """Build the parameter that an entry of a description is about.
+
+    :param entry: one entry of what :func:`describe` returned, also by way of YAML
+    :returns: a parameter that judges as the described one does, or by less where
+        the entry is not ``exact``
+    :raises ValueError: if the entry makes no sense
+    """
+    limits = {key: entry[key] for key in _NUMBERS if key in entry}
+    if not all(map(_is_finite, limits.values())):
+        raise ValueError(f"limits that are no numbers: {limits}")
+    try:
+        if "choices" in entry:
+            limits["choices"] = list(map(str, entry["choices"]))
+        if "element" in entry:
+            limits["element"] = parameter_of(entry["element"])
+        kind = _KINDS[entry["type"]]
+        unit, help_ = str(entry.get("unit") or ""), str(entry.get("help") or "")
+        parameter = kind(entry.get("default", ()), unit=unit, help=help_, **limits)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"no description of a parameter: {error}") from None
+    parameter.name = str(entry.get("name", ""))
+    return parameter
+
+
+def _is_finite(limit: Any) -> bool:
+    """Tell whether a limit is a finite number: an infinite one is none."""
+    return type(limit) in (int, float) and -math.inf < limit < math.inf
+
+
+def as_yaml(description: List[Dict[str, Any]]) -> str:
+    """Return a description as YAML; all numbers come back from it as they are.
+
+    :param description: what :func:`describe` returned
+    """
+    return str(yaml.safe_dump(description, sort_keys=False, allow_unicode=True, width=1000))
+
+
+def as_table(description: List[Dict[str, Any]]) -> str:
+    """Return a description as lines of text with aligned columns.
+
+    :param description: what :func:`describe` returned
+    """
+    rows = [
+        (
+            entry["name"],
+            "= " + yaml.safe_dump(entry["value"], default_flow_style=True).split("\n")[0],
+            " ".join(filter(None, (entry["type"], entry["range"], entry["unit"]))),
+            entry["help"],
+        )
+        for entry in description
+    ]
+    widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
+    return "\n".join(
+        f"  {'  '.join(cell.ljust(width) for cell, width in zip(row, widths))}  {row[3]}"
+        for row in rows
+    )

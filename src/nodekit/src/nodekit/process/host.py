@@ -1,0 +1,44 @@
+"""Many nodes in one process, which start together."""
+
+from typing import Callable, List, Sequence, Tuple
+
+import rospy
+
+from nodekit.life.names import Names
+from nodekit.live.watcher import get_watcher
+from nodekit.node import Node
+from nodekit.parameters.kinds import ParameterError
+from nodekit.process.run import run
+
+#: Base name, namespace and class of a node.
+Member = Tuple[str, str, Callable[[Node], object]]
+
+
+def host(name: str, members: Sequence[Member]) -> None:
+    """Run nodes in one process until it is shut down, as :func:`.run` does with one.
+
+    :param name: name of the process's own node, which has nothing but its members
+    :param members: base name, namespace and class of each
+    """
+    run(name, lambda node: host_all(node, members))
+
+
+def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
+    """Have many nodes in one; their parameters are read with a few requests.
+
+    One whose parameters are refused stays down alone, and the log says why.
+
+    :param node: the node that hosts them
+    :param members: base name, namespace and class of each
+    :returns: those that are up
+    :raises MasterUnreachable: if the master does not answer
+    """
+    get_watcher().read_ahead([Names.hosted(where, base).node for base, where, _ in members])
+    up = []
+    for base, namespace, cls in members:
+        try:
+            up.append(node.host(base, namespace, cls))
+        except ParameterError as error:
+            down = Names.hosted(namespace, base).node
+            rospy.logerr("%s; %s stays down", error, down)
+    return up

@@ -1,0 +1,40 @@
+"""How rospy serves: a thread for each connection, which a closed service leaves running."""
+
+import contextlib
+import socket
+from typing import Any, Dict, Set
+
+import rospy
+
+
+class ClosableService(rospy.Service):
+    """A ``rospy.Service`` that ends lasting connections of its clients when it is shut down."""
+
+    def __init__(self, *args: Any, **kwds: Any) -> None:
+        self._lasting: Set[Any] = set()
+        super().__init__(*args, **kwds)
+
+    def handle(self, transport: Any, header: Dict[str, str]) -> None:
+        """Serve a client until it or the service has ended.
+
+        :param transport: rospy's object for the connection
+        :param header: what the client said of itself
+        """
+        if header.get("persistent", "").lower() not in ("1", "true"):
+            super().handle(transport, header)  # which ends by itself after one call
+            return
+        self._lasting.add(transport)
+        try:
+            super().handle(transport, header)
+        finally:
+            self._lasting.discard(transport)
+
+    def shutdown(self, reason: str = "") -> None:
+        """End the service; the client of a call that is under way still gets its answer.
+
+        :param reason: for rospy's debug log
+        """
+        super().shutdown(reason)
+        for transport in list(self._lasting):
+            with contextlib.suppress(OSError, AttributeError):  # it has just ended
+                transport.socket.shutdown(socket.SHUT_RD)

@@ -1,0 +1,503 @@
+#!/usr/bin/env python3
+"""A Node on a real master: when its callbacks begin, who excludes whom, what closing leaves."""
+
+import gc
+import itertools
+import linecache
+import math
+import os
+import threading
+import time
+import tracemalloc
+import unittest
+from typing import Any, Callable, List, Tuple
+
+import rosgraph
+import rospy
+import rostest
+from std_msgs.msg import Float32, String
+from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+
+from nodekit.life.names import Names
+from nodekit.node import Node
+from nodekit.parameters.declaration import (
+    FloatParameter,
+    ParameterError,
+    ParameterSet,
+    RateParameter,
+)
+from nodekit.process.host import host_all
+from nodekit.process.run import register
+from nodekit.testing.processes import Server
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+
+class Settings(ParameterSet):
+    rate = RateParameter(100.0, help="of the timer")
+    gain = FloatParameter(1.0, minimum=0.0, help="a gain")
+
+
+class OnMaster(unittest.TestCase):
+    """Each test has namespaces of its own in this process."""
+
+    numbers = itertools.count()
+
+    def setUp(self) -> None:
+        self.space = "/space%d" % next(self.numbers)
+        self.server = Server()
+
+    def node(self, name: str = "one") -> Node:
+        """Return a node of its own, which is closed at the end; not started."""
+        node = Node(Names.hosted(self.space, name))
+        self.addCleanup(node.close)
+        return node
+
+    def registered(self) -> List[Tuple[str, List[str]]]:
+        """Return all that is registered in this test's namespace."""
+        state = rosgraph.Master("/test").getSystemState()
+        return sorted((n, nodes) for part in state for n, nodes in part if self.space in n)
+
+    def publisher(self, topic: str, kind: type = String, **options: Any) -> rospy.Publisher:
+        """Return a publisher of the plain kind, which needs a connection."""
+        publisher = rospy.Publisher(self.space + "/" + topic, kind, queue_size=100, **options)
+        self.addCleanup(publisher.unregister)
+        return publisher
+
+
+class Start(OnMaster):
+    """What is made is noted until the start."""
+
+    def test_no_callback_begins_before_the_constructor_has_returned(self) -> None:
+        calls: List[str] = []
+        self.publisher("latched", latch=True).publish("there already")
+        self.server.set(self.space + "/one/beside", 5)
+
+        class Eager:
+            def __init__(self, node: Node) -> None:
+                settings = node.parameters(Settings, on_change=self.call)
+                node.subscribe("latched", String, self.call)
+                node.follow("~beside", self.call)
+                node.every(1000.0, self.call)
+                own = node.publisher("own", String, latch=True)
+                node.subscribe("own", String, self.call)
+                own.publish("hello")
+                node.service("~ask", Trigger, self.call)
+                settings.update(gain=2.0)
+                time.sleep(0.3)
+                calls.append("constructed")
+
+            def call(self, *_: Any) -> None:
+                calls.append("callback")
+
+        node = self.node()
+        Eager(node)
+        self.assertEqual(calls, ["constructed"])
+        self.assertEqual([n for n, _ in self.registered() if "/one" in n or "own" in n], [])
+        node.start()
+        wait_until(lambda: calls.count("callback") > 5, lambda: str(calls))
+        self.assertEqual(self.server.get(self.space + "/one/gain"), 2.0)
+
+    def test_what_is_made_after_the_start_is_registered_at_once(self) -> None:
+        node = self.node()
+        node.start()
+        heard: List[str] = []
+        node.service("late", Trigger, lambda request: TriggerResponse(True, "here"))
+        node.subscribe("topic", String, lambda message: heard.append(message.data))
+        node.publisher("topic", String).publish("news")
+        self.assertEqual(heard, ["news"])
+        self.assertEqual(rospy.ServiceProxy(self.space + "/late", Trigger)().message, "here")
+
+    def test_latched_message_of_the_constructor_reaches_who_comes_later(self) -> None:
+        node = self.node()
+        state = node.publisher("state", String, latch=True)
+        state.publish("first")
+        state.publish("waiting")
+        node.start()
+        message = rospy.wait_for_message(self.space + "/state", String, TIMEOUT_S)
+        self.assertEqual(message.data, "waiting")
+
+    def test_habits_of_rospys_users_are_no_error(self) -> None:
+        node = self.node()
+        node.publisher("a", String, queue_size=10)
+        node.publisher("b", String, True, 10)
+        node.subscribe("a", String, print, queue_size=1)
+        node.start()
+
+    def test_several_refused_parameters_are_named_at_once(self) -> None:
+        self.server.set(self.space + "/one", {"rate": -1, "gain": "x"})
+        with self.assertRaises(ParameterError) as caught:
+            self.node().parameters(Settings)
+        self.assertIn(self.space + "/one/rate: refused -1", str(caught.exception))
+        self.assertIn(self.space + "/one/gain: refused 'x'", str(caught.exception))
+
+
+class Callbacks(OnMaster):
+    """Callbacks of a node exclude each other unless it asks for something else."""
+
+    def test_all_kinds_of_callbacks_exclude_each_other(self) -> None:
+        node, kinds, inside, overlaps = self.node(), set(), [0], [0]
+
+        def work(kind: str) -> None:
+            inside[0] += 1
+            overlaps[0] += inside[0] > 1
+            time.sleep(0.002)
+            inside[0] -= 1
+            kinds.add(kind)
+
+        def serve(_request: Any) -> TriggerResponse:
+            work("service")
+            return TriggerResponse(True, "")
+
+        settings = node.parameters(Settings, on_change=lambda new, old: work("on_change"))
+        node.subscribe("topic", String, lambda message: work("message"))
+        node.subscribe_batches("topic", String, lambda messages: work("messages"))
+        node.every(lambda: settings.values.rate, lambda elapsed: work("timer"))
+        node.service("serve", Trigger, serve)
+        node.follow("beside", lambda value: work("follow"))
+        node.start()
+        publisher = self.publisher("topic")
+        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
+        for round_ in range(20):
+            publisher.publish("x")
+            self.server.set(self.space + "/one/gain", float(round_))
+            self.server.set(self.space + "/beside", round_)
+            rospy.ServiceProxy(self.space + "/serve", Trigger)()
+        wanted = {"service", "on_change", "message", "messages", "timer", "follow"}
+        wait_until(lambda: kinds == wanted, lambda: str(kinds))
+        self.assertEqual(overlaps[0], 0)
+
+    def test_what_is_in_no_group_answers_while_a_callback_takes_its_time(self) -> None:
+        node, go_on, inside = self.node(), threading.Event(), threading.Event()
+        self.addCleanup(go_on.set)
+
+        def hang(_request: Any) -> TriggerResponse:
+            inside.set()
+            go_on.wait(TIMEOUT_S)
+            return TriggerResponse(True, "")
+
+        node.parameters(Settings)
+        latest = node.latest("topic", String)
+        publisher = self.publisher("topic")
+        node.service("hang", Trigger, hang)
+        node.start()
+        client = rospy.ServiceProxy(self.space + "/hang", Trigger)
+        holder = threading.Thread(target=client)
+        holder.start()
+        self.assertTrue(inside.wait(TIMEOUT_S))
+        self.assertEqual(latest.message, None)
+        self.assertEqual(latest.age, math.inf)
+        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
+        publisher.publish("news")
+        wait_until(lambda: latest.message is not None, lambda: "no message")
+        self.assertLess(latest.age, TIMEOUT_S)
+        answer = rospy.ServiceProxy(self.space + "/one/describe", Trigger)()
+        self.assertIn("gain", answer.message)
+        go_on.set()
+        holder.join(TIMEOUT_S)
+
+    def test_update_in_a_callback_is_in_force_at_once_and_told_afterwards(self) -> None:
+        node = self.node()
+        order: List[Any] = []
+        settings = node.parameters(
+            Settings, on_change=lambda new, old: order.append((old.gain, new.gain))
+        )
+
+        def serve(_request: Any) -> SetBoolResponse:
+            settings.update(gain=3.0)
+            order.append(settings.values.gain)
+            settings.update(gain=4.0)
+            order.append(settings.values.gain)
+            return SetBoolResponse(True, "")
+
+        node.service("serve", SetBool, serve)
+        node.start()
+        rospy.ServiceProxy(self.space + "/serve", SetBool)(True)
+        wait_until(lambda: len(order) == 3, lambda: str(order))
+        self.assertEqual(order, [3.0, 4.0, (1.0, 4.0)])
+
+    def test_update_by_who_holds_a_lock_that_on_change_wants_does_not_hang(self) -> None:
+        node, lock, told = self.node(), threading.Lock(), []  # type: Any
+
+        def on_change(new: Settings, _old: Settings) -> None:
+            with lock:
+                told.append(new.gain)
+
+        settings = node.parameters(Settings, on_change=on_change)
+
+        def serve(_request: Any) -> TriggerResponse:
+            with lock:
+                settings.update(gain=2.0)
+            return TriggerResponse(True, "")
+
+        node.service("serve", Trigger, serve)
+        node.start()
+        self.server.set(self.space + "/one/gain", 5.0)
+        rospy.ServiceProxy(self.space + "/serve", Trigger)()
+        wait_until(lambda: told and told[-1] == 2.0, lambda: str(told))
+
+    def test_timer_follows_the_parameter(self) -> None:
+        node, calls = self.node(), []  # type: Any
+        settings = node.parameters(Settings)
+        node.every(lambda: settings.values.rate, calls.append)
+        settings.update(rate=0.001)
+        node.start()
+        wait_until(lambda: calls, lambda: "no first call")
+        time.sleep(0.1)
+        self.assertEqual(len(calls), 1)
+        self.server.set(self.space + "/one/rate", 200.0)
+        wait_until(lambda: len(calls) > 10, lambda: str(calls))
+
+    def test_rate_that_cannot_be_asked_for_leaves_the_old_one(self) -> None:
+        node, calls = self.node(), []  # type: Any
+        settings = node.parameters(Settings)
+        for bad in (math.inf, math.nan, -1.0):
+            with self.assertRaises(ValueError):
+                node.every(bad, calls.append)
+        node.every(lambda: 100.0 / (settings.values.gain or math.nan), calls.append)
+        node.start()
+        wait_until(lambda: len(calls) > 3, lambda: str(calls))
+        settings.update(gain=0.0)
+        before = len(calls)
+        wait_until(lambda: len(calls) > before + 3, lambda: "the timer has stopped")
+
+    def test_messages_that_are_not_finite_are_left_out(self) -> None:
+        node, heard = self.node(), []  # type: Any
+        node.subscribe("u", Float32, lambda message: heard.append(message.data), finite=True)
+        publisher = node.publisher("u", Float32)
+        node.start()
+        for value in (1.0, math.nan, math.inf, 2.0):
+            publisher.publish(value)
+        self.assertEqual(heard, [1.0, 2.0])
+
+    def test_follow_tells_at_the_start_and_of_each_change(self) -> None:
+        node, told = self.node(), []  # type: Any
+        node.follow("text", told.append)
+        node.follow("~text", lambda value: told.append(("private", value)))
+        node.start()
+        self.assertEqual(told, [None, ("private", None)])
+        self.server.set(self.space + "/text", "hello")
+        wait_until(lambda: "hello" in told, lambda: str(told))
+        self.server.delete(self.space + "/text")
+        wait_until(lambda: told[-1] is None, lambda: str(told))
+
+    def test_callback_that_raises_harms_no_other(self) -> None:
+        node, calls = self.node(), []  # type: Any
+
+        def fail(*_: Any) -> None:
+            calls.append(1)
+            raise SystemExit
+
+        node.every(100.0, fail)
+        node.subscribe("topic", String, fail)
+        publisher = node.publisher("topic", String)
+        node.start()
+        publisher.publish("x")
+        wait_until(lambda: len(calls) > 5, lambda: str(calls))
+
+
+class Closing(OnMaster):
+    """What a node makes it closes, and nothing is left."""
+
+    def fill(self, node: Node, maker: Any, calls: Callable[..., Any]) -> None:
+        """Make one of everything."""
+        maker.publisher("out", String, latch=True).publish("x")
+        maker.subscribe("in", String, calls)
+        maker.subscribe_batches("in", String, calls)
+        maker.latest("in", String)
+        maker.service("~serve", Trigger, lambda request: TriggerResponse(True, ""))
+        maker.every(1000.0, calls)
+        maker.every(10.0, calls, steady=True)
+        maker.follow("beside", calls)
+        maker.stream_log()
+
+    def test_nothing_is_called_after_close(self) -> None:
+        node, calls = self.node(), []  # type: Any
+        closed = threading.Event()
+        late: List[Any] = []
+
+        def call(*_: Any) -> None:
+            (late if closed.is_set() else calls).append(1)
+
+        settings = node.parameters(Settings, on_change=call)
+        self.fill(node, node, call)
+        publisher = self.publisher("in")
+        node.start()
+        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
+        wait_until(lambda: len(calls) > 10, lambda: str(len(calls)))
+        stop = threading.Event()
+
+        def disturb() -> None:
+            for number in itertools.count():
+                publisher.publish("x")
+                settings.update(gain=float(number % 7))
+                if stop.wait(0.001):
+                    break
+
+        thread = threading.Thread(target=disturb)
+        thread.start()
+        time.sleep(0.05)
+        node.close()
+        closed.set()
+        time.sleep(0.2)
+        stop.set()
+        thread.join(TIMEOUT_S)
+        self.assertEqual(late, [])
+        wait_until(
+            lambda: [n for n, _ in self.registered()] == [self.space + "/in"],
+            lambda: str(self.registered()),
+        )
+        node.close()
+        with self.assertRaises(RuntimeError):
+            node.publisher("more", String)
+
+    def test_close_waits_for_a_callback_that_is_under_way_up_to_a_second(self) -> None:
+        node, go_on, inside, done = self.node(), threading.Event(), threading.Event(), []
+
+        def serve(_request: Any) -> TriggerResponse:
+            inside.set()
+            go_on.wait(TIMEOUT_S)
+            done.append(True)
+            return TriggerResponse(True, "")
+
+        node.service("slow", Trigger, serve)
+        node.start()
+        client = rospy.ServiceProxy(self.space + "/slow", Trigger)
+        threading.Thread(target=lambda: self.quietly(client), daemon=True).start()
+        self.assertTrue(inside.wait(TIMEOUT_S))
+        threading.Timer(0.3, go_on.set).start()
+        node.close()
+        self.assertEqual(done, [True])
+
+    def test_close_does_not_wait_for_ever_nor_for_its_own_callback(self) -> None:
+        node, go_on, took = self.node(), threading.Event(), []  # type: Any
+        self.addCleanup(go_on.set)
+
+        def close_itself(_elapsed: float) -> None:
+            if not took:
+                began = time.monotonic()
+                node.close()
+                took.append(time.monotonic() - began)
+
+        node.every(10.0, close_itself)
+        node.start()
+        wait_until(lambda: took, lambda: "it does not end")
+        self.assertLess(took[0], 0.9)
+
+    @staticmethod
+    def quietly(client: Callable[[], Any]) -> None:
+        try:
+            client()
+        except rospy.ServiceException:
+            pass
+
+    def test_lifetime_ends_only_what_was_made_through_it(self) -> None:
+        node, stays, goes = self.node(), [], []  # type: Any
+        node.every(100.0, stays.append)
+        node.publisher("stays", String)
+        part = node.lifetime()
+        part.every(100.0, goes.append)
+        part.publisher("goes", String)
+        node.start()
+        wait_until(lambda: len(stays) > 3 and len(goes) > 3, lambda: "%s %s" % (stays, goes))
+        part.close()
+        before = len(stays), len(goes)
+        wait_until(lambda: len(stays) > before[0] + 3, lambda: str(stays))
+        self.assertEqual(len(goes), before[1])
+        names = [name for name, _ in self.registered()]
+        self.assertEqual(names, [self.space + "/stays"])
+
+    def test_what_is_closed_before_the_start_is_never_opened(self) -> None:
+        node = self.node()
+        part = node.lifetime()
+        part.publisher("gone", String)
+        part.close()
+        node.start()
+        self.assertEqual(self.registered(), [])
+
+    @staticmethod
+    def settled(facts: Callable[[], Any]) -> Any:
+        """Return facts that have not changed for a while: earlier tests leave threads that end."""
+        seen = [facts()]
+
+        def is_settled() -> bool:
+            time.sleep(0.7)  # rospy looks for closed connections twice a second
+            seen.append(facts())
+            return bool(seen[-1] == seen[-2])
+
+        wait_until(is_settled, lambda: str(seen[-2:]))
+        return seen[-1]
+
+    def test_hundred_rounds_leave_nothing(self) -> None:
+        publisher = self.publisher("in", latch=True)
+        publisher.publish("x")
+
+        def round_() -> None:
+            node = Node(Names.hosted(self.space, "one"))
+            node.parameters(Settings, on_change=lambda new, old: None)
+            heard = threading.Event()
+            self.fill(node, node, lambda *_: heard.set())
+            node.start()
+            self.assertTrue(heard.wait(TIMEOUT_S))
+            rospy.ServiceProxy(self.space + "/one/serve", Trigger)()
+            node.close()
+
+        def facts() -> Tuple[Any, ...]:
+            gc.collect()
+            state = rosgraph.Master("/test").getSystemState()
+            return threading.active_count(), len(os.listdir("/proc/self/fd")), state
+
+        tracemalloc.start()
+        self.addCleanup(tracemalloc.stop)
+        for _ in range(10):
+            round_()
+        before = self.settled(facts)
+        linecache.clearcache()  # rospy's debug log fills it with the sources of others
+        held = tracemalloc.get_traced_memory()[0]
+        for _ in range(90):
+            round_()
+        gc.collect()
+        linecache.clearcache()
+        grown = tracemalloc.get_traced_memory()[0] - held
+        wait_until(lambda: facts() == before, lambda: "%s, not %s" % (facts(), before))
+        self.assertLess(grown / 90.0, 2000.0)
+
+
+class Hosting(OnMaster):
+    """Nodes of one process look like nodes of their own."""
+
+    class Member:
+        def __init__(self, node: Node) -> None:
+            self.settings = node.parameters(Settings)
+            node.publisher("topic", String, latch=True).publish(node.name)
+            node.service("~ask", Trigger, lambda request: TriggerResponse(True, node.name))
+
+    def test_names_are_those_of_a_node_of_its_own(self) -> None:
+        root = self.node("root")
+        host_all(root, [("member", self.space + "/a", self.Member)])
+        root.host("member", self.space + "/b", self.Member)
+        self.assertEqual(self.registered(), [])
+        root.start()
+        root.host("member", self.space + "/late", self.Member)
+        for group in ("a", "b", "late"):
+            name = "%s/%s/member" % (self.space, group)
+            self.assertEqual(rospy.ServiceProxy(name + "/ask", Trigger)().message, name)
+            self.assertEqual(self.server.get(name + "/gain"), 1.0)
+            topic = "%s/%s/topic" % (self.space, group)
+            self.assertEqual(rospy.wait_for_message(topic, String, TIMEOUT_S).data, name)
+        root.close()
+        self.assertEqual(self.registered(), [])
+
+    def test_member_that_is_refused_stays_down_alone(self) -> None:
+        self.server.set(self.space + "/b/member/gain", -1)
+        root = self.node("root")
+        up = host_all(root, [("member", self.space + "/" + n, self.Member) for n in "abc"])
+        root.start()
+        self.assertEqual([node.name[-8:] for node in up], ["a/member", "c/member"])
+        self.assertEqual([n for n, _ in self.registered() if self.space + "/b" in n], [])
+        with self.assertRaises(ParameterError):
+            root.host("member", self.space + "/b", self.Member)
+
+
+if __name__ == "__main__":
+    register("test_node")
+    rostest.rosrun("nodekit", "node", "test_node")

@@ -1,0 +1,244 @@
+"""Callback groups: exclusion, order, work that is left, and threads that never wait."""
+
+import threading
+import time
+from typing import Any, Callable, List
+
+import pytest
+
+from nodekit.life.callbacks import Bell, Callback, Receiving
+from nodekit.life.groups import Group, ReentrantGroup
+
+TIMEOUT_S = 10.0
+
+
+class Busy:
+    """A callback in a group that goes on until it is told to end."""
+
+    def __init__(self, group: Group) -> None:
+        self.inside = threading.Event()
+        self.go_on = threading.Event()
+        callback = Callback(group, self._run, "busy")
+        self.thread = threading.Thread(target=callback.call, daemon=True)
+        self.thread.start()
+        assert self.inside.wait(TIMEOUT_S)
+
+    def _run(self) -> None:
+        self.inside.set()
+        assert self.go_on.wait(TIMEOUT_S)
+
+    def end(self) -> None:
+        self.go_on.set()
+        self.thread.join(TIMEOUT_S)
+        assert not self.thread.is_alive()
+
+
+def queued(group: Group, count: int) -> None:
+    """Wait until so many wait for a group."""
+    deadline = time.monotonic() + TIMEOUT_S
+    while len(group._queue) < count:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
+    thread = threading.Thread(target=function, args=arguments, daemon=True)
+    thread.start()
+    return thread
+
+
+def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:
+    group, inside, calls = Group(), [0], [0]
+
+    def work() -> None:
+        inside[0] += 1
+        assert inside[0] == 1
+        calls[0] += 1
+        time.sleep(0)  # lets the others in, if anything does
+        inside[0] -= 1
+
+    callback = Callback(group, work, "work")
+    threads = [in_thread(lambda: [callback.call() for _ in range(500)]) for _ in range(4)]
+    bell = Bell(group, work, "bell")
+    for _ in range(500):
+        bell.ring()
+    for thread in threads:
+        thread.join(TIMEOUT_S)
+    assert 2000 < calls[0] <= 2500
+    assert not group._queue and not group._holder
+
+
+def test_who_waits_is_served_in_the_order_of_arrival() -> None:
+    group, order = Group(), []  # type: Any
+    busy = Busy(group)
+    threads = []
+    for number in range(6):
+        if number % 2:
+            group.offer(lambda number=number: order.append(number))
+        else:
+            threads.append(in_thread(Callback(group, order.append, "").call, number))
+        queued(group, number + 1)
+    busy.end()
+    for thread in threads:
+        thread.join(TIMEOUT_S)
+    assert order == [0, 1, 2, 3, 4, 5]
+
+
+def test_thread_that_is_inside_enters_again_without_waiting() -> None:
+    group = Group()
+    calls: List[str] = []
+
+    def outer() -> None:
+        Callback(group, lambda: calls.append("inner"), "").call()
+        calls.append("outer")
+
+    Callback(group, outer, "").call()
+    assert calls == ["inner", "outer"]
+    assert not group._holder
+
+
+def test_work_offered_from_inside_is_done_after_the_callback() -> None:
+    group, calls = Group(), []  # type: Any
+    bell = Bell(group, lambda: calls.append("bell"), "")
+
+    def callback() -> None:
+        bell.ring()
+        calls.append("callback")
+
+    Callback(group, callback, "").call()
+    assert calls == ["callback", "bell"]
+
+
+def test_offering_never_waits_and_the_leaving_thread_does_the_work() -> None:
+    group = Group()
+    busy, threads = Busy(group), []  # type: Any
+    group.offer(lambda: threads.append(threading.current_thread()))
+    assert threads == []
+    busy.end()
+    assert threads == [busy.thread]
+
+
+def test_bell_that_rings_again_and_again_is_answered_once() -> None:
+    group, calls = Group(), []  # type: Any
+    bell = Bell(group, lambda: calls.append(1), "")
+    busy = Busy(group)
+    for _ in range(5):
+        bell.ring()
+    busy.end()
+    assert calls == [1]
+    bell.ring()
+    assert calls == [1, 1]
+
+
+def test_bell_that_rings_while_it_is_answered_is_answered_again() -> None:
+    calls: List[int] = []
+    bell = Bell(Group(), lambda: (calls.append(1), bell.ring() if len(calls) < 3 else None), "")
+    bell.ring()
+    assert calls == [1, 1, 1]
+
+
+def test_waiting_for_a_group_can_be_limited() -> None:
+    group = Group()
+    busy = Busy(group)
+    assert not group.enter(0.01)
+    assert not group.wait_until_left(0.01)
+    assert not group._queue
+    busy.end()
+    assert group.wait_until_left(0.0)
+    assert not group._holder
+
+
+def test_who_gives_up_waiting_keeps_nobody_else_waiting() -> None:
+    group, calls = Group(), []  # type: Any
+    busy = Busy(group)
+    gives_up = in_thread(group.enter, 0.01)
+    gives_up.join(TIMEOUT_S)
+    waits = in_thread(Callback(group, lambda: calls.append(1), "").call)
+    queued(group, 1)
+    busy.end()
+    waits.join(TIMEOUT_S)
+    assert calls == [1]
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit, KeyboardInterrupt])
+def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
+    group, calls = Group(), []  # type: Any
+
+    def fail() -> None:
+        calls.append(1)
+        raise error
+
+    for callback in (Callback(group, fail, "fail").call, Bell(group, fail, "fail").ring):
+        callback()
+        callback()
+    assert calls == [1, 1, 1, 1]
+    assert not group._holder
+
+
+def test_nothing_begins_once_a_callback_is_closed() -> None:
+    group, calls = Group(), []  # type: Any
+    callback = Callback(group, lambda: calls.append("callback"), "")
+    bell = Bell(group, lambda: calls.append("bell"), "")
+    busy = Busy(group)
+    waits = in_thread(callback.call)
+    queued(group, 1)
+    bell.ring()
+    callback.close()
+    bell.close()
+    busy.end()
+    waits.join(TIMEOUT_S)
+    assert calls == []
+
+
+def test_messages_of_another_thread_wait_for_the_group_one_by_one() -> None:
+    heard: List[int] = []
+    receiving = Receiving(Group(), heard.append, "", batches=False)
+    receiving.receive([1, 2, 3], may_wait=True)
+    assert heard == [1, 2, 3]
+
+
+def test_messages_of_this_process_never_wait_and_none_is_lost() -> None:
+    group = Group()
+    heard: List[List[int]] = []
+    receiving = Receiving(group, heard.append, "", batches=True)
+    busy = Busy(group)
+    receiving.receive([1, 2], may_wait=False)
+    receiving.receive([3], may_wait=False)
+    assert heard == []
+    busy.end()
+    assert heard == [[1, 2, 3]]
+
+
+def test_two_nodes_that_answer_each_other_in_one_process_do_not_wait_for_each_other() -> None:
+    groups = Group(), Group()
+    heard: List[Any] = [[], []]
+    both = threading.Barrier(2, timeout=TIMEOUT_S)
+
+    def send(number: int) -> None:
+        both.wait()  # both are in their own groups now
+        receivings[1 - number].receive([number], may_wait=False)
+
+    receivings = [Receiving(group, heard[i].append, "", False) for i, group in enumerate(groups)]
+    threads = [in_thread(Callback(groups[i], send, "").call, i) for i in range(2)]
+    for thread in threads:
+        thread.join(TIMEOUT_S)
+    assert heard == [[1], [0]]
+
+
+def test_reentrant_group_overlaps_itself() -> None:
+    group = ReentrantGroup()
+    one, other = Busy(group), Busy(group)
+    calls: List[int] = []
+    group.offer(lambda: calls.append(1))
+    assert calls == [1]
+    assert not group.wait_until_left(0.01)
+    one.end()
+    other.end()
+    assert group.wait_until_left(0.0)
+
+
+def test_closing_a_reentrant_group_does_not_wait_for_the_callers_own_callback() -> None:
+    group = ReentrantGroup()
+    left: List[bool] = []
+    Callback(group, lambda: left.append(group.wait_until_left(0.0)), "").call()
+    assert left == [True]

@@ -1,0 +1,209 @@
+"""The client of the master, against what answers on its port, which may be no master at all."""
+
+import contextlib
+import http.server
+import socket
+import threading
+import time
+from typing import Any, Iterator, List
+from xmlrpc.client import Fault
+from xmlrpc.server import SimpleXMLRPCServer
+
+import pytest
+
+from nodekit.live.master import MasterClient, MasterUnreachable
+from nodekit.parameters.no_value import MISSING, UNREADABLE
+
+PAGE = b"<!DOCTYPE html><html><body><p>Please log in<br></body></html>"
+
+
+@contextlib.contextmanager
+def served(server: Any) -> Iterator[str]:
+    """Run a server; return its URI."""
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+    thread.start()
+    try:
+        yield "http://localhost:%d/" % server.server_address[1]
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+@contextlib.contextmanager
+def answering(body: bytes) -> Iterator[MasterClient]:
+    """Have something that is no master answer each request."""
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            self.rfile.read(int(self.headers["Content-Length"]))
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    with served(http.server.HTTPServer(("localhost", 0), Handler)) as uri:
+        yield MasterClient(uri, "/n", "http://localhost:1/", timeout=5.0)
+
+
+class Master:
+    """As much of a master as the client needs; keeps count of the calls in each request."""
+
+    def __init__(self) -> None:
+        self.held = {"/n": {"level": 1.0}, "/n/level": 1.0}
+        self.big = False
+        self.requests: List[int] = []
+
+    def _dispatch(self, method: str, arguments: Any) -> Any:
+        if method == "system.multicall":
+            (calls,) = arguments
+            self.requests.append(len(calls))
+            return [[self._dispatch(call["methodName"], call["params"])] for call in calls]
+        assert arguments[0] == "/n"
+        return [1, "", getattr(self, method)(*arguments[1:])]
+
+    def getPid(self) -> int:
+        return 7
+
+    def lookupNode(self, name: str) -> str:
+        return "http://localhost:1/"
+
+    def getParam(self, key: str) -> Any:
+        if key in ("/n/big", "/n") and self.big:
+            raise Fault(1, "int exceeds XML-RPC limits")
+        return self.held[key]
+
+    def getParamNames(self) -> List[str]:
+        return ["/n/level", "/n/big", "/nn/other"]
+
+    def setParam(self, key: str, value: Any) -> int:
+        self.held[key] = value
+        return 0
+
+    def getSystemState(self) -> Any:
+        return [[["/t", ["/n"]]], [], [["/n/describe", ["/n"]]]]
+
+    def getTopicTypes(self) -> Any:
+        return [["/t", "std_msgs/String"]]
+
+
+@contextlib.contextmanager
+def master() -> Iterator[Any]:
+    """Run a master; return it and a client."""
+    instance = Master()
+    server = SimpleXMLRPCServer(("localhost", 0), logRequests=False)
+    server.register_instance(instance)
+    with served(server) as uri:
+        client = MasterClient(uri, "/n", "http://localhost:1/")
+        with contextlib.closing(client):
+            yield instance, client
+
+
+def test_any_number_of_calls_is_divided_among_a_few_requests() -> None:
+    with master() as (instance, client):
+        client.write({"/n/%d" % number: number for number in range(1201)})
+        assert instance.requests == [500, 500, 201]
+        assert client.read(["/n/3", "/n/1200"]).values == {"/n/3": 3, "/n/1200": 1200}
+        client.request([])
+        assert instance.requests[3:] == [4]
+
+
+def test_what_the_graph_looks_like() -> None:
+    with master() as (_, client):
+        state = client.system_state()
+        assert state.publishers == [("/t", ["/n"])]
+        assert state.services == [("/n/describe", ["/n"])]
+        assert client.topic_types() == {"/t": "std_msgs/String"}
+
+
+def test_value_that_cannot_be_sent_hides_no_other() -> None:
+    with master() as (instance, client):
+        instance.big = True
+        assert client.read(["/n"]).values == {"/n": {"level": 1.0, "big": UNREADABLE}}
+
+
+def test_reading_tells_of_a_restart() -> None:
+    with master() as (instance, client):
+        reading = client.read(["/n"])
+        assert (reading.knows_node, reading.master_pid) == (True, 7)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        PAGE,
+        b"",
+        b"\xff\xfe",
+        b"<html></html>",
+        b"<methodResponse></methodResponse>",
+        b"<methodResponse><params><param><value><int>x</int></value></param></params>"
+        b"</methodResponse>",
+        b"<methodResponse><params><param><value><int>1</int></value></param></params>"
+        b"</methodResponse>",
+        b"<methodResponse><params><param><value>four</value></param></params></methodResponse>",
+        b"<methodResponse><params><param><value><array><data></data></array></value></param>"
+        b"</params></methodResponse>",
+        b"<methodResponse><params><param><value><array><data><value>a</value><value>b</value>"
+        b"<value>c</value></data></array></value></param></params></methodResponse>",
+        b"</value>",
+        b"<methodResponse></array></methodResponse>",
+    ],
+)
+def test_nonsense_is_no_master(body: bytes) -> None:
+    with answering(body) as client:
+        for ask in (
+            lambda: client.read(["/n"]),
+            client.system_state,
+            client.topic_types,
+            lambda: client.lookup_service("/n/describe"),
+            lambda: client.write({"/n": 1}),
+        ):
+            with pytest.raises(MasterUnreachable, match="http://localhost"):
+                ask()
+
+
+@pytest.mark.parametrize(
+    "uri", ["ftp://localhost/", "nonsense", "http://localhost:nonsense/", "http://./"]
+)
+def test_uri_that_leads_nowhere(uri: str) -> None:
+    with pytest.raises(MasterUnreachable, match=uri[:4]):
+        MasterClient(uri, "/n", "").read([])
+
+
+def test_nobody_listens() -> None:
+    with socket.socket() as chooser:
+        chooser.bind(("localhost", 0))
+        port = chooser.getsockname()[1]
+    with pytest.raises(MasterUnreachable, match="refused"):
+        MasterClient("http://localhost:%d/" % port, "/n", "").read([])
+
+
+def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:
+    with socket.socket() as silent:
+        silent.bind(("localhost", 0))
+        silent.listen(5)
+        client = MasterClient("http://localhost:%d/" % silent.getsockname()[1], "/n", "", 0.1)
+        before = time.monotonic()
+        with pytest.raises(MasterUnreachable, match="timed out"):
+            client.read(["/n"])
+        with pytest.raises(MasterUnreachable, match="timed out"):
+            client.unsubscribe(["/n"], timeout=0.1)
+        assert time.monotonic() - before < 2.0
+
+
+def test_unset_key_is_missing() -> None:
+    class Empty(Master):
+        def _dispatch(self, method: str, arguments: Any) -> Any:
+            if method == "getParam":
+                return [-1, "Parameter is not set", 0]
+            return super()._dispatch(method, arguments)
+
+    server = SimpleXMLRPCServer(("localhost", 0), logRequests=False)
+    server.register_instance(Empty())
+    with served(server) as uri:
+        client = MasterClient(uri, "/n", "")
+        with contextlib.closing(client):
+            assert client.read(["/n"]).values == {"/n": MISSING}

@@ -1,0 +1,570 @@
+"""What becomes of a namespace that everybody writes to, step by step."""
+
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.parameters.budget import BURST, REFILL_S
+from nodekit.parameters.declaration import (
+    FloatParameter,
+    ListParameter,
+    ParameterError,
+    ParameterErrors,
+    ParameterSet,
+    StringParameter,
+    rule,
+)
+from nodekit.parameters.judging import corrections, on_wire
+from nodekit.parameters.no_value import MISSING, UNREADABLE
+from nodekit.parameters.reconciler import HALF_DONE_S, OVERLAP_S, Outcome, Reconciler, Seen
+
+
+class Gauge(ParameterSet):
+    """Two parameters that go with anything, and two that go with each other."""
+
+    level = FloatParameter(1.0, minimum=0.0, help="a level")
+    title = StringParameter("gauge", help="a title")
+    low = FloatParameter(0.0, help="lower limit")
+    high = FloatParameter(9.0, help="upper limit")
+
+    @rule("low", "high")
+    def ordered(self) -> None:
+        """Keep the limits in order."""
+        if self.low > self.high:
+            raise ValueError("low must be at most high")
+
+
+IN_FORCE = Gauge(level=2.0, title="old")
+HELD = on_wire(IN_FORCE)
+LATE = -1.0
+
+
+class Step(NamedTuple):
+    """What users have done since the last step, and what is to become of it.
+
+    :param sets: set on the server by name; MISSING deletes, an empty name replaces all
+    :param pushed: what was notified
+    :param pause: time since the last step, s
+    :param forgotten: the master was restarted
+    :param fails: what is written does not reach the server
+    :param early: the server was read before the last write
+    :param values: what is in force other than IN_FORCE
+    :param writes: what is written
+    :param refused: the names in what is warned of
+    :param unknown: the names that are warned of
+    :param again: the step comes to no decision
+    :param news: whether the server is worth a step at all
+    """
+
+    sets: Dict[str, Any] = {}
+    pushed: Sequence[Tuple[str, Any]] = ()
+    pause: float = 0.1
+    forgotten: bool = False
+    fails: bool = False
+    early: bool = False
+    values: Dict[str, Any] = {}
+    writes: Dict[str, Any] = {}
+    refused: Sequence[str] = ()
+    unknown: Dict[str, Any] = {}
+    again: bool = False
+    news: bool = True
+
+
+class Update(NamedTuple):
+    """A change from within the node, between two steps."""
+
+    changes: Dict[str, Any]
+
+
+def bad(value: Any, **more: Any) -> Step:
+    """Set a bad level, which is put back."""
+    row = Step({"level": value}, [("level", value)], writes={"level": 2.0}, refused=["level"])
+    return row._replace(**more)
+
+
+def pushed_late(*values: Any, **more: Any) -> Step:
+    """Be notified of levels that a write has replaced already."""
+    return Step({}, [("level", value) for value in values], news=False)._replace(**more)
+
+
+FIVE: Dict[str, Any] = {"values": {"level": 5.0}, "writes": {"level": 5.0}}
+BROKEN = {"low": 20.0}
+
+TABLE: Dict[str, List[Any]] = {
+    "nothing new": [Step(news=False), Step(news=False)],
+    "good value": [Step({"level": 5}, [("level", 5)], values={"level": 5.0})],
+    "good value without a notification": [Step({"level": 5}, values={"level": 5.0})],
+    "text for a number is replaced by the number": [Step({"level": "5"}, **FIVE)],
+    "deleted value": [
+        Step({"level": MISSING}, values={"level": 1.0}, writes={"level": 1.0}),
+        Step(news=False, values={"level": 1.0}),
+    ],
+    "deleted namespace": [Step({"": MISSING}, values=Gauge().as_dict(), writes=on_wire(Gauge()))],
+    "bad value is put back": [bad(-1), Step(news=False)],
+    "same bad value once more is refused once more": [bad(-1), bad(-1), bad(-1)],
+    "same bad value without a notification": [bad(-1, pushed=()), bad(-1, pushed=())],
+    "value that the master cannot send": [bad(UNREADABLE, pushed=())],
+    "what was replaced by other users is history": [
+        Step({"level": 5}, [("level", 3), ("level", 4), ("level", 5)], values={"level": 5.0}),
+        Step({"level": 6}, values={"level": 6.0}),
+        pushed_late(7, 6, values={"level": 6.0}),
+    ],
+    "last good value before a bad one wins": [
+        bad(-1, pushed=[("level", 4), ("level", 5), ("level", -2), ("level", -1)], **FIVE),
+        Step(news=False, values={"level": 5.0}),
+    ],
+    "good value that is hit by a put-back wins": [bad(-1), pushed_late(5, **FIVE)],
+    "of what is hit by a put-back the last good one wins": [
+        bad(-1),
+        pushed_late(4, "5", -3, **FIVE),
+    ],
+    "good value that is hit by two put-backs wins": [
+        bad(-1),
+        pushed_late(4, values={"level": 4.0}, writes={"level": 4.0}),
+        pushed_late(5, **FIVE),
+    ],
+    "deletion that is hit by a put-back wins": [
+        bad(-1),
+        pushed_late(MISSING, values={"level": 1.0}, writes={"level": 1.0}),
+    ],
+    "deletion of the namespace that is hit by a put-back wins": [
+        bad(-1),
+        Step(
+            {"": {"level": 2.0}},
+            [("", MISSING)],
+            values=Gauge().as_dict(),
+            writes=on_wire(Gauge()),
+        ),
+    ],
+    "namespace that is replaced before a put-back": [
+        bad(-1),
+        Step(
+            {"": {"level": 2.0, "title": "new"}},
+            [("", {"title": "new"})],
+            values={"level": 1.0, "title": "new"},
+            writes={"level": 1.0, "low": 0.0, "high": 9.0},
+        ),
+    ],
+    "scalar over the namespace is replaced by the namespace": [
+        Step({"other": 5}, unknown={"other": None}),
+        Step({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
+        Step(news=False),
+        Step({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
+    ],
+    "good value before a scalar over the namespace wins": [
+        Step(
+            {"": 7},
+            [("level", 5), ("", 7)],
+            values={"level": 5.0},
+            writes={"": {**HELD, "level": 5.0}},
+            refused=[""],
+        ),
+    ],
+    "good value that is hit by the namespace that is put back wins": [
+        Step({"": 7}, [("", 7)], writes={"": HELD}, refused=[""]),
+        pushed_late(5, **FIVE),
+    ],
+    "scalar that is replaced during a put-back": [
+        bad(-1),
+        Step({"": {"level": 2.0}}, [("", 7)])._replace(
+            values={"title": "gauge"}, writes={"title": "gauge", "low": 0.0, "high": 9.0}
+        ),
+    ],
+    "what cannot be sent is not written back": [
+        Step({"other": UNREADABLE}, unknown={"other": None}),
+        Step({"": 7}, writes={"": HELD}, refused=[""]),
+    ],
+    "bad value that is hit by a put-back changes nothing": [bad(-1), pushed_late("x")],
+    "own write that was replaced has hit nothing": [
+        bad(-1),
+        Step({"level": 7.0}, [("level", 5.0), ("level", 7.0)], values={"level": 7.0}),
+        # Somebody sets the very value that was written before.
+        Step({"level": 2.0}, [("level", 2.0)]),
+        pushed_late(5.0),
+    ],
+    "own write is told from an equal value of another kind": [
+        bad(-1),
+        Step({"level": 2}, [("level", 5.0), ("level", 2)]),
+    ],
+    "notification of old times is no news": [bad(-1), pushed_late(5.0, pause=OVERLAP_S)],
+    "notification of nearly old times is news": [
+        bad(-1),
+        pushed_late(5.0, pause=OVERLAP_S - 0.1, **FIVE),
+    ],
+    "each parameter is judged by itself": [
+        Step({"title": 7}, [("title", 7)], writes={"title": "old"}, refused=["title"]),
+        Step(
+            {"level": 3.0},
+            [("level", 9.0), ("title", "new"), ("other", 2), ("level", 3.0), ("title", 8)],
+            values={"level": 3.0, "title": "new"},
+            writes={"title": "new"},
+        ),
+    ],
+    "update is not taken back by a notification": [
+        bad(-1),
+        Update({"level": 4.0}),
+        pushed_late(5.0, values={"level": 4.0}),
+    ],
+    "update to what a put-back has written is not taken back by a notification": [
+        bad(-1),
+        Update({"level": 4.0}),
+        Update({"level": 2.0}),
+        pushed_late(5.0),
+    ],
+    "update is not taken back by what was read before it": [
+        Step({"level": 5.0}, values={"level": 5.0}),
+        Update({"title": "new"}),
+        Step(
+            {"title": "old"},
+            early=True,
+            again=True,
+            values={"level": 5.0, "title": "new"},
+        ),
+        Step({"title": "new"}, values={"level": 5.0, "title": "new"}),
+        Step(news=False, values={"level": 5.0, "title": "new"}),
+    ],
+    "what was read before a put-back says nothing": [
+        bad(-1),
+        Step({"level": -1}, early=True, again=True),
+        bad(-1),
+    ],
+    "values that do not go together are given time": [
+        Step(BROKEN, [("low", 20.0)], again=True),
+        Step(again=True, pause=HALF_DONE_S / 2),
+        Step({"high": 30.0}, pause=HALF_DONE_S, values={"low": 20.0, "high": 30.0}),
+        Step(news=False, values={"low": 20.0, "high": 30.0}),
+    ],
+    "values that do not go together are refused in the end": [
+        Step({**BROKEN, "level": 5.0}, again=True),
+        Step(
+            pause=HALF_DONE_S,
+            values={"level": 5.0},
+            writes={"low": 0.0},
+            refused=["low, high"],
+        ),
+        Step(news=False, values={"level": 5.0}),
+        # And the next ones are given time again.
+        Step(BROKEN, again=True, values={"level": 5.0}),
+    ],
+    "time is given anew where values have gone together meanwhile": [
+        Step(BROKEN, again=True),
+        Step({"low": 0.0}, pause=HALF_DONE_S),
+        Step(BROKEN, again=True),
+    ],
+    "put-back that fails is done later and warned of once": [
+        bad(-1, pushed=[("level", 5), ("level", -1)], fails=True, **FIVE),
+        Step({}, [("level", 5), ("level", -1)], **FIVE),
+        Step(news=False, values={"level": 5.0}),
+    ],
+    "put-back that fails although it has arrived": [
+        bad(-1, fails=True),
+        Step({"level": 2.0}, [("level", -1), ("level", 5)], **FIVE),
+    ],
+    "good value that is hit by a put-back wins though it cannot be written at first": [
+        bad(-1),
+        pushed_late(5, fails=True, **FIVE),
+        pushed_late(5, news=True, **FIVE),
+    ],
+    "what a restarted master lost is kept and written": [
+        Step({"": MISSING}, forgotten=True, writes=HELD),
+        Step(news=False),
+    ],
+    "what is set on a restarted master comes into force": [
+        Step(
+            {"": {"high": 7.0}},
+            forgotten=True,
+            values={"high": 7.0},
+            writes={"level": 2.0, "title": "old", "low": 0.0},
+        ),
+    ],
+    "values are kept though writing them to a new master fails at first": [
+        Step({"": MISSING}, forgotten=True, fails=True, writes=HELD),
+        Step(forgotten=True, writes=HELD),
+    ],
+    "unknown names are warned of once, those that are exempt never": [
+        Step({"levle": 1, "Message": 2}, unknown={"levle": "level"}),
+        Step({"levle": MISSING}),
+        Step({"levle": 1}),
+    ],
+    "writer that insists is answered only now and then": [
+        *[bad(-1, pause=0.0)] * BURST,
+        Step({"level": -1}, pause=0.0, refused=["level"]),
+        Step({"title": "through"}, pause=0.0, values={"title": "through"}),
+        Step(pause=REFILL_S, writes={"level": 2.0}, values={"title": "through"}),
+        Step(news=False, values={"title": "through"}),
+    ],
+    "what a restarted master lost is written at once": [
+        *[bad(-1, pause=0.0)] * BURST,
+        Step({"": MISSING}, pause=0.0, forgotten=True, writes=HELD),
+    ],
+    "scalar over the namespace is put back only now and then": [
+        *[Step({"": 7}, pause=0.0, writes={"": HELD}, refused=[""])] * BURST,
+        Step({"": 7}, pause=0.0, refused=[""]),
+        Step(pause=REFILL_S, writes={"": HELD}),
+    ],
+}
+
+
+def set_on(server: Any, changes: Dict[str, Any]) -> Any:
+    """Return what a server holds after changes, MISSING if nothing."""
+    for name, value in changes.items():
+        if not name:
+            server = dict(value) if isinstance(value, dict) else value
+            continue
+        server = dict(server) if isinstance(server, dict) else {}
+        server[name] = value
+        if value is MISSING:
+            del server[name]
+    return MISSING if server == {} else server
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_step_by_step(name: str) -> None:
+    reconciler, server, now = Reconciler(Gauge, exempt=["Message"]), HELD, 100.0
+    assert reconciler.start(server, now).values == IN_FORCE
+    for number, row in enumerate(TABLE[name]):
+        where = f"step {number + 1}: {row}"
+        if isinstance(row, Update):
+            outcome = reconciler.judge(row.changes)
+            server = set_on(server, outcome.writes)
+            reconciler.adopt(outcome, now)
+            continue
+        now += row.pause
+        server = set_on(server, row.sets)
+        assert reconciler.is_news(server) == row.news, where
+        if not (row.news or row.pushed):
+            assert reconciler.values == IN_FORCE.replace(**row.values), where
+            continue
+        read_at = LATE if row.early else now
+        outcome = reconciler.step(Seen(server, row.pushed, row.forgotten, read_at), now)
+        assert outcome.values == reconciler.values == IN_FORCE.replace(**row.values), where
+        assert outcome.writes == row.writes, where
+        assert [error.name for error in outcome.refusals] == list(row.refused), where
+        assert (outcome.unknown, outcome.again) == (row.unknown, row.again), where
+        if row.fails:
+            reconciler.failed()
+        elif outcome.writes:
+            server = set_on(server, outcome.writes)
+            reconciler.written(now)
+
+
+def test_start_writes_what_is_unset_all_at_once() -> None:
+    reconciler = Reconciler(Gauge)
+    assert reconciler.is_news(MISSING)
+    outcome = reconciler.start({"level": "5", "other": 1}, 0.0)
+    assert outcome == Outcome(
+        Gauge(level=5.0),
+        {"level": 5.0, "title": "gauge", "low": 0.0, "high": 9.0},
+        [],
+        {"other": None},
+    )
+    assert reconciler.is_news({"level": "5", "other": 1})
+    reconciler.written(0.0)
+    assert not reconciler.is_news({**on_wire(Gauge(level=5.0)), "other": 1})
+    # A value that came when the defaults were written wins.
+    late = reconciler.step(Seen({**on_wire(Gauge(level=5.0)), "other": 1}, [("level", 7)]), 0.1)
+    assert (late.values.level, late.writes, late.unknown) == (7.0, {"level": 7.0}, {})
+
+
+def test_start_refuses_all_at_once_in_words() -> None:
+    with pytest.raises(ParameterErrors) as several:
+        Reconciler(Gauge).start({"level": -1, "title": 5, "low": 10.0, "high": 5}, 0.0)
+    assert several.value.names == ("level", "title", "low", "high")
+    assert [type(error).__name__ for error in several.value.errors] == [
+        "ParameterError",
+        "ParameterError",
+        "RuleError",
+    ]
+    assert str(several.value.in_namespace("/n")) == (
+        "parameter /n/level: refused -1: must be a number in [0, inf); "
+        "parameter /n/title: refused 5: must be text "
+        "(quote it where YAML would read a number or a truth value); "
+        "parameters /n/low, /n/high: refused 10, 5: low must be at most high"
+    )
+
+
+@pytest.mark.parametrize(
+    "raw, text",
+    [
+        ({"level": -1}, "parameter /n/level: refused -1: must be a number in [0, inf)"),
+        # The rule is broken only because the high of 5 cannot be taken.
+        ({"low": 12, "high": "x"}, "parameter /n/high: refused 'x': must be a number"),
+        (7, "parameter /n: refused 7: must be a namespace with the node's parameters"),
+    ],
+)
+def test_what_is_refused_alone_is_refused_as_itself(raw: Any, text: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        Reconciler(Gauge).start(raw, 0.0)
+    assert not isinstance(caught.value, ParameterErrors)
+    assert str(caught.value.in_namespace("/n")) == text
+
+
+def test_a_judged_change_is_adopted_only_when_it_is_told_to_be() -> None:
+    reconciler = Reconciler(Gauge)
+    reconciler.start(HELD, 0.0)
+    outcome = reconciler.judge({"level": "5", "title": "old"})
+    assert outcome == Outcome(IN_FORCE.replace(level=5.0), {"level": 5.0}, [], {})
+    assert reconciler.values == IN_FORCE
+    reconciler.adopt(outcome, 1.0)
+    assert reconciler.values.level == 5.0
+    assert not reconciler.is_news({**HELD, "level": 5.0})
+
+
+@pytest.mark.parametrize(
+    "changes, text",
+    [
+        ({"level": -1, "title": "new"}, "level: refused -1: must be a number in [0, inf)"),
+        ({"low": 10.0}, "low, high: refused 10, 9: low must be at most high"),
+        (
+            {"levle": 5},
+            "levle: refused 5: must be one that this node declares (did you mean level?",
+        ),
+        ({"xyz": "a", "level": True}, "xyz: refused 'a': must be one that this node declares; "),
+        ({"xyz": "a", "level": True}, "parameter level: refused True: must be a number"),
+        ({"low": "x", "high": -1}, "low: refused 'x': must be a number"),
+    ],
+)
+def test_a_change_that_is_refused_changes_nothing(changes: Dict[str, Any], text: str) -> None:
+    reconciler = Reconciler(Gauge)
+    reconciler.start(HELD, 0.0)
+    with pytest.raises(ParameterError) as caught:
+        reconciler.judge(changes)
+    assert text in str(caught.value)
+    assert reconciler.values == IN_FORCE
+
+
+def test_defaults_that_do_not_go_together_are_refused() -> None:
+    class Crossed(Gauge):
+        """Defaults that break the rule."""
+
+        low = FloatParameter(10.0, help="above high")
+
+    with pytest.raises(ParameterError):
+        Reconciler(Crossed)
+
+
+class Free(ParameterSet):
+    """Parameters that go with anything."""
+
+    level = FloatParameter(1.0, minimum=0.0, help="a level")
+    marks = ListParameter([], element=FloatParameter(0.0, help=""), help="marks")
+
+
+class World:
+    """A server, its users, and a node that follows it; notifications may come late."""
+
+    def __init__(self, declaration: Any, raw: Any) -> None:
+        self.now = 100.0
+        self.server = set_on(MISSING, {"": raw})
+        self.underway: List[Tuple[str, Any]] = []
+        self.pushed: List[Tuple[str, Any]] = []
+        self.wanted = declaration().as_dict()
+        self.reconciler = Reconciler(declaration)
+        outcome = self.reconciler.start(self.server, self.now)
+        self.wanted = outcome.values.as_dict()
+        self.server = set_on(self.server, outcome.writes)
+        self.reconciler.written(self.now)
+
+    def use(self, name: str, value: Any) -> None:
+        """Set or delete something as a user, and note what is to come into force in the end."""
+        self.server = set_on(self.server, {name: value})
+        self.underway.append((name, value))
+        tree = value if isinstance(value, dict) else {}
+        for each, parameter in self.reconciler.values.declared.items():
+            raw = value if name == each else tree.get(each, MISSING)
+            if each == name or (not name and (isinstance(value, dict) or value is MISSING)):
+                try:
+                    self.wanted[each] = (
+                        parameter.default if raw is MISSING else parameter.coerce(raw)
+                    )
+                except ParameterError:
+                    pass
+
+    def deliver(self, count: int) -> None:
+        self.pushed += self.underway[:count]
+        del self.underway[:count]
+
+    def look(self, meddle: Callable[[], None], reaches: bool, works: bool) -> None:
+        """Read and step; somebody may meddle just before what comes of it is written."""
+        raw = self.server
+        if not (self.pushed or self.reconciler.is_news(raw)):
+            return
+        outcome = self.reconciler.step(Seen(raw, list(self.pushed), False, self.now), self.now)
+        type(outcome.values)(**outcome.values.as_dict())
+        for name, value in outcome.writes.items():
+            in_force = on_wire(outcome.values)
+            part = value if name == "" else {name: value}
+            assert {k: v for k, v in part.items() if k in in_force}.items() <= in_force.items()
+        if outcome.again:
+            assert not outcome.writes and not outcome.refusals
+            return
+        meddle()
+        if reaches:
+            self.server = set_on(self.server, outcome.writes)
+        if outcome.writes and not (reaches and works):
+            self.reconciler.failed()
+            return
+        if outcome.writes:
+            self.reconciler.written(self.now)
+        self.pushed.clear()
+
+    def come_to_rest(self) -> None:
+        self.deliver(len(self.underway))
+        for _ in range(100):
+            self.look(lambda: None, reaches=True, works=True)
+            self.now += 0.1
+            if not self.pushed and not self.reconciler.is_news(self.server):
+                return
+        raise AssertionError(f"no rest: {self.server} {self.reconciler.values}")
+
+
+LEVELS = st.sampled_from([-1, 0, 1.0, 2, 2.0, 5, "5", "x", True, UNREADABLE, MISSING, 7.5])
+MARKS = st.sampled_from([[], [1], ["1"], [1.0, 2.0], ["x"], 5, MISSING])
+USES = (
+    st.tuples(st.just("level"), LEVELS)
+    | st.tuples(st.just("marks"), MARKS)
+    | st.tuples(st.just("other"), st.integers(0, 1))
+    | st.tuples(
+        st.just(""), st.just(MISSING) | st.fixed_dictionaries({}, optional={"level": st.just(3)})
+    )
+)
+LOOKS = st.tuples(st.none() | USES, st.booleans(), st.booleans())
+MOVES = st.lists(USES | LOOKS | st.integers(1, 3), max_size=12)
+
+
+def play(world: World, moves: List[Any]) -> None:
+    for move in moves:
+        world.now += 0.01
+        if isinstance(move, int):
+            world.deliver(move)
+        elif len(move) == 2:
+            world.use(*move)
+        else:
+            meddling, reaches, works = move
+            meddle = (lambda: world.use(*meddling)) if meddling else (lambda: None)
+            world.look(meddle, reaches, works)
+    world.come_to_rest()
+
+
+@given(st.sampled_from([{}, {"level": 4.0}, {"level": "4", "marks": [1]}]), MOVES)
+def test_last_good_value_of_each_parameter_is_in_force_in_the_end(raw: Any, moves: Any) -> None:
+    world = World(Free, raw)
+    play(world, moves)
+    assert world.reconciler.values.as_dict() == world.wanted
+    assert corrections(world.reconciler.values, world.server) == {}
+
+
+ANY = st.sampled_from([-1, 0, 2.0, 20, "x", [], {}, {"a": 1}, MISSING, float("nan")])
+ANY_USES = st.tuples(st.sampled_from(["level", "title", "low", "high", "other"]), ANY) | st.tuples(
+    st.just(""), ANY | st.dictionaries(st.sampled_from(["level", "low", "high"]), ANY, max_size=2)
+)
+ANY_LOOKS = st.tuples(st.none() | ANY_USES, st.booleans(), st.booleans())
+
+
+@given(st.lists(ANY_USES | ANY_LOOKS | st.integers(1, 3), max_size=12))
+def test_whatever_is_set_the_server_tells_valid_values_in_the_end(moves: Any) -> None:
+    world = World(Gauge, {})
+    play(world, moves)
+    assert corrections(world.reconciler.values, world.server) == {}

@@ -1,0 +1,214 @@
+"""Descriptions of parameters: for people, and exact enough to judge by."""
+
+import json
+import math
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.parameters.declaration import (
+    BoolParameter,
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    Parameter,
+    ParameterError,
+    ParameterSet,
+    RateParameter,
+    StringParameter,
+)
+from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
+
+
+class FileParameter(StringParameter):
+    """Judges by more than its schema can say."""
+
+    def coerce(self, raw: Any) -> str:
+        if raw == "missing":
+            raise self.refuse(raw)
+        return super().coerce(raw)
+
+
+class Gauge(ParameterSet):
+    """A parameter of every kind, and every kind of limit."""
+
+    angle = FloatParameter(
+        0.1, minimum=-2 * math.pi, below=1 / 3, unit="rad", help="an angle: from -2 pi"
+    )
+    level = FloatParameter(0.25, above=0.0, maximum=1e10, step=0.25, help="a level")
+    free = FloatParameter(0.1 + 0.2, help="any number")
+    count = IntParameter(3, minimum=0, help="a count")
+    even = IntParameter(4, above=0, below=100, step=2, help="counted in steps")
+    rate = RateParameter(10.0, help="a rate")
+    on = BoolParameter(False, help="a switch")
+    title = StringParameter("gauge", help="a title")
+    shape = EnumParameter("a, b", choices=("a, b", "on", "1e3", "}", "\u00e5"), help="a shape")
+    marks = ListParameter(
+        [1.0],
+        element=FloatParameter(-1.0, above=0.1, unit="V", help=""),
+        max_length=3,
+        help="marks",
+    )
+    words = ListParameter(
+        ["x, y"], element=EnumParameter("", choices=("x, y", "z"), help=""), min_length=1, help=""
+    )
+    file = FileParameter("", help="a file")
+    files = ListParameter([], element=FileParameter("", help=""), help="files")
+
+
+def entry(name: str) -> Any:
+    """Return an entry as a client gets it."""
+    described = yaml.safe_load(as_yaml(describe(Gauge())))
+    return next(one for one in described if one["name"] == name)
+
+
+def test_an_entry_says_what_is_declared_and_what_is_in_force() -> None:
+    first = describe(Gauge(angle=-6.25))[0]
+    assert first == {
+        "name": "angle",
+        "value": -6.25,
+        "type": "float",
+        "unit": "rad",
+        "range": "[-6.28318530718, 0.333333333333)",
+        "default": 0.1,
+        "help": "an angle: from -2 pi",
+        "minimum": -2 * math.pi,
+        "below": 1 / 3,
+        "exact": True,
+    }
+    assert [one["name"] for one in describe(Gauge())] == list(Gauge.declared)
+
+
+LIMITS = {"minimum", "maximum", "above", "below", "step", "choices", "min_length", "max_length"}
+
+
+@pytest.mark.parametrize(
+    "name, limits",
+    [
+        ("level", {"above": 0.0, "maximum": 1e10, "step": 0.25}),
+        ("free", {}),
+        ("count", {"minimum": 0, "maximum": 2**31 - 1}),
+        ("even", {"above": 0, "below": 100, "step": 2}),
+        ("rate", {"minimum": 1e-6, "maximum": 10000.0}),
+        ("on", {}),
+        ("title", {}),
+        ("shape", {"choices": ["a, b", "on", "1e3", "}", "\u00e5"]}),
+        ("marks", {"min_length": 0, "max_length": 3}),
+        ("file", {}),
+    ],
+)
+def test_limits_are_exact_and_stand_only_where_they_are_declared(name: str, limits: Any) -> None:
+    described = entry(name)
+    assert {key: described[key] for key in LIMITS & described.keys()} == limits
+
+
+def test_an_infinite_limit_is_none() -> None:
+    class Endless(ParameterSet):
+        """Goes on for ever."""
+
+        gauge = FloatParameter(1.0, minimum=0.0, maximum=math.inf, help="")
+
+    (described,) = describe(Endless())
+    assert LIMITS & described.keys() == {"minimum"}
+
+
+def test_an_element_is_described_as_its_list_is() -> None:
+    assert entry("marks")["element"] == {
+        "type": "float",
+        "unit": "V",
+        "range": "(0.1, inf)",
+        "above": 0.1,
+        "exact": True,
+    }
+    assert entry("words")["element"]["choices"] == ["x, y", "z"]
+
+
+def test_what_judges_by_more_than_its_schema_says_so() -> None:
+    inexact = [one["name"] for one in describe(Gauge()) if not one["exact"]]
+    assert inexact == ["file", "files"]
+
+
+RAW = (
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.integers(-5, 105)
+    | st.floats()
+    | st.floats(-7.0, 1.0)
+    | st.sampled_from(["a, b", "on", "1e3", "0.75", "\u00e5", "gauge", -2 * math.pi, 1 / 3, 0.75])
+)
+RAW |= st.lists(RAW | st.sampled_from(["x, y", "z", 0.1]), max_size=4)
+
+
+def judged(parameter: Parameter[Any], raw: Any) -> Any:
+    try:
+        value = parameter.coerce(raw)
+    except ParameterError as error:
+        return str(error)
+    return value, type(value)
+
+
+@given(st.sampled_from([one["name"] for one in describe(Gauge()) if one["exact"]]), RAW)
+def test_a_client_judges_as_the_node_does(name: str, raw: Any) -> None:
+    assert judged(parameter_of(entry(name)), raw) == judged(Gauge.declared[name], raw)
+
+
+@given(*[st.floats(allow_nan=False, allow_infinity=False)] * 2)
+def test_numbers_come_back_as_they_were(one: float, other: float) -> None:
+    ends = {"minimum": min(one, other), "maximum": max(one, other)}
+
+    class Bounded(ParameterSet):
+        """One parameter between any two numbers."""
+
+        gauge = FloatParameter(min(one, other), step=abs(other) or 1.0, help="", **ends)
+
+    described = describe(Bounded.from_coerced({"gauge": other}))
+    for restored in (yaml.safe_load(as_yaml(described)), json.loads(json.dumps(described))):
+        assert restored == described
+        assert vars(parameter_of(restored[0])) == vars(Bounded.gauge)
+
+
+def test_what_a_client_does_not_know_in_full_it_judges_by_less() -> None:
+    assert parameter_of(entry("file")).coerce("missing") == "missing"
+    assert parameter_of(entry("files")).coerce(["missing"]) == ("missing",)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"type": "complex"},
+        {"type": None},
+        {"type": ["int"]},
+        {"type": "bool", "minimum": 1},
+        {"minimum": "low"},
+        {"minimum": True},
+        {"maximum": None},
+        {"maximum": math.inf},
+        {"maximum": math.nan},
+        {"type": "enum"},
+        {"type": "enum", "choices": 5},
+        {"type": "list"},
+        {"type": "list", "element": "float"},
+        {"type": "list", "element": {"type": "complex"}},
+        {"type": "list", "default": 5, "element": {"type": "int"}},
+    ],
+)
+def test_an_entry_that_makes_no_sense_is_refused(change: Any) -> None:
+    good = {"name": "a", "type": "int", "unit": "", "default": 3, "help": "", "minimum": 0}
+    assert parameter_of(good).coerce(5) == 5
+    if "type" in change:
+        del good["minimum"]
+    with pytest.raises(ValueError):
+        parameter_of({**good, **change})
+
+
+def test_a_table_has_a_row_for_each_parameter() -> None:
+    rows = as_table(describe(Gauge())).split("\n")
+    assert len(rows) == len(Gauge.declared)
+    assert rows[1].split() == "level = 0.25 float (0, 1e+10] a level".split()
+    assert len({row.index("= ") for row in rows}) == 1
+    assert as_table([]) == ""

@@ -144,6 +144,7 @@ GOALS: List[Goal] = [
     _itself("groups", "32 groups: memory", 200.0, "resident_mb", " MB"),
     _itself("thousand", "1000 groups: at 10 Hz", 1000.0, "holding", " groups", at_most=False),
     _itself("thousand", "1000 groups: CPU", 60.0, "cpu_percent", " %"),
+    _itself("callback", "callback in a group that is free", 2.0, "group_us", " us"),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

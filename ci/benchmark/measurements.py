@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple
 
+import callbacks
 import groups
 import latency
 import live
@@ -95,6 +96,9 @@ MEASUREMENTS = [
         [startup.GENERATOR, startup.PROCESS, startup.BARE],
         startup.memory,
         repeats=1,
+    ),
+    Measurement(
+        "callback", "a callback in its group", [stacks.OURS], callbacks.uncontended, repeats=1
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),

@@ -1,4 +1,4 @@
-"""Check what no linter knows: who may import whom, and that no input can become code.
+"""Check what no linter knows: who may import whom, how long modules are, no code made of input.
 
 ``python3 ci/lib/code_rules.py`` prints each breach and ends with status 1 if there is one.
 """
@@ -39,6 +39,8 @@ PURE = (
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 
+#: Most lines of a module: what is longer has more than one subject.
+LONGEST = 250
 #: Imports by name what it offers, so that nothing is imported before it is used.
 FRONT_DOOR = "nodekit"
 
@@ -153,6 +155,9 @@ def main() -> int:
         for name, tree in trees.items()
         for line, sentence in breaches(name, tree, packages)
     ]
+    for name, path in paths.items():
+        if len(path.read_text("utf-8").splitlines()) > LONGEST:
+            found.append("%s: longer than %d lines" % (name, LONGEST))
     trees.pop(FRONT_DOOR)  # nobody imports it from within
     found += ["%s: %s" % breach for breach in cycles(trees)]
     print("\n".join(found))

@@ -1,0 +1,23 @@
+"""What it costs that the callbacks of a node exclude each other."""
+
+import timeit
+
+from context import Bench, Figures
+from nodekit.life.callbacks import Callback
+from nodekit.life.groups import Group
+
+CALLS = 100_000
+
+
+def uncontended(_bench: Bench, _subject: str) -> Figures:
+    """Call a function that does nothing, by itself and in a group that nobody else wants."""
+
+    def nothing() -> None:
+        pass
+
+    callback = Callback(Group(), nothing, "nothing")
+    by_itself, in_group = (
+        min(timeit.repeat(function, number=CALLS, repeat=5)) / CALLS
+        for function in (nothing, callback.call)
+    )
+    return {"group_us": (in_group - by_itself) * 1e6}

@@ -133,7 +133,9 @@ class Receiving(Callback):
         """
         if not may_wait:
             if len(self._kept) + len(messages) > MOST_KEPT:
-                rospy.logwarn_throttle(10.0, "%s does not keep up: messages are lost" % self._what)
+                rospy.logwarn_throttle_identical(
+                    10.0, "%s does not keep up: messages are lost" % self._what
+                )
             self._kept.extend(messages)
             self._bell.ring()
         elif self._batches:

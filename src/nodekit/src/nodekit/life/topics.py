@@ -87,12 +87,16 @@ class TopicMaker(Owner):
         :param group: the callback's group; the node's own by default
         """
 
+        resolved = self.resolve(name)
+
         def only_finite(message: Any) -> None:
             if is_finite(message):
                 callback(message)
             else:
                 text = "%s: %s is not finite and is left out"
-                rospy.logwarn_throttle(_WARN_EVERY_S, text % (name, " ".join(str(message).split())))
+                rospy.logwarn_throttle_identical(
+                    _WARN_EVERY_S, text % (resolved, " ".join(str(message).split()))
+                )
 
         return self._hear(name, data_class, only_finite if finite else callback, False, group)
 

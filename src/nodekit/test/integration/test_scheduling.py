@@ -10,7 +10,7 @@ import math
 import time
 import unittest
 import weakref
-from typing import Callable, List, Optional, Type
+from typing import Any, Callable, List, Optional, Tuple, Type
 
 import rospy
 import rostest
@@ -59,9 +59,11 @@ class OnClock(unittest.TestCase):
         self.addCleanup(scheduler.close)
         return scheduler
 
-    def timer(self, scheduler: Scheduler, rate: float, catch_up: float = 0.0) -> Timer:
+    def timer(
+        self, scheduler: Scheduler, rate: float, catch_up: float = 0.0, dispatch: Any = None
+    ) -> Timer:
         """Make a timer that keeps what it is called with; it is not started yet."""
-        return Timer(scheduler, self.calls.append, rate, catch_up)
+        return Timer(scheduler, self.calls.append, rate, catch_up, dispatch)
 
     def assert_calls(self, *elapsed: float) -> None:
         """Wait until there are as many calls; compare what they were called with."""
@@ -77,10 +79,10 @@ class OnSimulatedClock(OnClock):
         cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
         wait_until(lambda: cls.clock.get_num_connections() > 0, lambda: "/clock is not heard")
 
-    def start(self, rate: float, catch_up: float = 0.0) -> Timer:
+    def start(self, rate: float, catch_up: float = 0.0, dispatch: Any = None) -> Timer:
         """Start a timer, and one that is due at every step, which shows that the step was seen."""
         scheduler = self.scheduler(RoundsClock(self.end_round))
-        timer = self.timer(scheduler, rate, catch_up)
+        timer = self.timer(scheduler, rate, catch_up, dispatch)
         scheduler.start([timer, Timer(scheduler, self.count_step, EVERY_STEP)])
         return timer
 
@@ -180,54 +182,45 @@ class OnSimulatedClock(OnClock):
         self.step(10.14)
         self.assert_calls(0.0, 0.0, 0.1, 0.1)
 
-    def test_ring_that_is_kept_is_one_tick(self) -> None:
-        timer = self.start(QUARTER_OF_AN_HOUR)
-        rings: List[float] = []
-        timer.ring = lambda: rings.append(self.steps)  # in place of a call: a group that is taken
-        timer.set_rate(0.0)
-        self.step(9.0)
-        timer.set_rate(10.0)
-        wait_until(lambda: rings, lambda: "not rung")
-        self.step(9.1, 9.2)
-        self.assertEqual(len(rings), 1, "it is not rung again before the tick")
-        self.assertEqual((self.calls, timer.skipped), ([], 0))
-        for _ in range(3):
-            timer.tick()
-        self.assert_calls(0.2)
-        self.assertEqual(timer.skipped, 2)
+    def keep(self, rate: float) -> Tuple[Timer, List[Callable[[], None]]]:
+        """Start a timer whose calls are kept, as by a group that is taken."""
+        kept: List[Callable[[], None]] = []
+        timer = self.start(rate, dispatch=kept.append)
+        return timer, kept
+
+    def test_call_that_is_kept_leaves_out_those_that_come_meanwhile(self) -> None:
+        timer, kept = self.keep(10.0)
+        self.step(9.0, 9.1, 9.2)
+        self.assertEqual(len(kept), 1, "it is not dispatched again before it is made")
+        self.assertEqual((self.calls, timer.skipped), ([], 2))
+        kept[0]()
+        kept[0]()
+        self.assert_calls(0.0)
         self.step(9.3)
-        wait_until(lambda: len(rings) == 2, lambda: str(rings))
-        timer.tick()
-        self.assert_calls(0.2, 0.3)
+        wait_until(lambda: len(kept) == 2, lambda: str(kept))
+        kept[1]()
+        self.assert_calls(0.0, 0.3)
         self.assertEqual(timer.skipped, 2)
 
-    def test_ring_that_is_kept_over_a_change_of_the_rate(self) -> None:
-        timer = self.start(10.0)
+    def test_call_that_is_kept_over_a_change_of_the_rate(self) -> None:
+        timer, kept = self.keep(10.0)
         self.step(9.0)
-        self.assert_calls(0.0)
-        rings: List[float] = []
-        timer.ring = lambda: rings.append(self.steps)
-        self.step(9.1)
-        wait_until(lambda: rings, lambda: "not rung")
         timer.set_rate(0.5)
-        timer.tick()
-        self.assertEqual(len(self.calls), 1, "by the new rate it is not due")
+        kept[0]()
+        self.assert_calls(0.0)
         self.step(10.9)
-        self.assertEqual(len(rings), 1)
+        self.assertEqual(len(kept), 1)
         self.step(11.0)
-        wait_until(lambda: len(rings) == 2, lambda: str(rings))
-        timer.tick()
+        wait_until(lambda: len(kept) == 2, lambda: str(kept))
+        kept[1]()
         self.assert_calls(0.0, 2.0)
 
-    def test_tick_of_a_kept_ring_does_nothing_once_the_timer_is_paused_or_closed(self) -> None:
+    def test_call_that_is_kept_is_not_made_once_the_timer_is_paused_or_closed(self) -> None:
         for end in (lambda timer: timer.set_rate(0.0), Timer.close):
-            timer = self.start(10.0)
-            rings: List[float] = []
-            timer.ring = lambda rings=rings: rings.append(self.steps)
+            timer, kept = self.keep(10.0)
             self.step(9.0)
-            wait_until(lambda: rings, lambda: "not rung")
             end(timer)
-            timer.tick()
+            kept[0]()
             self.assertEqual(self.calls, [])
             timer._scheduler.close()
 
@@ -316,11 +309,22 @@ class OnSimulatedClock(OnClock):
 class OnMachinesClock(OnClock):
     """The machine's clock can be waited for only; so each test ends as soon as it may."""
 
-    def start(self, rate: float, catch_up: float = 0.0) -> Timer:
+    def start(self, rate: float, catch_up: float = 0.0, dispatch: Any = None) -> Timer:
         scheduler = self.scheduler(MonotonicClock())
-        timer = self.timer(scheduler, rate, catch_up)
+        timer = self.timer(scheduler, rate, catch_up, dispatch)
         scheduler.start([timer])
         return timer
+
+    def test_calls_to_catch_up_with_are_kept_one_and_all(self) -> None:
+        kept: List[Callable[[], None]] = []
+        timer = self.start(500.0, catch_up=10.0, dispatch=kept.append)
+        wait_until(lambda: kept, lambda: "not dispatched")
+        wait_until(lambda: len(timer._due) > 20, lambda: str(timer._due))
+        kept[0]()
+        self.assertEqual(len(kept), 1)
+        self.assertGreater(len(self.calls), 20)
+        steps = {round(500.0 * (b - a), 6) for a, b in zip(self.calls, self.calls[1:])}
+        self.assertEqual((steps, timer.skipped), ({1.0}, 0))
 
     def test_slow_timer_becomes_quick_at_once(self) -> None:
         timer = self.start(QUARTER_OF_AN_HOUR)

@@ -132,6 +132,10 @@ class Receiving(Callback):
             other.
         """
         if not may_wait:
+            if not self._kept and self.group.try_enter():
+                self._hand_over(messages)
+                self.group.leave()
+                return
             if len(self._kept) + len(messages) > MOST_KEPT:
                 rospy.logwarn_throttle_identical(
                     10.0, "%s does not keep up: messages are lost" % self._what
@@ -147,6 +151,11 @@ class Receiving(Callback):
     def _receive_kept(self) -> None:
         kept = self._kept
         while kept:
-            messages = [kept.popleft() for _ in range(len(kept))]
-            for argument in [messages] if self._batches else messages:
-                self.call_inside(argument)
+            self._hand_over([kept.popleft() for _ in range(len(kept))])
+
+    def _hand_over(self, messages: List[Any]) -> None:
+        if self._batches:
+            self.call_inside(messages)
+        else:
+            for message in messages:
+                self.call_inside(message)

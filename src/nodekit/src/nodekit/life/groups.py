@@ -22,8 +22,8 @@ Work = Callable[[], None]
 class _Waiting:
     """A thread that waits for its turn."""
 
-    def __init__(self, thread: int) -> None:
-        self.thread = thread
+    def __init__(self) -> None:
+        self.thread = threading.get_ident()
         self.turn = threading.Lock()
         self.turn.acquire()
 
@@ -35,10 +35,21 @@ class Group:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        # Who has it is inside. It is handed on locked, so that nobody comes in between.
+        self._inside = threading.Lock()
         self._holder = 0  # of which thread the group is, 0 if it is free
-        self._depth = 0
+        self._depth = 0  # how often that thread has entered again
         self._queue: Deque[Union[_Waiting, Work]] = deque()
+
+    def try_enter(self) -> bool:
+        """Enter if the group is free; not again, where the calling thread is inside.
+
+        :returns: whether the calling thread is inside now, and is to leave
+        """
+        if not self._inside.acquire(False):
+            return False
+        self._holder = threading.get_ident()
+        return True
 
     def enter(self, timeout: float = -1.0) -> bool:
         """Wait until it is the calling thread's turn.
@@ -46,37 +57,33 @@ class Group:
         :param timeout: longest wait, s; below 0 for ever
         :returns: whether it is; False only where the time is over
         """
-        me = threading.get_ident()
-        with self._lock:
-            if self._holder in (0, me):
-                self._holder = me
-                self._depth += 1
-                return True
-            waiting = _Waiting(me)
-            self._queue.append(waiting)
+        if self.try_enter():
+            return True
+        if self._holder == threading.get_ident():
+            self._depth += 1
+            return True
+        waiting = _Waiting()
+        self._queue.append(waiting)
+        self._serve_if_free()
         if waiting.turn.acquire(timeout=timeout):
             return True
-        with self._lock:
-            if waiting not in self._queue:
-                return True  # it was handed over at the last moment
+        try:
             self._queue.remove(waiting)
-            return False
+        except ValueError:  # it is being handed over just now
+            return waiting.turn.acquire()
+        return False
 
     def leave(self) -> None:
         """Hand the group over; do what was left with it before."""
-        while True:
-            with self._lock:
-                if self._depth > 1 or not self._queue:
-                    self._depth -= 1
-                    if not self._depth:
-                        self._holder = 0
-                    return
-                following = self._queue.popleft()
-                if isinstance(following, _Waiting):
-                    self._holder = following.thread
-                    following.turn.release()
-                    return
-            following()
+        if self._depth:
+            self._depth -= 1
+            return
+        if self._queue and self._hand_on():
+            return
+        self._holder = 0
+        self._inside.release()
+        if self._queue:
+            self._serve_if_free()
 
     def offer(self, work: Work) -> None:
         """Do some work at once or, if the group is taken, leave it to the thread that leaves.
@@ -85,16 +92,30 @@ class Group:
 
         :param work: what to do
         """
-        with self._lock:
-            if self._holder:
-                self._queue.append(work)
-                return
-            self._holder = threading.get_ident()
-            self._depth = 1
+        if not self.try_enter():
+            self._queue.append(work)
+            self._serve_if_free()
+            return
         try:
             work()
         finally:
             self.leave()
+
+    def _serve_if_free(self) -> None:
+        """Serve the queue, which has got something at the moment when the last one left."""
+        if self.try_enter():
+            self.leave()
+
+    def _hand_on(self) -> bool:
+        """Do what is queued, up to a thread that waits; tell whether it has the group now."""
+        while self._queue:
+            following = self._queue.popleft()
+            if isinstance(following, _Waiting):
+                self._holder = following.thread
+                following.turn.release()
+                return True
+            following()
+        return False
 
     def wait_until_left(self, timeout: float) -> bool:
         """Wait for a callback that is under way, but not for one of the calling thread.
@@ -125,23 +146,27 @@ class ReentrantGroup(Group):
 
     def __init__(self) -> None:
         super().__init__()
-        self._inside: Dict[int, int] = {}  # how deep each thread is inside
-        self._left = threading.Condition(self._lock)
+        self._depths: Dict[int, int] = {}  # how often each thread is inside
+        self._left = threading.Condition()
+
+    def try_enter(self) -> bool:
+        """Go in."""
+        return self.enter()
 
     def enter(self, timeout: float = -1.0) -> bool:
         """Go in without waiting."""
         me = threading.get_ident()
-        with self._lock:
-            self._inside[me] = self._inside.get(me, 0) + 1
+        with self._left:
+            self._depths[me] = self._depths.get(me, 0) + 1
         return True
 
     def leave(self) -> None:
         """Go out."""
         me = threading.get_ident()
-        with self._lock:
-            self._inside[me] -= 1
-            if not self._inside[me]:
-                del self._inside[me]
+        with self._left:
+            self._depths[me] -= 1
+            if not self._depths[me]:
+                del self._depths[me]
                 self._left.notify_all()
 
     def offer(self, work: Work) -> None:
@@ -162,9 +187,9 @@ class ReentrantGroup(Group):
         :returns: whether they have ended
         """
         deadline = time.monotonic() + timeout
-        with self._lock:
-            others = set(self._inside) - {threading.get_ident()}
-            while others & set(self._inside):
+        with self._left:
+            others = set(self._depths) - {threading.get_ident()}
+            while others & set(self._depths):
                 if not self._left.wait(deadline - time.monotonic()):
                     return False
         return True

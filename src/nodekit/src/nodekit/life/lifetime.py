@@ -48,7 +48,6 @@ class Lifetime(TopicMaker):
         group = group or self._surroundings.group
         what = "%s: %s" % (self.name, getattr(callback, "__qualname__", "a timer"))
         timer = NodeTimer(get_scheduler(steady), group, rate, callback, catch_up, what)
-        self.own(timer.callback)
         if callable(rate):
             self._surroundings.rates.add(timer)
         return self._open(timer)

@@ -4,15 +4,15 @@ from typing import Any, Callable, Iterable, List, Union
 
 import rospy
 
-from nodekit.life.callbacks import Bell, Callback
+from nodekit.life.callbacks import Callback
 from nodekit.life.groups import Group
-from nodekit.timing.scheduler import Scheduler, Timer, checked_rate
+from nodekit.timing.scheduler import Scheduler, Timer
 
 #: A rate in Hz, or a function that returns it.
 Rate = Union[float, Callable[[], float]]
 
 
-class NodeTimer:
+class NodeTimer(Callback):
     """A function that is called at a rate, in a group.
 
     Where the group is taken when a call is due, the thread that leaves it makes the call; a tick
@@ -36,15 +36,12 @@ class NodeTimer:
         catch_up: float,
         what: str,
     ) -> None:
+        super().__init__(group, callback, what)
+        first = 0.0 if callable(rate) else rate
+        self._timer = Timer(scheduler, self.call_inside, first, catch_up, group.offer)
         self._scheduler = scheduler
-        self._what = what
         self._rate = rate
         self._is_started = False
-        self.callback = Callback(group, callback, what)
-        first = 0.0 if callable(rate) else checked_rate(rate)
-        self._timer = Timer(scheduler, self.callback.call_inside, first, catch_up)
-        self._bell = Bell(group, self._timer.tick, what)
-        self._timer.ring = self._bell.ring
 
     @property
     def skipped(self) -> int:
@@ -69,8 +66,7 @@ class NodeTimer:
 
     def close(self) -> None:
         """Make no call any more."""
-        self.callback.close()
-        self._bell.close()
+        super().close()
         self._timer.close()
 
     @staticmethod
@@ -99,7 +95,7 @@ class RateFollowers:
 
         :param timer: one whose rate is a function
         """
-        self._timers = [other for other in self._timers if not other.callback.closed] + [timer]
+        self._timers = [other for other in self._timers if not other.closed] + [timer]
 
     def follow(self) -> None:
         """Ask for all rates, as parameters have changed."""

@@ -81,10 +81,10 @@ class Publisher:
         :raises rospy.ROSException: if the publisher is closed or the node not initialised;
             never because the node is shutting down
         """
-        if self._topic is not None and not kwds and len(args) == 1:
-            if type(args[0]) is self.data_class:
-                self.publish_all(args)
-                return
+        topic = self._topic
+        if topic is not None and len(args) == 1 and type(args[0]) is self.data_class and not kwds:
+            self._send(topic, args)
+            return
         publisher = self._publisher
         if publisher is not None:
             publisher.publish(*args, **kwds)
@@ -105,10 +105,14 @@ class Publisher:
             for message in messages:
                 self.publish(message)
         elif messages:
-            try:
-                topic.publish_all(messages)
-            except genpy.SerializationError as error:
-                raise rospy.ROSSerializationException(str(error)) from error
+            self._send(topic, messages)
+
+    @staticmethod
+    def _send(topic: publishers.OutgoingTopic, messages: Sequence[Any]) -> None:
+        try:
+            topic.publish_all(messages)
+        except genpy.SerializationError as error:
+            raise rospy.ROSSerializationException(str(error)) from error
 
     def get_num_connections(self) -> int:
         """Tell how many subscribers are connected; those in the same process need no connection."""

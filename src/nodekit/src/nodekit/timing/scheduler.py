@@ -11,7 +11,8 @@ import math
 import numbers
 import threading
 import traceback
-from typing import Callable, Dict, Iterable, List, Optional, Tuple, Union
+from collections import deque
+from typing import Callable, Deque, Dict, Iterable, List, Optional, Set, Tuple, Union
 
 import rospy
 
@@ -39,27 +40,37 @@ def checked_rate(rate: float) -> float:
 class Timer:
     """A function that is called at a rate.
 
-    :param scheduler: who calls it, from when it is given to :meth:`Scheduler.start`
+    :param scheduler: who says when, from when it is given to :meth:`Scheduler.start`
     :param callback: called with the time since the first call, s; short, since all other timers
         wait for it
     :param rate: calls a second, Hz; 0 pauses
     :param catch_up: lateness up to which calls are made up for, s; never where time is simulated
+    :param dispatch: calls the function that it is given, now or later; now by default
     :raises ValueError: if the rate is not one to keep
     """
 
     def __init__(
-        self, scheduler: "Scheduler", callback: Callback, rate: float, catch_up: float = 0.0
+        self,
+        scheduler: "Scheduler",
+        callback: Callback,
+        rate: float,
+        catch_up: float = 0.0,
+        dispatch: Optional[Callable[[Callable[[], None]], None]] = None,
     ) -> None:
-        self.timetable = Timetable(checked_rate(rate), scheduler.allowed_catch_up(catch_up))
-        #: Calls the function when it is due; who owns the timer may do so somewhere else.
-        self.ring: Callable[[], None] = self.tick
         self._scheduler = scheduler
         self._callback = callback
+        catch_up = scheduler.allowed_catch_up(catch_up)
+        self._catches_up = catch_up > 0.0
+        self._dispatch = dispatch
+        self.timetable = Timetable(checked_rate(rate), catch_up)
+        #: Calls that are due and not made yet, by the time since the first one, s.
+        self._due: Deque[float] = deque()
+        self._left_out = 0
 
     @property
     def skipped(self) -> int:
         """Calls that were left out so far, because they would have come too late."""
-        return self.timetable.skipped
+        return self._left_out + self.timetable.skipped
 
     def set_rate(self, rate: float) -> None:
         """Change the rate with immediate effect.
@@ -68,20 +79,48 @@ class Timer:
         :raises ValueError: if it is not one to keep; the old one stays
         """
         self._scheduler.set_rate(self, checked_rate(rate))
+        if rate == 0.0:
+            self._due.clear()
 
     def close(self) -> None:
         """Make no call any more."""
         self._scheduler.remove(self)
+        self._due.clear()
 
-    def tick(self) -> None:
-        """Make the call that is due, unless the timer was paused or closed meanwhile."""
-        elapsed = self._scheduler.take(self)
-        if elapsed is not None:
-            self._callback(elapsed)
+    def note(self, elapsed: float) -> bool:
+        """Note that a call is due; one that finds another one still waiting is left out.
+
+        :param elapsed: time since the first call, s
+        :returns: whether it is to be dispatched
+        """
+        is_first = not self._due
+        if is_first or self._catches_up:
+            self._due.append(elapsed)
+        else:
+            self._left_out += 1
+        return is_first
+
+    def dispatch(self) -> None:
+        """Have the calls made that are due."""
+        if self._dispatch is None:
+            self._tick()
+        else:
+            self._dispatch(self._tick)
+
+    def _tick(self) -> None:
+        while True:
+            try:
+                elapsed = self._due.popleft()
+            except IndexError:
+                return  # that was all, or it was closed or paused just now
+            try:
+                self._callback(elapsed)
+            except BaseException:  # one timer's defect must not end the others
+                rospy.logerr_throttle(5.0, "a timer failed:\n%s" % traceback.format_exc())
 
 
 class Scheduler:
-    """Rings timers when they are due, from one thread of its own.
+    """Has the calls of timers made when they are due, from one thread of its own.
 
     :param clock: the time to go by
     """
@@ -89,16 +128,14 @@ class Scheduler:
     def __init__(self, clock: AnyClock) -> None:
         self._clock = clock
         self._lock = threading.Lock()
-        #: The deadline for which each timer is queued; None while it is rung, or paused.
-        self._timers: Dict[Timer, Optional[float]] = {}
-        #: (deadline, tie-break, timer), a heap.
+        self._timers: Set[Timer] = set()
+        #: (deadline, tie-break, timer) of each that is not paused, a heap.
         self._queue: List[Tuple[float, int, Timer]] = []
         self._order = itertools.count()
         self._latest = -math.inf
         self._closed = False
-        self._thread = threading.Thread(target=self._run, name="scheduler", daemon=True)
         rospy.on_shutdown(self.close)
-        self._thread.start()
+        threading.Thread(target=self._run, name="scheduler", daemon=True).start()
 
     def allowed_catch_up(self, catch_up: float) -> float:
         """Return how far a timer may catch up on this clock: simulated time jumps.
@@ -117,7 +154,7 @@ class Scheduler:
         """
         with self._lock:
             for timer in timers:
-                self._timers[timer] = None
+                self._timers.add(timer)
                 self._plan(timer)
         self._clock.wake()
 
@@ -126,34 +163,15 @@ class Scheduler:
         with self._lock:
             timer.timetable.set_rate(rate)
             if timer in self._timers:
+                self._unqueue(timer)
                 self._plan(timer)
         self._clock.wake()
 
     def remove(self, timer: Timer) -> None:
         """Forget a timer; see :meth:`Timer.close`."""
         with self._lock:
+            self._timers.discard(timer)
             self._unqueue(timer)
-            self._timers.pop(timer, None)
-
-    def take(self, timer: Timer) -> Optional[float]:
-        """Take a timer's deadline, and plan the next one.
-
-        :param timer: the timer that was rung
-        :returns: time from its first deadline to this one, s; None if it is not due (any more)
-        """
-        now = self._clock.now()
-        with self._lock:
-            if now is None or timer not in self._timers:
-                return None
-            deadline = timer.timetable.deadline
-            if deadline is None or deadline > now + SLACK_S:
-                self._plan(timer)
-                return None
-            elapsed = timer.timetable.take(now)
-            self._plan(timer)
-        if threading.get_ident() != self._thread.ident:
-            self._clock.wake()
-        return elapsed
 
     def close(self) -> None:
         """Call nothing any more."""
@@ -162,48 +180,46 @@ class Scheduler:
 
     def _plan(self, timer: Timer) -> None:
         """Queue a timer for its next deadline; a new one is due at once."""
-        self._unqueue(timer)
-        deadline = self._timers[timer] = timer.timetable.deadline
+        deadline = timer.timetable.deadline
         if deadline is not None:
             heapq.heappush(self._queue, (deadline, next(self._order), timer))
 
     def _unqueue(self, timer: Timer) -> None:
-        if self._timers.get(timer) is not None:
-            self._queue = [entry for entry in self._queue if entry[2] is not timer]
-            heapq.heapify(self._queue)
+        queue = [entry for entry in self._queue if entry[2] is not timer]
+        if len(queue) < len(self._queue):
+            self._queue = queue
+            heapq.heapify(queue)
 
     def _run(self) -> None:
         while not self._closed:
             now = self._clock.now()
             if now is not None:
-                for timer in self._due(now):
+                for timer in self._take_due(now):
                     if self._closed:
                         return
-                    try:
-                        timer.ring()
-                    except BaseException:  # one timer's defect must not end the others
-                        text = "a timer failed:\n%s" % traceback.format_exc()
-                        rospy.logerr_throttle(5.0, text)
+                    timer.dispatch()
             with self._lock:
                 moment = self._queue[0][0] if self._queue else None
             self._clock.wait_until(moment)
 
-    def _due(self, now: float) -> List[Timer]:
-        """Return the timers to be rung now; each is queued again when it has taken its deadline."""
-        due: List[Timer] = []
+    def _take_due(self, now: float) -> List[Timer]:
+        """Return the timers to be dispatched now, each queued again for the next time."""
+        found: List[Timer] = []
         with self._lock:
             if now < self._latest:
                 self._follow_clock_back(now)
             self._latest = now
             queue = self._queue
             while queue and queue[0][0] <= now + SLACK_S:
-                timer = heapq.heappop(queue)[2]
-                timer.timetable.begin(now)
-                self._timers[timer] = None
-                due.append(timer)
-        return due
+                _, order, timer = queue[0]
+                timetable = timer.timetable
+                if timer.note(timetable.take(now)):
+                    found.append(timer)
+                heapq.heapreplace(queue, (timetable.next_deadline, order, timer))
+        return found
 
     def _follow_clock_back(self, now: float) -> None:
+        self._queue = []
         for timer in self._timers:
             timer.timetable.restart(now)
             self._plan(timer)

@@ -31,14 +31,14 @@ class Timetable:
         #: Minus infinity before it began.
         self._anchor = -math.inf
         self._elapsed_at_anchor = 0.0
-        #: Number of the next deadline, counted from 0 at the anchor, and that deadline.
+        #: Number of the next deadline, counted from 0 at the anchor, and that deadline, s.
         self._next = 0
-        self._deadline = self._taken_at = -math.inf
+        self.next_deadline = self._taken_at = -math.inf
 
     @property
     def deadline(self) -> Optional[float]:
         """When the task is due next, s; minus infinity before it began, None while it is paused."""
-        return None if self._is_paused else self._deadline
+        return None if self._is_paused else self.next_deadline
 
     def begin(self, now: float) -> None:
         """Put the first deadline; without effect where there is one.
@@ -46,7 +46,7 @@ class Timetable:
         :param now: that deadline, s
         """
         if self._anchor == -math.inf:
-            self._anchor = self._deadline = now
+            self._anchor = self.next_deadline = now
 
     def take(self, now: float) -> float:
         """Take a deadline that has passed: the next, or the latest if that is too late.
@@ -56,14 +56,14 @@ class Timetable:
         """
         self.begin(now)
         following = self._next + 1
-        if now - self._deadline > self._catch_up:
+        if now - self.next_deadline > self._catch_up:
             latest = max(following, self._first_after(now, self._anchor))
             if not self._is_retimed:
                 self.skipped += latest - following
             following = latest
         self._is_retimed = False
         self._next = following
-        self._deadline = self._anchor + following / self._rate
+        self.next_deadline = self._anchor + following / self._rate
         self._taken_at = now
         return self._elapsed_at_anchor + (following - 1) / self._rate
 
@@ -84,7 +84,7 @@ class Timetable:
             self._elapsed_at_anchor += last
             self._rate = rate
             self._next = self._first_after(self._taken_at, self._anchor)
-            self._deadline = self._anchor + self._next / rate
+            self.next_deadline = self._anchor + self._next / rate
         self._rate = rate
 
     def restart(self, now: float) -> None:
@@ -94,7 +94,7 @@ class Timetable:
         """
         if self._next:
             self._elapsed_at_anchor += self._next / self._rate
-        self._anchor = self._deadline = now
+        self._anchor = self.next_deadline = now
         self._next = 0
 
     def _first_after(self, now: float, anchor: float) -> int:

@@ -1,6 +1,7 @@
 """What it costs that the callbacks of a node exclude each other."""
 
 import timeit
+from typing import Callable, List
 
 from context import Bench, Figures
 from nodekit.life.callbacks import Callback
@@ -15,9 +16,8 @@ def uncontended(_bench: Bench, _subject: str) -> Figures:
     def nothing() -> None:
         pass
 
-    callback = Callback(Group(), nothing, "nothing")
+    subjects: List[Callable[[], None]] = [nothing, Callback(Group(), nothing, "nothing").call]
     by_itself, in_group = (
-        min(timeit.repeat(function, number=CALLS, repeat=5)) / CALLS
-        for function in (nothing, callback.call)
+        min(timeit.repeat(function, number=CALLS, repeat=5)) / CALLS for function in subjects
     )
     return {"group_us": (in_group - by_itself) * 1e6}

@@ -41,6 +41,8 @@ ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 
 #: Most lines of a module: what is longer has more than one subject.
 LONGEST = 250
+#: Most modules of nodekit that a node imports: the front door is to do.
+MOST_DOORS = 2
 #: Imports by name what it offers, so that nothing is imported before it is used.
 FRONT_DOOR = "nodekit"
 
@@ -137,6 +139,11 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
             yield line, "%s could make code of input" % top
         if imported == "typing.TYPE_CHECKING" and name != FRONT_DOOR:
             yield line, "what is imported for type checkers alone may hide a circle"
+    if is_in(name, ["%s.nodes" % package]):
+        doors = {imported.rpartition(".")[0] for _, imported in imports(tree)}
+        doors = {door for door in doors if is_in(door, ["nodekit"])}
+        if len(doors) > MOST_DOORS:
+            yield 1, "a node that needs so much of nodekit: %s" % ", ".join(sorted(doors))
     for line, called in calls(tree):
         if called in CODE:
             yield line, "%s could make code of input" % called

@@ -292,9 +292,10 @@ class Races(unittest.TestCase):
             self.user.set(self.level, 9.0)
             self.user.set(marker.follower.key, 1)
             wait_until(lambda: marker.pushed, lambda: "no notification")
-        self.assertEqual(
-            [call[0][0].rstrip("/") for call in note.call_args_list], [marker.follower.key]
-        )
+        noted = [call[0][0].rstrip("/") for call in note.call_args_list]
+        # Not what an earlier test has set at its end.
+        noted = [key for key in noted if (key + "_").startswith((self.key + "/", self.key + "_"))]
+        self.assertEqual(noted, [marker.follower.key])
         self.user.set(self.level, held if held is not None else 1.0)
 
     def test_set_that_is_refused_at_the_start_is_followed_no_longer(self) -> None:

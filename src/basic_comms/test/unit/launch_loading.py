@@ -2,10 +2,12 @@
 
 import os
 import shlex
-from typing import Dict, Tuple
+import subprocess
+from typing import Dict, List, Tuple
 
 import rospkg
 from roslaunch.config import ROSLaunchConfig
+from roslaunch.core import Node
 from roslaunch.xmlloader import XmlLoader
 
 #: The folder of the launch files.
@@ -25,6 +27,13 @@ def load(command: str, *more: str) -> ROSLaunchConfig:
     loader.load(os.path.join(LAUNCH, name), config, argv=arguments + list(more), verbose=False)
     config.assign_machines()
     return config
+
+
+def words_from_prefix(node: Node) -> List[str]:
+    """Return what the shell in a node's launch-prefix adds to the command."""
+    command = shlex.split(node.launch_prefix) + ["printf", "%s\n"]
+    printed = subprocess.run(command, env=dict(node.env_args), stdout=subprocess.PIPE, check=True)
+    return printed.stdout.decode().splitlines()
 
 
 def listed_arguments(name: str) -> Dict[str, Tuple[str, str]]:

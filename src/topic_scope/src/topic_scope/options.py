@@ -17,6 +17,8 @@ from topic_scope.fields import FieldError, expand
 _ALL = ("", "0.0.0.0", "::")
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
+#: How many ports are tried where the next one will do.
+PORTS = 100
 
 
 class Options(NamedTuple):
@@ -25,6 +27,7 @@ class Options(NamedTuple):
     :param fields: names of the fields that are shown at first
     :param address: address that the pages are served at
     :param port: port that the pages are served at
+    :param next_port: whether the next port that is free will do as well
     :param history: how long samples are kept, s
     :param window: span of time that is shown at first, s
     :param open_browser: whether to open the page where there is a browser
@@ -33,9 +36,15 @@ class Options(NamedTuple):
     fields: Sequence[str]
     address: str
     port: int
+    next_port: bool
     history: float
     window: float
     open_browser: bool
+
+    @property
+    def ports(self) -> Sequence[int]:
+        """The ports that will do, the wanted one first."""
+        return range(self.port, min(self.port + PORTS, 65536) if self.next_port else self.port + 1)
 
     @property
     def is_local(self) -> bool:
@@ -80,7 +89,13 @@ def parse(arguments: Sequence[str]) -> Options:
             except FieldError as error:
                 parser.error(str(error))
     return Options(
-        tuple(names), read.address, read.port, read.history, read.window, read.open_browser
+        tuple(names),
+        read.address,
+        read.port,
+        read.next_port,
+        read.history,
+        read.window,
+        read.open_browser,
     )
 
 
@@ -98,6 +113,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--port", type=_port, default=DEFAULT_PORT, help="where to serve the page (%(default)s)"
+    )
+    parser.add_argument(
+        "--next-port",
+        action="store_true",
+        help="where that port is taken, take the next one that is free",
     )
     parser.add_argument(
         "--address",
@@ -137,10 +157,9 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
 
 
 def _port(text: str) -> int:
-    port = int(text)
-    if not 1 <= port <= 65535:
-        raise argparse.ArgumentTypeError("a port is a number from 1 to 65535")
-    return port
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError("refused %r: must be a number from 1 to 65535" % text)
+    return int(text)
 
 
 def _seconds(text: str) -> float:

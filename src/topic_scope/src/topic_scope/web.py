@@ -1,6 +1,7 @@
 """What the browser talks to: files, data as CSV and the WebSocket."""
 
 import asyncio
+import errno
 import json
 import socket
 from typing import Any, Dict, List, Optional
@@ -25,9 +26,16 @@ _SEND_BUFFER = 256 * 1024
 def bind(options: Options) -> List[socket.socket]:
     """Return the sockets to serve at.
 
-    :raises OSError: if the address is not one of this machine's, or the port is taken
+    :raises OSError: if the address is not one of this machine's, or the ports are taken
     """
-    return tornado.netutil.bind_sockets(options.port, options.address)
+    *others, last = options.ports
+    for port in others:
+        try:
+            return tornado.netutil.bind_sockets(port, options.address)
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+    return tornado.netutil.bind_sockets(last, options.address)
 
 
 def _check_host(handler: tornado.web.RequestHandler) -> None:

@@ -107,6 +107,21 @@ class Life(unittest.TestCase):
         self.assertIn("--port", text)
         self.assertNotIn("Traceback", text)
 
+    def test_the_next_port_that_is_free_is_taken_when_asked_for(self) -> None:
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", self.port))
+            taken.listen()
+            wanted, command = self.port, ["--next-port", "--port", str(self.port)]
+            scope = self.start_node("topic_scope", "scope.py", *command, "__ns:=other")
+            line = next(line for line in scope.stdout or () if "is taken" in line)
+            self.port = int(line.split()[-1])
+            self.assertIn("port %d is taken: the next free one is" % wanted, line)
+            self.assertIn(self.port, range(wanted + 1, wanted + 100))
+            self.url = "http://localhost:%d" % self.port
+            self.assertEqual(fetch(self.url)[0], 200)
+        self.end(scope)
+        self.assertEqual(scope.returncode, 0)
+
     def test_an_address_of_somebody_else_is_refused(self) -> None:
         scope = self.start_node("topic_scope", "scope.py", "--address", "192.0.2.1")
         text = self.end_of(scope)

@@ -1,11 +1,14 @@
 """basic_comms' cw1.launch shows its signals in the scope when it is asked to."""
 
 import os
-from typing import Dict
+import shlex
+import subprocess
+from typing import Dict, List
 
 import pytest
 import rospkg
 from roslaunch.config import ROSLaunchConfig
+from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.xmlloader import XmlLoader
 
 from topic_scope.options import parse
@@ -13,12 +16,19 @@ from topic_scope.options import parse
 CW1 = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", "cw1.launch")
 
 
-def programs(*arguments: str) -> Dict[str, str]:
-    """Return the arguments of each program that would be started, by its name."""
+def programs(*arguments: str) -> Dict[str, Node]:
+    """Return the nodes that would be started by the names of their programs."""
     config = ROSLaunchConfig()
     XmlLoader().load(CW1, config, argv=list(arguments), verbose=False)
     assert config.config_errors == []
-    return {node.type: node.args for node in config.nodes}
+    return {node.type: node for node in config.nodes}
+
+
+def words_of(node: Node, variables: Dict[str, str]) -> List[str]:
+    """Return what the program of a node gets from the shell that starts it."""
+    command = shlex.split(node.launch_prefix) + ["printf", "%s\\n"] + shlex.split(node.args)
+    printed = subprocess.run(command, env=variables, stdout=subprocess.PIPE, check=True)
+    return printed.stdout.decode().splitlines()
 
 
 def test_there_is_no_scope_unless_it_is_asked_for() -> None:
@@ -39,8 +49,9 @@ def test_there_is_no_scope_unless_it_is_asked_for() -> None:
 def test_both_signals_are_chosen(
     space: str, around: str, begin: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    arguments = programs("plot:=true", "ns:=" + space)["scope.py"].split()
-    monkeypatch.setenv("ROS_NAMESPACE", around)  # as roslaunch __ns:= sets it for its nodes
-    options = parse(arguments)
+    scope = programs("plot:=true", "ns:=" + space, "__ns:=" + around)["scope.py"]
+    variables = setup_env(scope, local_machine(), "http://localhost:11311", dict(os.environ))
+    monkeypatch.setenv("ROS_NAMESPACE", variables.get("ROS_NAMESPACE", "/"))
+    options = parse(words_of(scope, variables))
     assert options.fields == (begin + "/signal/signal_y", begin + "/proc_signal/data")
-    assert options.open_browser and options.is_local
+    assert options.open_browser and options.is_local and options.next_port

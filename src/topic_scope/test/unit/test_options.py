@@ -21,6 +21,12 @@ def test_relative_names_are_in_the_namespace() -> None:
     assert parse(["a/x", "/b/x", "__ns:=lab"]).fields == ("/lab/a/x", "/b/x")
 
 
+def test_the_next_port_will_do_only_when_asked_for() -> None:
+    assert list(parse([]).ports) == [8080]
+    assert list(parse(["--next-port", "--port", "9000"]).ports) == list(range(9000, 9100))
+    assert list(parse(["--next-port", "--port", "65534"]).ports) == [65534, 65535]
+
+
 @pytest.mark.parametrize("address", ["0.0.0.0", "10.0.0.7", "::", "lab-7", ""])
 def test_any_other_address_is_open(address: str) -> None:
     options = parse(["_address:=" + address])
@@ -42,6 +48,8 @@ def test_an_address_with_colons_is_put_in_brackets() -> None:
         ["--port", "0"],
         ["--port", "65536"],
         ["--port", "web"],
+        ["--port", "80.5"],
+        [" --open-browser"],
         ["--history", "-1"],
         ["--window", "nan"],
         ["../x"],

@@ -36,7 +36,7 @@ class Scope:
         - ``describe`` and ``change`` of each node that has them; SetBool and Trigger services
           beside them, when a page calls them
 
-    :param chosen: the options
+    :param chosen: the options, with the port that is served at
     :param sockets: where to serve
     """
 
@@ -82,22 +82,33 @@ def _open_browser(url: str) -> None:
 
 def main() -> None:
     """Run the node until it is shut down."""
-    chosen = options.parse(sys.argv[1:])
+    wanted = options.parse(sys.argv[1:])
     try:
-        sockets = web.bind(chosen)
+        sockets = web.bind(wanted)
     except OSError as error:
-        sys.exit("scope.py: " + _why_not(error, chosen))
+        sys.exit("scope.py: " + _why_not(error, wanted))
+    chosen = wanted._replace(port=sockets[0].getsockname()[1])
     logging.getLogger("tornado").setLevel(logging.ERROR)
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else "scope_%d" % chosen.port
-    run(name, lambda _node: Scope(chosen, sockets))
+
+    def start(_node: object) -> Scope:
+        if chosen.port != wanted.port:
+            rospy.loginfo("port %d is taken: the next free one is %d", wanted.port, chosen.port)
+        return Scope(chosen, sockets)
+
+    run(name, start)
 
 
 def _why_not(error: OSError, chosen: Options) -> str:
     if error.errno == errno.EADDRINUSE:
-        return "port %d is taken, perhaps by another scope: close that, or use --port %d" % (
-            chosen.port,
-            chosen.port + 1 if chosen.port < 65535 else options.DEFAULT_PORT,
+        last = chosen.ports[-1]
+        free = last + 1 if last < 65535 else options.DEFAULT_PORT
+        if chosen.next_port:
+            return "ports %d to %d are taken: use --port %d" % (chosen.port, last, free)
+        return (
+            "port %d is taken, perhaps by another scope: close that, or use --port %d"
+            " (in a launch file port:=%d)" % (chosen.port, free, free)
         )
     if error.errno == errno.EACCES:
         return "port %d is not for users: use --port %d" % (chosen.port, options.DEFAULT_PORT)

@@ -96,6 +96,7 @@ class OnSimulatedClock(unittest.TestCase):
         show(100.3, 50.0, 50.1, 5000.0, 5000.1)
         self.assertEqual(self.said_at(), [100.0, 100.1, 100.2, 100.3, 50.0, 50.1, 5000.0, 5000.1])
         self.assertEqual(self.steps(), [1, 1, 1, 1, 1, 49499, 1])
+        self.assertEqual([line.msg for line in self.log.messages() if "s late" in line.msg], [])
 
     def test_bag_that_plays_tenfold_and_in_a_loop(self) -> None:
         recorded = self.ear("/recorded/proc_signal", Float32)

@@ -126,6 +126,52 @@ def test_a_signal_that_jumps_ahead_is_in_time() -> None:
     assert not was_ever_late(steady(0.0, 5.0), ahead)
 
 
+@given(st.floats(1.5, 1e6), st.integers(1, 40))
+def test_a_clock_that_follows_the_jump_of_a_signal_makes_nothing_late(
+    jump: float, behind: int
+) -> None:
+    samples = [(BEGIN + time_x, [jump + time_x]) for time_x in held_back(5.0, 10.0)]
+    on = [(now + jump, times) for now, times in samples[behind:]]
+    assert not was_ever_late(steady(0.0, 5.0), samples[:behind], on)
+
+
+@given(st.floats(1.5, 1e6))
+def test_a_clock_that_jumps_before_the_signal_makes_nothing_late(jump: float) -> None:
+    on = [(now + jump, [times[0] + jump]) for now, times in steady(5.0, 10.0)]
+    assert not was_ever_late(steady(0.0, 5.0), on)
+
+
+def test_what_a_jump_makes_late_is_withdrawn_by_the_first_sample_in_time() -> None:
+    jumped = [(now, [times[0] + 4.0]) for now, times in steady(5.0, 6.0)]
+    monitor = fed(steady(0.0, 5.0), jumped)
+    take(monitor, BEGIN + 8.0, [10.0])  # half of what the clock will jump
+    assert monitor.is_late
+    take(monitor, BEGIN + 10.1, [10.1])
+    assert not monitor.is_late
+
+
+def test_clocks_that_take_turns_in_being_first_make_nothing_late() -> None:
+    steps = [(BEGIN + 2.0 * (n - n % 2), [2.0 * n]) for n in range(50)]
+    assert not was_ever_late(steps)
+
+
+@pytest.mark.parametrize("outage", [20.0, 98.0, 102.0, 500.0])
+def test_an_outage_after_a_jump_of_the_signal_alone_is_noticed(outage: float) -> None:
+    ahead = [(now - 100.0, times) for now, times in steady(105.0, 108.0)]
+    monitor = fed(steady(0.0, 5.0), ahead)
+    take(monitor, BEGIN + 8.0 + outage, [108.0])
+    assert monitor.is_late
+    assert monitor.worst == pytest.approx(outage)
+
+
+def test_a_jump_is_forgotten_when_the_signal_has_gone_on_for_long() -> None:
+    ahead = [(now - 100.0, times) for now, times in steady(105.0, 105.2 + SETTLED_S)]
+    monitor = fed(steady(0.0, 5.0), ahead)
+    time_x = 105.3 + SETTLED_S
+    take(monitor, BEGIN + time_x, [time_x])
+    assert monitor.is_late
+
+
 def test_a_lag_that_lasts_is_none_in_the_end() -> None:
     def later(end: float) -> List[Tuple[float, List[float]]]:
         return [(now + 30.0, times) for now, times in steady(5.0, end)]

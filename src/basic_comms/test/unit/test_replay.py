@@ -1,6 +1,8 @@
 """Replay of CSV files: what is played, and what is refused with which words."""
 
 import os
+import socket
+import time
 
 import numpy
 import pytest
@@ -140,20 +142,101 @@ def test_a_broken_file_is_refused_with_its_name_line_and_what_is_allowed(write, 
     assert len(str(refusal.value)) < 300
 
 
-def test_a_missing_file_a_directory_and_a_device_are_refused(tmp_path):
-    for path in ("", str(tmp_path / "missing.csv"), str(tmp_path), os.devnull):
-        with pytest.raises(SeriesError, match="no such file"):
-            load_series(path)
+@pytest.mark.parametrize("name", ["", "missing.csv", "null\0.csv", "\udc80.csv\0"])
+def test_a_missing_file_is_refused(tmp_path, name):
+    with pytest.raises(SeriesError, match="there is no such file"):
+        load_series(str(tmp_path / name) if name else "")
+
+
+def test_what_is_no_file_is_called_what_it_is_and_not_opened(tmp_path):
+    os.mkfifo(tmp_path / "pipe")  # to open it would wait for a writer
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(tmp_path / "socket"))
+        for path, kind in [
+            (tmp_path, "a folder"),
+            (tmp_path / "pipe", "a FIFO"),
+            (tmp_path / "socket", "a socket"),
+            (os.devnull, "a device"),
+        ]:
+            with pytest.raises(SeriesError, match=f"^{path}: this is {kind}; a CSV file of time"):
+                load_series(str(path))
+
+
+def test_a_file_behind_a_file_is_refused_with_the_reason(write):
+    with pytest.raises(SeriesError, match="cannot be read: Not a directory"):
+        load_series(write("0,1\n") + "/series.csv")
 
 
 def test_a_file_that_is_too_long_or_too_big_is_refused(write, monkeypatch):
     path = write("0,1\n1,1\n2,1\n")
-    monkeypatch.setattr(replay, "LARGEST_ROWS", 2)
-    with pytest.raises(SeriesError, match="line 3: too long; at most 2 rows"):
+    monkeypatch.setattr(replay, "LARGEST_LINES", 3)
+    monkeypatch.setattr(replay, "LARGEST_BYTES", 12)
+    assert len(load_series(path)) == 3
+    monkeypatch.setattr(replay, "LARGEST_LINES", 2)
+    with pytest.raises(SeriesError, match="series.csv: too long; at most 2 lines are allowed"):
         load_series(path)
     monkeypatch.setattr(replay, "LARGEST_BYTES", 11)
-    with pytest.raises(SeriesError, match="too big; at most 11 bytes"):
+    with pytest.raises(SeriesError, match="series.csv: 12 bytes; at most 11 are allowed"):
         load_series(path)
+
+
+def test_the_size_is_looked_at_before_anything_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "series.csv"
+    with open(path, "wb") as file:
+        file.truncate(40_000_000)
+    monkeypatch.setattr("builtins.open", None)
+    with pytest.raises(SeriesError, match="series.csv: 40000000 bytes; at most 8000000"):
+        load_series(str(path))
+
+
+def test_a_file_that_tells_no_size_is_read_no_further_than_allowed():
+    with pytest.raises(SeriesError, match="/proc/self/stat: 12 bytes; at most 11"):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(replay, "LARGEST_BYTES", 11)
+            load_series("/proc/self/stat")
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [f"{1.7e9 + n:.6f},{n * 1e-7:.16f}\n" for n in range(replay.LARGEST_LINES)],
+        ["\n"] * replay.LARGEST_BYTES,
+        ["# nothing\n"] * (replay.LARGEST_BYTES // 10),
+        [","] * replay.LARGEST_BYTES,
+        ["0,", "9" * (replay.LARGEST_BYTES - 2)],
+    ],
+    ids=["rows", "blank lines", "comments", "commas", "digits"],
+)
+def test_the_largest_file_takes_well_below_a_second(write, lines):
+    path = write("".join(lines))
+    assert os.path.getsize(path) <= replay.LARGEST_BYTES
+    began = time.thread_time()  # of this thread alone, whatever else the machine does
+    try:
+        assert len(load_series(path)) == replay.LARGEST_LINES
+    except SeriesError as error:
+        assert len(str(error)) < 300
+    assert time.thread_time() - began < 0.8
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["time,value", '"t [s]", "U [V]"', "%time,field.data", "time,/signal/signal_y", "t,é"],
+)
+def test_a_heading_is_two_names(write, heading):
+    assert len(load_series(write(heading + "\n0,1\n"))) == 1
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["0;1", "0 1", "0.1s,5V", "\N{MINUS SIGN}1,\N{MINUS SIGN}2", "value", "a,b,c", ",", "a,"],
+)
+def test_a_first_line_that_is_no_heading_is_not_passed_over(write, line):
+    with pytest.raises(SeriesError) as refusal:
+        load_series(write("# times\n" + line + "\n1,1\n"))
+    assert str(refusal.value).endswith(
+        "series.csv, line 2: %r; two finite numbers, time,value, are allowed, "
+        "or a heading of two names" % line
+    )
 
 
 def test_a_file_that_cannot_be_opened_is_refused(write, monkeypatch):

@@ -374,3 +374,11 @@ def test_publisher_that_opens_while_the_last_other_one_closes_is_heard(
     ours.publish(String("news"))
     assert receive(subscriber).data == "news"
     assert [s.sent for s in ours.statistics()] == [1]
+
+
+def test_the_last_of_several_stays_latched_and_none_leaves_it(opened, connect):
+    publisher = opened(String, latch=True)
+    connect(publisher)
+    publisher.publish_all([String("older"), String("newer")])
+    publisher.publish_all([])
+    assert receive(connect(publisher)).data == "newer"

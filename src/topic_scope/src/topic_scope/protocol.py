@@ -15,6 +15,7 @@ WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
 _TIMES = (0.0, 1e11)
 _LONGEST_NAME = 300
+_LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
 
 
 class RequestError(ValueError):
@@ -50,12 +51,14 @@ class Trigger(NamedTuple):
     :param field: name of the field
     :param level: the level
     :param rising: whether it is crossed upwards
+    :param number: the page's own, by which it knows what is told of this request
     """
 
     mode: str
     field: str
     level: float
     rising: bool
+    number: int = 0
 
 
 class Set(NamedTuple):
@@ -162,14 +165,17 @@ def _view(request: Dict[str, Any]) -> View:
 
 def _trigger(request: Dict[str, Any]) -> Trigger:
     mode = _word(request, "trigger", "mode", ("off", "normal", "single"))
+    number = 0
+    if "number" in request:
+        number = int(_number(request, "trigger", "number", 0, _LARGEST_NUMBER))
     if mode == "off":
-        return Trigger(mode, "", 0.0, True)
+        return Trigger(mode, "", 0.0, True, number)
     fields = _fields(request.get("field"), "trigger")
     if len(fields) != 1:
         raise RequestError("trigger: one field is watched")
     level = _number(request, "trigger", "level", -1e300, 1e300)
     rising = _word(request, "trigger", "edge", ("rising", "falling")) == "rising"
-    return Trigger(mode, fields[0], level, rising)
+    return Trigger(mode, fields[0], level, rising, number)
 
 
 def _set(request: Dict[str, Any]) -> Set:

@@ -68,7 +68,12 @@ class TriggerWatch:
             if self._state == "triggered" and self._request.mode == "normal":
                 if now > self._hold_until + _QUIET_S:
                     self._state, self._time = "armed", None
-        message = {"type": "trigger", "state": self._state, "time": self._time}
+        message = {
+            "type": "trigger",
+            "number": self._request.number,
+            "state": self._state,
+            "time": self._time,
+        }
         if message == self._told:
             return None
         self._told = message

@@ -122,6 +122,33 @@ class Page(PageTest):
         self.assertIn(self.browser.text("#trigger-state"), ("armed", "triggered"))
         wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold again")
 
+    def test_trigger_ignores_what_is_told_of_it_before_its_latest_change(self) -> None:
+        # What is under way: the page gets it after it has sent the change.
+        self.browser.run(
+            "const send = WebSocket.prototype.send;"
+            "WebSocket.prototype.send = function(text) { window.socket = this;"
+            " window.sent = JSON.parse(text); return send.call(this, text); };"
+        )
+        self.browser.choose("#window", "0.5")
+        self.browser.choose("#trigger-mode", "single")
+        self.browser.run("arguments[0].value = '1000';", self.browser.find("#trigger-level"))
+        told = self.browser.run(
+            "document.querySelector('#trigger-level').dispatchEvent(new Event('change'));"
+            "const { number } = window.sent;"
+            "for (const old of [number - 1, undefined]) window.socket.dispatchEvent("
+            "new MessageEvent('message', { data: JSON.stringify("
+            "{type: 'trigger', number: old, state: 'triggered', time: 0}) }));"
+            "return document.querySelector('#trigger-state').value;"
+        )
+        self.assertNotEqual(told, "triggered")
+        wait_until(
+            lambda: self.browser.text("#trigger-state") == "armed",
+            lambda: self.browser.text("#trigger-state"),
+        )
+        self.wait_moving()
+        self.assertEqual(self.browser.text("#run"), "Pause")
+        self.browser.choose("#trigger-mode", "off")
+
     def test_wheel_drag_and_double_click(self) -> None:
         stage = self.browser.find("#stage")
         self.browser.run(
@@ -146,7 +173,9 @@ class Page(PageTest):
         self.assertAlmostEqual(
             float(handle.get_attribute("aria-valuenow")), first + 0.025, delta=1e-6
         )
-        self.assertIn("Δt 1.4750 s", self.browser.text(".readout"))
+        readout = self.browser.text(".readout").replace("\xa0", " ")
+        self.assertIn("Δt 1.4750 s", readout)
+        self.assertIn("1/Δt 0.6780 Hz", readout)
         # They stay where they are on the screen when the axis counts from the trigger.
         self.browser.choose("#window", "1")
         for _ in range(2):

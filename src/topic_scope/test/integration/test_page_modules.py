@@ -99,6 +99,47 @@ class Modules(unittest.TestCase):
         # A second and two bins more are kept: the oldest bin is gone.
         self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0]])
 
+    def test_sweep_is_held_when_its_right_half_has_come(self) -> None:
+        for mode in ("normal", "single"):
+            held, values = self.browser.call(
+                "sweep.js",
+                "(() => { const values = {window: 2, end: null, reference: null,"
+                " trigger: {mode: a[0], field: 'f', edge: 'rising'}};"
+                " const sweep = new module.Sweep("
+                "{values, on() {}, set(changes) { Object.assign(values, changes); }});"
+                " const seen = []; const frame = (first, count) => {"
+                " sweep.onFrame({now: (first + count) / 10, bin: 0.1, reset: !seen.length, first,"
+                " traces: {f: Array(2 * count).fill(first)}});"
+                " const {buffer, from, to, reference} = sweep.shown;"
+                " seen.push([from, to, reference, buffer.at('f', from + 0.05),"
+                " buffer.at('f', to - 0.05)]); };"
+                " frame(70, 31); sweep.onTrigger({state: 'triggered', time: 10});"
+                " frame(101, 8); frame(109, 1); frame(110, 10); frame(120, 10);"
+                " return [seen, values]; })()",
+                mode,
+            )
+            self.assertEqual([round(to, 6) for _, to, *_ in held], [10.1, 10.9, 11, 11, 11])
+            self.assertEqual(held[2], [9, 11, 10, 70, 109])
+            if mode == "normal":  # it stays, whatever comes; a single one gets no more frames
+                self.assertEqual(held[3:], held[2:3] * 2)
+            self.assertEqual(values["end"], 11 if mode == "single" else None)
+
+    def test_cursors_tell_the_frequency_of_the_time_between_them(self) -> None:
+        texts = self.browser.call(
+            "cursors.js",
+            "a[0].map(([from, to]) => { const values = {cursors: null};"
+            " const overlay = document.createElement('div');"
+            " const cursors = new module.Cursors(overlay, {values, on() {}, set() {}},"
+            " {times: [0, 10], onDrawn() {}});"
+            " values.cursors = {a: from, b: to}; cursors.place();"
+            " return overlay.querySelector('.readout').textContent; })",
+            [[2, 2.5], [2.5, 2], [3, 3], [0, 8]],
+        )
+        self.assertEqual(
+            [text.partition("1/Δt ")[2] for text in texts],
+            ["2.0000 Hz", "2.0000 Hz", "– Hz", "0.1250 Hz"],
+        )
+
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
         rows = self.browser.call(

@@ -117,9 +117,12 @@ class Signals(ScopeTest):
         )["traces"]["/signal/signal_y"]
         self.assertAlmostEqual(found["rate"], 100.0, delta=10.0)
         self.assertAlmostEqual(found["max"], 2.0, delta=0.01)
-        page.send("trigger", mode="single", field="/signal/signal_y", level=0.5, edge="falling")
-        page.wait_for("trigger", lambda message: message["state"] == "armed")
-        crossing = page.wait_for("trigger", lambda message: message["state"] == "triggered")["time"]
+        edge = {"field": "/signal/signal_y", "level": 0.5, "edge": "falling"}
+        page.send("trigger", mode="single", number=5, **edge)
+        for state in ("armed", "triggered"):
+            told = page.wait_for("trigger", lambda message: message["state"] == state)
+            self.assertEqual(told["number"], 5)
+        crossing = told["time"]
         rows = [(moment, float(row[0])) for moment, row in self.samples("/signal/signal_y")]
         # Samples that arrive together are so close that it may fall on the second when rounded.
         (before, high), (after, low) = next(

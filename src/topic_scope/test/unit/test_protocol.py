@@ -16,6 +16,7 @@ JSON = st.recursive(
     | st.dictionaries(st.text(max_size=8), inner, max_size=4),
     max_leaves=10,
 )
+SINGLE = {"type": "trigger", "mode": "single", "field": "/a/x", "level": 0, "edge": "rising"}
 GOOD = [
     (
         {"type": "select", "fields": ["/a/x:y", "/a/y"]},
@@ -29,6 +30,14 @@ GOOD = [
         protocol.Trigger("normal", "/a/x", -1.0, False),
     ),
     ({"type": "trigger", "mode": "off"}, protocol.Trigger("off", "", 0.0, True)),
+    (
+        {"type": "trigger", "mode": "off", "number": 2**53 - 1},
+        protocol.Trigger("off", "", 0.0, True, 2**53 - 1),
+    ),
+    (
+        {**SINGLE, "number": 3},
+        protocol.Trigger("single", "/a/x", 0.0, True, 3),
+    ),
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
     ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),
@@ -58,6 +67,9 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
         {"type": "trigger", "mode": "normal", "field": "/a/x:y", "level": 0, "edge": "rising"},
         {"type": "trigger", "mode": "normal", "field": "/a/x", "level": 0, "edge": "up"},
         {"type": "trigger", "mode": "normal", "field": "/a/x", "level": math.inf, "edge": "rising"},
+        {"type": "trigger", "mode": "off", "number": -1},
+        {"type": "trigger", "mode": "off", "number": 2**53},
+        {"type": "trigger", "mode": "off", "number": None},
         {"type": "set", "node": "/n", "name": "a"},
         {"type": "set", "node": "/n", "name": "a", "value": None},
         {"type": "set", "node": "", "name": "a", "value": 1},

@@ -5,7 +5,7 @@ from typing import Collection, Dict, Iterator, List
 
 from std_msgs.msg import Float32, Float64
 
-from topic_scope import recorder
+from topic_scope import fields, recorder
 from topic_scope.layouts import Layouts
 from topic_scope.recorder import Recorder
 from topic_scope.taps import Batch
@@ -113,6 +113,48 @@ def test_the_number_of_traces_is_limited() -> None:
     assert len(made._traces) == recorder.TRACES
     assert made.topic_of("/a/data") and made.topic_of("/b/data[%d]" % (recorder.TRACES + 99))
     assert not made.topic_of("/b/data[0]")
+
+
+def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
+    taps = FakeTaps()
+    made = recording(taps)
+    names = ["/b/data[%d]" % index for index in range(recorder.TRACES)]
+    made.want(names, taps.time)
+    made.want(["/a/data"] + names[1:], taps.time + 1.0)
+    assert len(made._traces) == recorder.TRACES
+    assert made.topic_of("/a/data") and made.topic_of(names[1]) and not made.topic_of(names[0])
+
+
+def test_the_number_of_fields_that_are_listed_is_limited() -> None:
+    made = recording(FakeTaps())
+    count = recorder.LISTED + 10
+    made.set_topics({"/n%05d" % number: "std_msgs/Float32" for number in range(count)})
+    listed = made.choices()
+    assert [choice.field for choice in (listed[0], listed[-1])] == [
+        "/n00000/data",
+        "/n%05d/data" % (recorder.LISTED - 1),
+    ]
+    assert len(listed) == recorder.LISTED == 5000
+
+
+def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() -> None:
+    taps = FakeTaps()
+    made = recording(taps)
+    made.set_topics({"/n%d" % number: "nowhere/Thing" for number in range(100)})
+    made.want(["/n99/x"], taps.time)
+    assert len(taps.wanted) == recorder.UNKNOWN + 1 == 51
+    assert "/n99" in taps.wanted
+
+
+def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited() -> None:
+    longest = recorder._Longest()
+    latest = 5
+    longest._latest = lambda _path: latest
+    paths: List[fields.Path] = [fields.to_path("a[%d]/b" % n) for n in range(recorder._ARRAYS + 10)]
+    assert [longest(path) for path in paths] == [5] * len(paths)
+    latest = 2
+    # The list of fields stands still, but for those beyond the limit.
+    assert [longest(path) for path in paths] == [5] * recorder._ARRAYS + [2] * 10
 
 
 def test_names_are_expanded_as_far_as_they_are_known() -> None:

@@ -3,10 +3,11 @@
 from typing import List, Tuple
 
 import numpy
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.ring import Ring
+from topic_scope.ring import LIMIT, Ring
 
 HISTORY = 10.0
 BATCHES = st.lists(
@@ -62,6 +63,18 @@ def test_the_history_includes_its_end() -> None:
     ring = Ring(HISTORY)
     filled(ring, [[(0.5, 1.0), (0.5, 2.0)], [(HISTORY, 3.0)]])
     assert content(ring) == [(1.0, 2.0), (1.0 + HISTORY, 3.0)]
+
+
+@pytest.mark.parametrize("batch", [1000, 1 << 18, LIMIT - 1, LIMIT, 3 * LIMIT])
+def test_no_trace_takes_more_than_its_memory_however_quick_it_is(batch: int) -> None:
+    ring, largest = Ring(60.0), 0
+    for start in range(0, 3 * LIMIT, batch):
+        times = (start + numpy.arange(batch)) * 1e-6
+        ring.append(times, times)
+        largest = max(largest, ring._data.nbytes)
+    assert len(ring) == LIMIT
+    assert content(ring, times[-1])[-1] == (times[-1], times[-1])
+    assert largest <= 2 * 16 * 2**20 == 2 * 16 * LIMIT  # room to move it seldom
 
 
 def test_memory_stays_what_the_history_needs() -> None:

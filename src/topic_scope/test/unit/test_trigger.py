@@ -65,6 +65,16 @@ def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) 
     return [(message["state"], message["time"]) for message in messages if message]
 
 
+@pytest.mark.parametrize("mode", ["off", "normal", "single"])
+def test_each_state_tells_the_number_of_its_request(mode: str) -> None:
+    for number in (0, 7):
+        watch = TriggerWatch(protocol.Trigger(mode, "/a", 0.0, True, number), 0.0)
+        messages = [watch.update(now, WINDOW, lambda *_: sine(now)) for now in (0.5, 1.5)]
+        assert [message["number"] for message in messages if message] == [number] * (
+            1 if mode == "off" else 2
+        )
+
+
 MOMENTS = [index / 40 for index in range(200)]
 
 

@@ -52,6 +52,7 @@ const handlers = {
   },
   stats: ({ traces }) => legend.showStats(traces),
   trigger: (message) => {
+    if (message.number !== state.values.trigger.number) return; // of before the latest change
     trigger.showLamp(message.state);
     sweep.onTrigger(message);
   },

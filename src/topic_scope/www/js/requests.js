@@ -23,7 +23,7 @@ export class Requests {
       this.sendSelect();
     });
     state.on(["window", "end"], () => this.sendViewSoon());
-    state.on(["trigger"], () => this.sendTrigger(true));
+    state.on(["trigger"], () => this.sendTrigger());
     state.on(["view"], () => {
       this.sendGraph();
       this.sendViewSoon();
@@ -47,7 +47,7 @@ export class Requests {
     this.greeting = false;
     this.sendSelect();
     this.sendView();
-    this.sendTrigger(false);
+    this.sendTrigger();
     this.sendGraph();
   }
 
@@ -77,11 +77,10 @@ export class Requests {
     this.send({ type: "view", window, width, end });
   }
 
-  sendTrigger(arm) {
-    const { mode, field, level, edge } = this.state.values.trigger;
-    if (arm && mode === "single") delete this.sent.trigger; // the same again arms it again
-    if (mode === "off" && !this.sent.trigger) return; // as a server begins
-    this.send({ type: "trigger", mode, field, level, edge });
+  sendTrigger() {
+    const { trigger } = this.state.values;
+    if (trigger.mode === "off" && !this.sent.trigger) return; // as a server begins
+    this.send({ type: "trigger", ...trigger });
   }
 
   sendGraph() {

@@ -19,7 +19,7 @@ const INITIAL = {
   window: 5, // as zoomed
   end: null, // right edge, since the epoch; null follows
   reference: null, // what the time axis counts from; null follows
-  trigger: { mode: "off", field: "", level: 0, edge: "rising" },
+  trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising" },
   axes: {
     x: { title: "time, s" },
     y: { title: "", low: null, high: null },
@@ -67,6 +67,17 @@ export class State {
   setAxis(name, changes) {
     const axes = this.values.axes;
     this.set({ axes: { ...axes, [name]: { ...axes[name], ...changes } } });
+  }
+
+  /**
+   * Set a part of the trigger, or arm it again as it is. Each time it gets another number: what the
+   * server tells of an older one, which may be under way, is not for this one.
+   * @param {Object} changes
+   * @param {Object} others values to be set with it
+   */
+  setTrigger(changes, others = {}) {
+    const { trigger } = this.values;
+    this.set({ trigger: { ...trigger, ...changes, number: trigger.number + 1 }, ...others });
   }
 
   /** The chosen fields that are shown. */

@@ -58,7 +58,7 @@ export class Trigger {
     if (!trigger.field) trigger.mode = "off";
     // Any change arms a single trigger again.
     const again = this.state.values.end !== null && ("mode" in changes || trigger.mode === "single");
-    this.state.set({ trigger, ...(again ? { end: null, reference: null } : {}) });
+    this.state.setTrigger(trigger, again ? { end: null, reference: null } : {});
   }
 
   moveTo(part) {
@@ -69,7 +69,7 @@ export class Trigger {
   show() {
     const { fields, trigger } = this.state.values;
     if (trigger.field && !fields.includes(trigger.field)) {
-      this.state.set({ trigger: { ...trigger, field: "", mode: "off" } });
+      this.state.setTrigger({ field: "", mode: "off" });
       return;
     }
     this.field.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));

@@ -26,9 +26,7 @@ export class View {
   run() {
     this.sweep.release();
     this.state.set({ end: null, reference: null });
-    if (this.state.values.trigger.mode === "single") {
-      this.state.set({ trigger: { ...this.state.values.trigger } });
-    }
+    if (this.state.values.trigger.mode === "single") this.state.setTrigger({});
   }
 
   /** Pause or go on. */

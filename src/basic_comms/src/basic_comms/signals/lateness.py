@@ -19,6 +19,10 @@ class LatenessMonitor:
 
     The lag may change slowly, as when a bag is played at half its speed; it is compared with that
     of the samples just before. A signal whose time stands still or begins anew starts a new lag.
+
+    A simulated clock may jump, and the signal's time with it. What the signal says of the jump may
+    come before what the clock says: then the lag falls, and soon rises to just what it was before.
+    That is no lateness either.
     """
 
     def __init__(self) -> None:
@@ -31,6 +35,8 @@ class LatenessMonitor:
         self._lag = -math.inf
         self._time = math.inf
         self._since = 0.0
+        # The lag before the signal jumped ahead of the clock, until when in its time, s.
+        self._lag_before, self._before_until = -math.inf, -math.inf
 
     def update(self, now: float, samples: Sequence[Any]) -> bool:
         """Take in samples that came together.
@@ -42,11 +48,11 @@ class LatenessMonitor:
         first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
             return False  # none of a signal
-        lateness = now - first - self._lag if first > self._time else 0.0
+        lateness = self._lateness(now, first)
         self._time = latest
         if lateness < LATE_S or (self.is_late and now - self._since > SETTLED_S):
             was_late, self.is_late = self.is_late, False
-            self._lag = now - latest
+            self._settle(now - latest)
             return was_late
         begins = not self.is_late
         if begins:
@@ -57,3 +63,18 @@ class LatenessMonitor:
         limit = now - self._lag - LATE_S
         self.count += sum(sample.time_x <= limit for sample in samples)
         return begins
+
+    def _lateness(self, now: float, time_x: float) -> float:
+        """Return how late a sample is, s; what is in time may be early as well."""
+        if time_x <= self._time:
+            return 0.0
+        lag = now - time_x
+        if time_x <= self._before_until and abs(lag - self._lag_before) < LATE_S:
+            return 0.0  # the clock has followed
+        return lag - self._lag
+
+    def _settle(self, lag: float) -> None:
+        """Take a lag for the normal one, and remember that before a jump ahead."""
+        if self._lag - lag >= LATE_S:
+            self._lag_before, self._before_until = self._lag, self._time + SETTLED_S
+        self._lag = lag

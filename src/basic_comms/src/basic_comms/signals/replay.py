@@ -1,14 +1,17 @@
 """Replay of a recorded signal: a CSV file of times and values."""
 
+import io
 import math
 import os
+import stat
 from array import array
 from bisect import bisect_right
-from typing import Iterable, List, Optional, Tuple
+from typing import Iterable, Tuple
 
-#: Most rows and bytes that are read, so that a wrong file cannot fill the memory.
-LARGEST_ROWS = 1_000_000
-LARGEST_BYTES = 64 * 2**20
+#: Most bytes and lines that are read. It is the thread that follows all parameters of the process
+#: that reads a file: at about 1 us a line it is kept from the others for 0.2 s at most.
+LARGEST_BYTES = 8_000_000
+LARGEST_LINES = 200_000
 
 #: A held row and the end of a loop count as reached this long before their time, s: sample times
 #: are rounded, so one that falls on a row would otherwise land on either side of it by chance.
@@ -76,20 +79,15 @@ def load_series(path: str) -> Series:
     """Read a recorded signal from a CSV file.
 
     Each line holds a time in s and a value, separated by a comma. Blank lines and lines that start
-    with ``#`` count for nothing; the first other line may be a heading.
+    with ``#`` count for nothing; the first other line may be a heading, the names of the two.
 
     :param path: path of the file; ``~`` stands for the home directory
     :returns: the signal
     :raises SeriesError: if the file is missing, too big or not of this form
     """
-    full_path = os.path.expanduser(path)
-    if not os.path.isfile(full_path):
-        raise SeriesError(f"{path!r}: there is no such file; a CSV file of time,value is needed")
     try:
-        if os.path.getsize(full_path) > LARGEST_BYTES:
-            raise SeriesError(f"{path}: too big; at most {LARGEST_BYTES} bytes are allowed")
-        with open(full_path, encoding="utf-8-sig") as lines:
-            times, values = _read_rows(path, lines)
+        content = _content(path)
+        times, values = _rows(path, io.TextIOWrapper(io.BytesIO(content), encoding="utf-8-sig"))
     except OSError as error:
         raise SeriesError(f"{path}: cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
@@ -99,45 +97,73 @@ def load_series(path: str) -> Series:
     return Series(times, values)
 
 
-def _read_rows(path: str, lines: Iterable[str]) -> "Tuple[array[float], array[float]]":
+def _content(path: str) -> bytes:
+    """Return what a file holds; nothing but a file of a size that is allowed is opened."""
+    full_path = os.path.expanduser(path)
+    try:
+        status = os.stat(full_path)
+    except (FileNotFoundError, ValueError) as error:  # the latter: no file can have such a name
+        raise SeriesError(
+            f"{path!r}: there is no such file; a CSV file of time,value is needed"
+        ) from error
+    if not stat.S_ISREG(status.st_mode):
+        kind = _kind(status.st_mode)
+        raise SeriesError(f"{path}: this is {kind}; a CSV file of time,value is needed")
+    if status.st_size <= LARGEST_BYTES:
+        with open(full_path, "rb") as file:
+            content = file.read(LARGEST_BYTES + 1)  # those of /proc say that they are empty
+        if len(content) <= LARGEST_BYTES:
+            return content
+    size = max(status.st_size, LARGEST_BYTES + 1)
+    raise SeriesError(f"{path}: {size} bytes; at most {LARGEST_BYTES} are allowed")
+
+
+def _kind(mode: int) -> str:
+    """Return what something other than a file is called."""
+    if stat.S_ISDIR(mode):
+        return "a folder"
+    if stat.S_ISFIFO(mode):
+        return "a FIFO"
+    return "a socket" if stat.S_ISSOCK(mode) else "a device"
+
+
+def _rows(path: str, lines: Iterable[str]) -> "Tuple[array[float], array[float]]":
     """Return the times and the values of all rows, checked."""
     times, values = array("d"), array("d")
-    heading_allowed = True
+    latest = -math.inf
+    may_be_heading = True
     for number, line in enumerate(lines, start=1):
+        if number > LARGEST_LINES:
+            raise SeriesError(f"{path}: too long; at most {LARGEST_LINES} lines are allowed")
         text = line.strip()
         if not text or text.startswith("#"):
             continue
-        fields = [_number(field) for field in text.split(",")]
-        if heading_allowed and not any(field is not None for field in fields):
-            heading_allowed = False
-            continue
-        heading_allowed = False
-        time, value = _row(f"{path}, line {number}", text, fields)
-        if times and not times[-1] < time:
+        first, _, second = text.partition(",")
+        try:
+            time, value = float(first), float(second)
+        except ValueError:
+            if may_be_heading and _is_name(first) and _is_name(second):
+                may_be_heading = False
+                continue
+            time = value = math.nan
+        if not (math.isfinite(time) and math.isfinite(value)):
+            shown = text if len(text) <= 40 else text[:37] + "..."
             raise SeriesError(
-                f"{path}, line {number}: time {time!r} after {times[-1]!r}; "
+                f"{path}, line {number}: {shown!r}; two finite numbers, time,value, are allowed"
+                + (", or a heading of two names" if may_be_heading else "")
+            )
+        if time <= latest:
+            raise SeriesError(
+                f"{path}, line {number}: time {time!r} after {latest!r}; "
                 "times must increase from line to line"
             )
-        if len(times) == LARGEST_ROWS:
-            raise SeriesError(
-                f"{path}, line {number}: too long; at most {LARGEST_ROWS} rows are allowed"
-            )
+        may_be_heading = False
+        latest = time
         times.append(time)
         values.append(value)
     return times, values
 
 
-def _number(field: str) -> Optional[float]:
-    try:
-        return float(field)
-    except ValueError:
-        return None
-
-
-def _row(where: str, text: str, fields: List[Optional[float]]) -> Tuple[float, float]:
-    """Return the time and the value of one line."""
-    if len(fields) == 2 and fields[0] is not None and fields[1] is not None:
-        if math.isfinite(fields[0]) and math.isfinite(fields[1]):
-            return fields[0], fields[1]
-    shown = text if len(text) <= 40 else text[:37] + "..."
-    raise SeriesError(f"{where}: {shown!r}; two finite numbers, time,value, are allowed")
+def _is_name(field: str) -> bool:
+    """Tell whether this may be the heading of one column: ``time [s]``, ``%time``, ``/a/b``."""
+    return "," not in field and field.strip(" \t\"'%/~_")[:1].isalpha()

@@ -1,0 +1,62 @@
+"""A Node without a master, for unit tests of what a node's class does with what comes."""
+
+import copy
+from types import SimpleNamespace
+from typing import Any, Callable, Dict, List
+
+from nodekit.life.names import Names
+from nodekit.life.opening import Opener
+from nodekit.messaging.subscription import Subscription
+from nodekit.node import Node
+
+
+class Published:
+    """Stands in for a publisher; keeps copies of the messages."""
+
+    def __init__(self, name: str) -> None:
+        self.resolved_name = name
+        self.messages: List[Any] = []
+
+    def publish(self, message: Any) -> None:
+        self.publish_all([message])
+
+    def publish_all(self, messages: List[Any]) -> None:
+        self.messages += map(copy.copy, messages)
+
+
+class OfflineNode(Node):
+    """Keeps what a node's class makes, so that a test can call it. Callbacks keep to their groups.
+
+    :param values: parameters other than by default
+    """
+
+    def __init__(self, **values: Any) -> None:
+        super().__init__(Names("/node", True), Opener())
+        self.settings = SimpleNamespace(values=None)
+        #: What was published, by topic.
+        self.published: Dict[str, List[Any]] = {}
+        self.services: Dict[str, Callable[[Any], Any]] = {}
+        self.tick: Callable[[float], None]
+        #: Takes messages as from a connection: a list, and that it may be kept waiting.
+        self.receive: Callable[[List[Any], bool], None]
+        self._values = values
+
+    def parameters(self, declaration: Any, *_: Any, **__: Any) -> Any:
+        self.settings.values = declaration(**self._values)
+        return self.settings
+
+    def publisher(self, name: str, *_: Any, **__: Any) -> Any:
+        made = Published(name)
+        self.published[name] = made.messages
+        return made
+
+    def service(self, name: str, _kind: type, handler: Any, *_: Any, **__: Any) -> Any:
+        self.services[name] = handler
+
+    def every(self, _rate: Any, callback: Any, *_: Any, **__: Any) -> Any:
+        self.tick = callback
+
+    def _open(self, thing: Any) -> Any:
+        if isinstance(thing, Subscription):
+            self.receive = thing._receive
+        return super()._open(thing)

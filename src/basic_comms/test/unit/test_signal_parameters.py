@@ -1,0 +1,70 @@
+"""Which values of the signal generator's parameters go together, and which file is taken."""
+
+from typing import Any, Dict
+
+import pytest
+
+from basic_comms.signals.signal_parameters import SignalParameters
+from nodekit import ParameterError
+
+LOGARITHMIC = "a logarithmic chirp must have two frequencies above 0 that differ"
+
+
+def multisine(*lengths: int) -> Dict[str, Any]:
+    """Return sequences of these lengths."""
+    names = ("multisine_amplitudes", "multisine_frequencies", "multisine_phases")
+    return {name: (1.0,) * length for name, length in zip(names, lengths)}
+
+
+@pytest.mark.parametrize(
+    "values, words",
+    [
+        ({"chirp_shape": "logarithmic", "chirp_f0": 0.0, "chirp_f1": 1.0}, LOGARITHMIC),
+        ({"chirp_shape": "logarithmic", "chirp_f0": 1.0, "chirp_f1": 0.0}, LOGARITHMIC),
+        ({"chirp_shape": "logarithmic", "chirp_f0": -1.0, "chirp_f1": -2.0}, LOGARITHMIC),
+        ({"chirp_shape": "logarithmic", "chirp_f0": 3.0, "chirp_f1": 3.0}, LOGARITHMIC),
+        (multisine(3, 2, 2), "the three lists must have one length"),
+        (multisine(2, 3, 2), "the three lists must have one length"),
+        (multisine(2, 2, 1), "the three lists must have one length"),
+        ({"multisine_amplitudes": [0.0, 0.0]}, "at least one amplitude must be other than 0"),
+        ({"waveform": "file"}, "waveform 'file' must have a CSV file of time,value"),
+        ({"waveform": "file", "file": ""}, "waveform 'file' must have a CSV file of time,value"),
+    ],
+)
+def test_values_that_do_not_go_together_are_refused(values: Dict[str, Any], words: str) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        SignalParameters(**values)
+    assert str(refusal.value).endswith(words)
+    assert all(name in str(refusal.value) for name in values)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"chirp_shape": "logarithmic", "chirp_f0": 2.0, "chirp_f1": 1.0},
+        {"chirp_shape": "linear", "chirp_f0": -1.0, "chirp_f1": 0.0},
+        {"chirp_shape": "linear", "chirp_f0": 1.0, "chirp_f1": 1.0},
+        multisine(3, 3, 3),
+        {"multisine_amplitudes": (0.0, -1.0)},
+    ],
+)
+def test_values_that_go_together_are_taken(values: Dict[str, Any]) -> None:
+    taken = SignalParameters(**values).as_dict()
+    assert {name: taken[name] for name in values} == values
+
+
+def test_a_file_is_read_when_its_path_is_set(tmp_path: Any) -> None:
+    path = str(tmp_path / "series.csv")
+    with open(path, "w") as file:
+        file.write("0,1\n2,3\n")
+    for waveform in ("file", "sine"):
+        series = SignalParameters(waveform=waveform, file=path).series
+        assert series is not None and len(series) == 2
+    assert SignalParameters().series is None
+
+
+def test_a_path_that_is_none_of_a_file_is_refused_in_one_sentence(tmp_path: Any) -> None:
+    with pytest.raises(ParameterError) as refusal:
+        SignalParameters(file=str(tmp_path))
+    assert str(refusal.value).startswith("parameter file: refused '%s': must be " % tmp_path)
+    assert "this is a folder; a CSV file of time,value is needed" in str(refusal.value)

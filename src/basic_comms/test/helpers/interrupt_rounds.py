@@ -5,8 +5,9 @@ import random
 import re
 import signal
 import subprocess
+import tempfile
 import time
-from typing import List, NamedTuple, Sequence
+from typing import Callable, List, NamedTuple, Sequence
 
 from roslib.packages import find_node
 
@@ -15,21 +16,29 @@ _LATEST = 1.0
 #: No node takes so long, s; where one does, it hangs.
 _PATIENCE = 30.0
 _OUR_LINES = re.compile(r'entry_point\.py", line \d+, in main')
+#: Has Python write a line to stderr for each module that it has imported.
+_TOLD_IMPORTS = {"PYTHONPROFILEIMPORTTIME": "1"}
+_IMPORT = re.compile(r"^import time:.*\| *(\S+)$", re.MULTILINE)
+_ENTRY_POINT = "nodekit.entry_point"
+#: What a node imports only once it can handle an interrupt; it takes most of its start.
+_ROS = {"genpy", "rosgraph", "roslib", "rospy", "yaml"}
 
 
 class End(NamedTuple):
     """How a node ended.
 
     :param program: what was run
-    :param moment: when it was interrupted, after its start, s
+    :param moment: when it was interrupted, after its start or its first line, s
     :param seconds: from then to its end, s
     :param status: exit status
+    :param from_our_lines: whether the moment counts from the first line that can handle it
     :param errors: what it wrote to stderr
     :param survivors: ids of processes of its session that are there after its end
     """
 
     program: str
     moment: float
+    from_our_lines: bool
     seconds: float
     status: int
     errors: str
@@ -45,6 +54,14 @@ class End(NamedTuple):
         return self.status == -signal.SIGINT or (self.status != 0 and by_python)
 
     @property
+    def imported_too_soon(self) -> List[str]:
+        """What of ROS was imported where an interrupt cannot be handled yet."""
+        modules = _IMPORT.findall(self.errors)
+        if _ENTRY_POINT in modules:
+            modules = modules[: modules.index(_ENTRY_POINT)]
+        return [module for module in modules if module.partition(".")[0] in _ROS]
+
+    @property
     def clean(self) -> bool:
         """Whether it ended as a node should."""
         return self.status == 0 and "Traceback" not in self.errors and not self.survivors
@@ -53,35 +70,56 @@ class End(NamedTuple):
 def interrupt_rounds(programs: Sequence[str], count: int, seed: int) -> List[End]:
     """Start a node and interrupt it, a number of times.
 
+    Every third is interrupted at a moment that counts from its start, which may be too early for
+    the node to handle it; the others at one that counts from when it can.
+
     :param programs: executables of basic_comms, which take turns
     :param count: how many rounds
     :param seed: of the random moments
     """
     moments = random.Random(seed)
     return [
-        _interrupt(programs[number % len(programs)], moments.uniform(0.0, _LATEST))
+        _interrupt(programs[number % len(programs)], moments.uniform(0.0, _LATEST), number % 3 > 0)
         for number in range(count)
     ]
 
 
-def _interrupt(program: str, moment: float) -> End:
-    process = subprocess.Popen(
-        [find_node("basic_comms", program)[0]],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        universal_newlines=True,
-        start_new_session=True,
-    )
-    try:
-        time.sleep(moment)
-        interrupted_at = time.monotonic()
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=_PATIENCE)
-        seconds = time.monotonic() - interrupted_at
-    finally:
-        process.kill()
-        process.wait()
-    return End(program, moment, seconds, process.returncode, errors, _session(process.pid))
+def _interrupt(program: str, moment: float, from_our_lines: bool) -> End:
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(
+            [find_node("basic_comms", program)[0]],
+            env={**os.environ, **_TOLD_IMPORTS},
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
+            start_new_session=True,
+        )
+
+        def told() -> str:  # without moving the place where the process writes
+            return os.pread(errors.fileno(), os.fstat(errors.fileno()).st_size, 0).decode()
+
+        try:
+            if from_our_lines:
+                _wait_for_our_lines(told)
+            time.sleep(moment)
+            interrupted_at = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            process.wait(_PATIENCE)
+            seconds = time.monotonic() - interrupted_at
+        finally:
+            process.kill()
+            process.wait()
+        survivors = _session(process.pid)
+        return End(program, moment, from_our_lines, seconds, process.returncode, told(), survivors)
+
+
+def _wait_for_our_lines(told: Callable[[], str]) -> None:
+    """Wait until a program is within the first line that can handle an interrupt."""
+    deadline = time.monotonic() + _PATIENCE
+    # The next module of all is imported by that very line.
+    while _ENTRY_POINT not in _IMPORT.findall(told())[:-1]:
+        if time.monotonic() > deadline:
+            raise AssertionError("it has not come to %s: %s" % (_ENTRY_POINT, told()))
+        time.sleep(0.001)
 
 
 def _session(leader: int) -> List[int]:

@@ -20,7 +20,9 @@ class Interrupts(unittest.TestCase):
         graph = Graph()
         ends = interrupt_rounds(PROGRAMS, ROUNDS, seed=7)
         self.assertEqual([end for end in ends if not end.clean and not end.early], [])
-        self.assertGreater(sum(end.clean for end in ends), ROUNDS // 2)
+        # What is too early for us is too early by the time that Python itself takes.
+        self.assertEqual([end for end in ends if end.early and end.from_our_lines], [])
+        self.assertEqual([end.imported_too_soon for end in ends if end.imported_too_soon], [])
         self.assertEqual(graph.nodes(), set())
         self.assert_no_name_is_known()
         print("longest end: %.2f s" % max(end.seconds for end in ends))

@@ -2,6 +2,7 @@
 
 import contextlib
 import http.server
+import signal
 import socket
 import threading
 import time
@@ -13,6 +14,7 @@ import pytest
 
 from nodekit.live.master import MasterClient, MasterUnreachable
 from nodekit.parameters.no_value import MISSING, UNREADABLE
+from nodekit.testing import processes
 
 PAGE = b"<!DOCTYPE html><html><body><p>Please log in<br></body></html>"
 
@@ -192,6 +194,26 @@ def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:
         with pytest.raises(MasterUnreachable, match="timed out"):
             client.unsubscribe(["/n"], timeout=0.1)
         assert time.monotonic() - before < 2.0
+
+
+def test_master_that_is_stopped_is_waited_for_no_longer_than_the_time_out() -> None:
+    real = processes.Master()
+    try:
+        # Over a connection that exists: opening one has a time-out of its own.
+        client = MasterClient(real.uri, "/n", "http://localhost:1/", timeout=1.0)
+        with contextlib.closing(client):
+            pid = client.read([]).master_pid
+            real.send_signal(signal.SIGSTOP)
+            before = time.monotonic()
+            with pytest.raises(MasterUnreachable, match="timed out"):
+                client.read([])
+            assert time.monotonic() - before < 4.0
+            real.send_signal(signal.SIGCONT)
+            answered = MasterClient(real.uri, "/n", "http://localhost:1/")
+            with contextlib.closing(answered):
+                assert answered.read([]).master_pid == pid
+    finally:
+        real.kill()
 
 
 def test_unset_key_is_missing() -> None:

@@ -20,6 +20,7 @@ from std_msgs.msg import Float32, String
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.subscription import Latest, Subscription
 from nodekit.rospy_internals import subscribers
+from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -132,6 +133,20 @@ def test_what_arrives_together_is_handed_over_together(connected):
     ]
     assert connected.transport.stat_num_msg == 3
     assert connected.transport.stat_bytes == len(packet("one") + packet("two") + packet("three"))
+
+
+def test_message_in_two_reads_is_not_heard_again_with_the_next_one(connected):
+    halves = packet("first")[:7], packet("first")[7:]
+    connected.socket.sendall(halves[0])
+    reader = threading.Thread(target=connected.receive_until_closed)
+    reader.start()
+    wait_until(lambda: connected.transport.stat_bytes == len(halves[0]), lambda: "nothing is read")
+    connected.socket.sendall(halves[1])
+    wait_until(lambda: connected.words == ["first"], lambda: str(connected.words))
+    connected.socket.sendall(packet("second"))
+    connected.socket.shutdown(socket.SHUT_WR)
+    reader.join(TIME_OUT)
+    assert connected.words == ["first", "second"]
 
 
 def test_a_message_longer_than_any_read_arrives(connected):

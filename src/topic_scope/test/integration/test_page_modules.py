@@ -54,6 +54,42 @@ class Modules(unittest.TestCase):
         self.assertEqual(answers, list(cases.values()))
         self.assertEqual(self.browser.call("numbers.js", "module.figure(null)"), "–")
 
+    def test_waits_before_connecting_again_grow_up_to_a_limit_and_begin_anew(self) -> None:
+        code = """(() => {
+          const sockets = [], waits = [];
+          const native = globalThis.WebSocket;
+          globalThis.WebSocket = class {
+            constructor() { this.events = {}; sockets.push(this); }
+            addEventListener(name, listener) { this.events[name] = listener; }
+          };
+          const connection = new module.Connection(
+            "ws://nowhere", () => {}, (state, wait) => { if (state === "lost") waits.push(wait); });
+          for (let number = 0; number < 9; number += 1) {
+            connection.connect();
+            const socket = sockets[sockets.length - 1];
+            if (number === 7) socket.events.open();
+            socket.events.close();
+          }
+          clearTimeout(connection.timer);
+          globalThis.WebSocket = native;
+          return waits;
+        })()"""
+        waits = self.browser.call("connection.js", code)
+        expected = [
+            250,
+            500,
+            1000,
+            2000,
+            4000,
+            5000,
+            5000,
+            250,
+            500,
+        ]  # ms, and up to a quarter more
+        self.assertEqual(len(waits), len(expected))
+        for wait, least in zip(waits, expected):
+            self.assertTrue(least <= wait <= 1.25 * least, waits)
+
     def test_typed_numbers(self) -> None:
         texts = ["1.5", " -2,25 ", "−3", "1e3", "", "fast"]
         answers = self.browser.call("numbers.js", "a[0].map(module.readNumber)", texts)

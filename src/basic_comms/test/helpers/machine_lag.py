@@ -1,0 +1,50 @@
+"""How long this machine keeps everybody waiting: what a bound on time has to allow for."""
+
+import contextlib
+import threading
+import time
+from typing import Iterator
+
+_NAP_S = 0.005
+
+
+class Lag:
+    """A loop that only sleeps, beside what is being measured.
+
+    :ivar longest: by how much it woke too late at worst, s
+    """
+
+    def __init__(self) -> None:
+        self.longest = 0.0
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._sleep, daemon=True)
+        self._thread.start()
+
+    def _sleep(self) -> None:
+        while not self._end.is_set():
+            before = time.monotonic()
+            time.sleep(_NAP_S)
+            self.longest = max(self.longest, time.monotonic() - before - _NAP_S)
+
+    def allowed(self, seconds: float) -> float:
+        """Return a bound for this machine.
+
+        :param seconds: the bound on a machine that does nothing else, s
+        """
+        # What is measured passes through several processes, each of which is kept waiting.
+        return seconds + 4.0 * self.longest
+
+    def close(self) -> None:
+        """End the loop."""
+        self._end.set()
+        self._thread.join()
+
+
+@contextlib.contextmanager
+def measured_lag() -> Iterator[Lag]:
+    """Measure as long as the context lasts."""
+    lag = Lag()
+    try:
+        yield lag
+    finally:
+        lag.close()

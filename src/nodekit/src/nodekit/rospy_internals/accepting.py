@@ -1,0 +1,236 @@
+"""How rospy accepts the connections of subscribers and of clients of services.
+
+One thread accepts, and before it accepts the next connection it reads the header in which one says
+what it wants: who says nothing keeps all others waiting. Here that thread waits for nobody. It
+takes what has arrived of each header, leaves a whole one to rospy's own handlers, and hangs up on
+who takes too long.
+"""
+
+import contextlib
+import errno
+import selectors
+import socket
+import struct
+import time
+from typing import Any, Dict, Optional, Tuple
+
+import rospy
+import rospy.core
+from rosgraph.network import decode_ros_handshake_header, write_ros_handshake_header
+from rospy.exceptions import TransportInitError
+from rospy.impl.tcpros_base import TCPROSServer, TCPServer
+
+#: Longest time from a connection to the end of its header, s.
+PATIENCE_S = 10.0
+#: Most connections whose headers are waited for. Where there are as many, the oldest goes, and
+#: nobody else is accepted until then.
+MOST_WAITING = 100
+#: Time that one has even then, s: a process that connects to hundreds of topics at once says what
+#: it wants a little later than it connects.
+GRACE_S = 1.0
+#: Longest header, bytes. The definition of a message, its longest part, has a few thousand.
+LONGEST_HEADER = 1_000_000
+
+#: Longest wait for somebody who does not read why he is refused, s.
+_ANSWER_S = 0.1
+#: Pause where the system has no room for one more connection, s.
+_PAUSE_S = 0.5
+#: Most characters of a reason that are logged: rospy's own tell all topics, and the whole header.
+_LONGEST_REASON = 500
+_NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+
+_LENGTH = struct.Struct("<I")
+#: rospy's own methods, and what they must use to be understood here.
+_RUN, _START = TCPServer.run, TCPROSServer.start_server
+_HANDLE = TCPROSServer._tcp_server_callback
+_RUN_USES = {"is_shutdown", "server_sock", "accept", "inbound_handler"}
+_HANDLE_USES = {
+    *("read_ros_handshake_header", "write_ros_handshake_header"),
+    *("topic_connection_handler", "service_connection_handler"),
+}
+_START_USES = {"TCPServer", "_tcp_server_callback"}
+
+
+def accepting_mismatch() -> str:
+    """Compare how rospy accepts with what this module takes for granted.
+
+    :returns: what is different; empty if nothing is
+    """
+    for method, names in ((_RUN, _RUN_USES), (_START, _START_USES), (_HANDLE, _HANDLE_USES)):
+        code = getattr(method, "__code__", None)
+        missing = names.difference(code.co_names if code is not None else ())
+        if missing:
+            return "%s does without %s" % (method, ", ".join(sorted(missing)))
+    return ""
+
+
+def mend_accepting() -> None:
+    """Let no connection keep another one waiting; for servers that are started from now on."""
+    mismatch = accepting_mismatch()
+    if mismatch:
+        rospy.logwarn(
+            "a silent connection holds others up, as this rospy is not known: %s", mismatch
+        )
+    else:
+        TCPServer.run = lambda server: _Acceptor(server).run()
+
+
+class _Pending:
+    """A connection that has not said yet, or not as a whole, what it wants.
+
+    :param sock: its socket
+    :param address: where it comes from
+    """
+
+    def __init__(self, sock: socket.socket, address: Tuple[Any, ...]) -> None:
+        self.socket = sock
+        self.address = address
+        self.since = time.monotonic()
+        self._data = bytearray()
+        sock.setblocking(False)
+
+    def read_header(self) -> Optional[Dict[str, str]]:
+        """Read what has arrived of the header, and nothing of what comes behind it.
+
+        :returns: the header; None where a part is missing
+        :raises Exception: if there will be none
+        """
+        need = _LENGTH.size
+        while True:
+            while len(self._data) < need:
+                try:
+                    data = self.socket.recv(need - len(self._data))
+                except BlockingIOError:
+                    return None
+                if not data:
+                    raise TransportInitError("it ended before it had said what it wants")
+                self._data += data
+            (size,) = _LENGTH.unpack_from(self._data)
+            if size > LONGEST_HEADER:
+                raise TransportInitError(
+                    "it announces a header of %d bytes, at most %d are read"
+                    % (size, LONGEST_HEADER)
+                )
+            if need == _LENGTH.size + size:
+                header: Dict[str, str] = decode_ros_handshake_header(bytes(self._data))
+                return header
+            need += size
+
+
+class _Acceptor:
+    """Accepts connections, in place of a server's own loop.
+
+    :param server: rospy's object, which listens
+    """
+
+    def __init__(self, server: TCPServer) -> None:
+        self._server = server
+        self._selector = selectors.DefaultSelector()
+        self._listens = False
+        #: Who is waited for, the oldest first.
+        self._pending: Dict[Any, _Pending] = {}
+
+    def run(self) -> None:
+        """Accept connections until the server is shut down."""
+        try:
+            self._run(self._server.server_sock)
+        except (OSError, ValueError):  # ValueError for a socket that has just been closed
+            if not self._server.is_shutdown:
+                raise
+        finally:
+            for pending in self._pending.values():
+                pending.socket.close()
+            self._selector.close()
+
+    def _run(self, listener: socket.socket) -> None:
+        listener.setblocking(False)
+        # rospy's own queue is of 5: where more come at once, they try again after 1 s.
+        listener.listen(MOST_WAITING)
+        while not self._server.is_shutdown:
+            self._listen(listener, len(self._pending) < MOST_WAITING)
+            ready = {key.fileobj for key, _ in self._selector.select(self._time_left())}
+            # In the order of arrival: of two that call themselves alike, rospy keeps the later.
+            for pending in list(self._pending.values()):
+                if pending.socket in ready:
+                    self._hear(pending)
+            if listener in ready:
+                self._accept(listener)
+            self._send_away()
+
+    def _listen(self, listener: socket.socket, listens: bool) -> None:
+        if listens and not self._listens:
+            self._selector.register(listener, selectors.EVENT_READ)
+        elif self._listens and not listens:
+            self._selector.unregister(listener)
+        self._listens = listens
+
+    def _time_left(self) -> Optional[float]:
+        """Return how long the oldest may still be waited for, s; None where there is none."""
+        patience = GRACE_S if len(self._pending) >= MOST_WAITING else PATIENCE_S
+        for pending in self._pending.values():
+            return pending.since + patience - time.monotonic()
+        return None
+
+    def _accept(self, listener: socket.socket) -> None:
+        try:
+            sock, address = listener.accept()
+        except (BlockingIOError, ConnectionAbortedError):
+            return
+        except OSError as error:
+            if error.errno not in _NO_ROOM:
+                raise
+            rospy.logwarn("cannot accept a connection: %s", error)
+            time.sleep(_PAUSE_S)
+            return
+        pending = self._pending[sock] = _Pending(sock, address)
+        self._selector.register(sock, selectors.EVENT_READ)
+        self._hear(pending)
+
+    def _hear(self, pending: _Pending) -> None:
+        """Take what a connection says; once that is whole, do as it wants."""
+        try:
+            header = pending.read_header()
+            if header is None:
+                return
+            self._forget(pending)
+            self._hand_over(pending, header)
+        except Exception as error:  # of any kind: handlers take for granted what a header says
+            self._hang_up(pending, error)
+
+    def _hand_over(self, pending: _Pending, header: Dict[str, str]) -> None:
+        """Leave a connection to rospy's handlers.
+
+        :raises TransportInitError: if they refuse it
+        """
+        handlers = self._server.inbound_handler.__self__
+        error = "no topic or service name detected"
+        pending.socket.setblocking(True)
+        if "topic" in header:
+            error = handlers.topic_connection_handler(pending.socket, pending.address, header)
+        elif "service" in header:
+            error = handlers.service_connection_handler(pending.socket, pending.address, header)
+        if error:
+            pending.socket.settimeout(_ANSWER_S)
+            with contextlib.suppress(OSError):
+                write_ros_handshake_header(pending.socket, {"error": error})
+            raise TransportInitError("%s %s" % (error, header))
+
+    def _send_away(self) -> None:
+        """Hang up on who has had time enough."""
+        for pending in list(self._pending.values()):
+            left = self._time_left()
+            if left is None or left > 0.0:
+                break
+            waited = time.monotonic() - pending.since
+            self._hang_up(pending, "it did not say within %.1f s what it wants" % waited)
+
+    def _hang_up(self, pending: _Pending, why: object) -> None:
+        self._forget(pending)
+        pending.socket.close()
+        if not rospy.core.is_shutdown_requested():
+            reason = str(why)[:_LONGEST_REASON]
+            rospy.logwarn("closed a connection from %s: %s", pending.address[0], reason)
+
+    def _forget(self, pending: _Pending) -> None:
+        if self._pending.pop(pending.socket, None) is not None:
+            self._selector.unregister(pending.socket)

@@ -1,0 +1,119 @@
+"""Registration with the master, in requests that a function of the test's own answers."""
+
+import pytest
+import rospy
+import rospy.core
+from rospy.impl.registration import Registration
+
+from nodekit.rospy_internals import registration
+
+PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
+URI = "http://here:1/"
+OK = (1, "", [])
+
+
+class Asked:
+    """Answers each request, and keeps it; does what a test wants to happen meanwhile."""
+
+    def __init__(self, meanwhile=lambda calls: None):
+        self.requests = []
+        self.meanwhile = meanwhile
+
+    def __call__(self, calls):
+        self.requests.append(calls)
+        self.meanwhile(calls)
+        return [OK] * len(calls)
+
+    @property
+    def calls(self):
+        return [call for calls in self.requests for call in calls]
+
+
+class Ending:
+    """Whether the node is told to end."""
+
+    def __init__(self):
+        self.requested = False
+
+    def request(self, _calls=None):
+        self.requested = True
+
+
+@pytest.fixture
+def ending(monkeypatch):
+    state = Ending()
+    monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: state.requested)
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: URI)
+    monkeypatch.setattr(registration, "_PAUSE_S", 0.001)
+    return state
+
+
+@pytest.fixture
+def warnings(monkeypatch):
+    texts = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *values: texts.append(text % values))
+    return texts
+
+
+def topics(count):
+    return [(PUB, "/%d" % number, "std_msgs/String") for number in range(count)]
+
+
+def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
+    ask = Asked()
+    registrar = registration._Registrar(None, ask)
+    registrar.add(topics(1201))
+    registrar.remove(topics(1201))
+    assert [len(calls) for calls in ask.requests] == [500, 500, 201] * 2
+    for method, calls in (
+        ("registerPublisher", ask.calls[:1201]),
+        ("unregisterPublisher", ask.calls[1201:]),
+    ):
+        assert [call[:2] for call in calls] == [(method, "/%d" % n) for n in range(1201)]
+
+
+def test_what_is_published_is_registered_before_what_listens(ending):
+    ask = Asked()
+    entries = [(SRV, "/s", "rosrpc://here:2"), (SUB, "/t", "*"), (PUB, "/t", "*")]
+    registration._Registrar(None, ask).add(entries)
+    assert ask.requests == [
+        [
+            ("registerPublisher", "/t", "*", URI),
+            ("registerSubscriber", "/t", "*", URI),
+            ("registerService", "/s", "rosrpc://here:2", URI),
+        ]
+    ]
+
+
+def test_node_that_ends_in_the_middle_of_its_start_leaves_nothing_registered(ending):
+    ask = Asked(lambda calls: len(ask.requests) == 2 and ending.request())
+    registration._Registrar(None, ask).add(topics(1201) + [(SRV, "/s", "rosrpc://here:2")])
+    registered = [call[1] for call in ask.calls if call[0].startswith("register")]
+    taken_back = [call[1] for call in ask.calls if call[0].startswith("unregister")]
+    assert len(registered) == 1000, "nothing more is registered once the node ends"
+    # What stood before is taken back by rospy itself; to take back too much does no harm.
+    assert taken_back[:500] == registered[500:]
+
+
+def test_master_that_does_not_answer_is_asked_again_until_it_does(ending, warnings):
+    def fail_three_times(_calls):
+        if len(ask.requests) <= 3:
+            raise ConnectionError("no answer")
+
+    ask = Asked(fail_three_times)
+    registration._Registrar(None, ask).add(topics(1))
+    assert len(ask.requests) == 4
+    assert warnings == ["cannot register yet: no answer"]
+
+
+def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings):
+    def fail(_calls):
+        if len(ask.requests) == 3:
+            ending.request()
+        raise ConnectionError("no answer")
+
+    ask = Asked(fail)
+    registration._Registrar(None, ask).add(topics(1))
+    assert [calls[0][0] for calls in ask.requests] == ["registerPublisher"] * 3 + [
+        "unregisterPublisher"
+    ]

@@ -1,0 +1,161 @@
+"""The watcher of the parameter server, with a server of the test's own and no master."""
+
+import threading
+import time
+
+import pytest
+
+from nodekit.live import watcher as watching
+from nodekit.live.followers import Follower, Followers
+from nodekit.live.master import Reading
+from nodekit.parameters.no_value import MISSING
+from nodekit.rospy_internals import parameters, registration, shutdown
+from nodekit.testing.waiting import wait_until
+
+#: More than are read each second; they take three turns.
+MANY = ["/many/%d" % number for number in range(2 * watching.RECONCILE_KEYS + 50)]
+
+
+class Client:
+    """Stands in for the master: keeps what it is asked for."""
+
+    def __init__(self):
+        self.values = {}
+        self.reads = []
+        self.subscribed = set()
+        self.knows_node = True
+
+    def read(self, keys):
+        self.reads.append(list(keys))
+        values = {key: self.values.get(key, MISSING) for key in keys}
+        return Reading(values, self.knows_node, 1)
+
+    def subscribe(self, keys):
+        self.subscribed.update(keys)
+
+    def unsubscribe(self, keys):
+        self.subscribed.difference_update(keys)
+
+    def restart(self):
+        self.subscribed.clear()
+        self.knows_node = False
+
+    def request(self, calls):
+        raise AssertionError(calls)
+
+
+class Told:
+    """A follower of a key that keeps what it is told."""
+
+    def __init__(self, key):
+        self.values = []
+        self.follower = Follower(key, self.is_news, self.take)
+
+    def is_news(self, raw):
+        return raw is not MISSING and raw not in self.values
+
+    def take(self, seen):
+        self.values.append(seen.raw)
+        return True
+
+
+@pytest.fixture
+def client():
+    return Client()
+
+
+@pytest.fixture
+def notify():
+    """Notify as the master does; to be called once there is a watcher."""
+    functions = []
+
+    def notify(key, value):
+        return functions[-1](key, value)
+
+    notify.functions = functions
+    return notify
+
+
+@pytest.fixture
+def watcher(monkeypatch, client, notify):
+    monkeypatch.setattr(parameters, "on_push", lambda handle: notify.functions.append(handle) or 1)
+    monkeypatch.setattr(parameters, "cache", lambda key, value: None)
+    monkeypatch.setattr(shutdown, "at_shutdown", lambda function: None)
+    made = watching.Watcher(client)
+    yield made
+    made.shut_down()
+    wait_until(
+        lambda: "parameter_watcher" not in [thread.name for thread in threading.enumerate()],
+        lambda: "the thread does not end",
+    )
+
+
+@pytest.mark.parametrize(
+    "key, rings",
+    [
+        ("/a/b", ["/a", "/a/b"]),
+        ("/a/b/", ["/a", "/a/b"]),
+        ("/a/b/c", ["/a", "/a/b"]),
+        ("/a/bc", ["/a", "/a/bc"]),
+        ("/a/bc/d", ["/a", "/a/bc"]),
+        ("/a", ["/a"]),
+        ("/ab", []),
+    ],
+)
+def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(client, key, rings):
+    followers = Followers(client)
+    every = [Told(name).follower for name in ("/a", "/a/b", "/a/bc")]
+    followers.add(every)
+    assert followers.note(key, 1) is bool(rings)
+    assert [entry.key for entry in followers.entries.values() if entry.is_due] == rings
+
+
+def test_keys_that_are_many_take_turns(monkeypatch, client, watcher):
+    monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
+    watcher.subscribe([Told(key).follower for key in MANY])
+    watcher.ring()  # or it waits for a second with the old period
+    client.reads.clear()
+    wait_until(lambda: len([keys for keys in client.reads if keys]) > 6, lambda: "no reads")
+    turns = [keys for keys in client.reads if keys][:6]
+    sizes = [len(keys) for keys in turns]
+    assert max(sizes) == watching.RECONCILE_KEYS
+    start = sizes.index(min(sizes)) + 1  # the turn after the shortest begins anew
+    assert sum(turns[start : start + 3], []) == MANY
+
+
+def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client, watcher):
+    monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
+    told = [Told(key) for key in MANY]
+    watcher.subscribe([one.follower for one in told])
+    watcher.ring()
+    for one in (told[0], told[watching.RECONCILE_KEYS], told[-1]):
+        client.values[one.follower.key] = 5
+        wait_until(lambda: one.values == [5], lambda: "%s is not noticed" % one.follower.key)
+
+
+def test_notifications_come_again_after_a_restart_of_the_master(
+    monkeypatch, client, watcher, notify
+):
+    """The read once a second would hide it for good that there are none."""
+    again = []
+    monkeypatch.setattr(registration, "register_again", again.append)
+    told = Told("/n")
+    watcher.subscribe([told.follower])
+    before = set(client.subscribed)
+    client.restart()
+    watcher.ring()
+    wait_until(lambda: client.subscribed == before, lambda: str(client.subscribed))
+    assert again == [client.request]
+    client.knows_node = True
+    client.values["/n"] = 5
+    assert notify("/n", 5)
+    wait_until(lambda: 5 in told.values, lambda: str(told.values))
+
+
+def test_watcher_with_nothing_to_do_costs_nothing(client, watcher):
+    watcher.subscribe([Told("/n").follower])
+    watcher.ring()
+    wait_until(lambda: ["/n"] in client.reads or [] in client.reads, lambda: str(client.reads))
+    before = len(client.reads)
+    time.sleep(0.3)
+    assert len(client.reads) - before <= 3

@@ -169,7 +169,7 @@ def test_headers_are_handled_in_the_order_of_arrival(served):
 
 @pytest.mark.parametrize("drip", [b"", b"x"])
 def test_who_takes_too_long_is_hung_up_on(monkeypatch, served, warnings, drip):
-    monkeypatch.setattr(accepting, "PATIENCE_S", 0.3)
+    monkeypatch.setattr(accepting, "HEADER_TIMEOUT_S", 0.3)
     peer = served.connect()
     peer.sendall(struct.pack("<I", 1000))
     before = time.monotonic()

@@ -21,7 +21,7 @@ from rospy.exceptions import TransportInitError
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
 #: Longest time from a connection to the end of its header, s.
-PATIENCE_S = 10.0
+HEADER_TIMEOUT_S = 10.0
 #: Most connections whose headers are waited for. Where there are as many, the oldest goes, and
 #: nobody else is accepted until then.
 MOST_WAITING = 100
@@ -166,7 +166,7 @@ class _Acceptor:
 
     def _time_left(self) -> Optional[float]:
         """Return how long the oldest may still be waited for, s; None where there is none."""
-        patience = GRACE_S if len(self._pending) >= MOST_WAITING else PATIENCE_S
+        patience = GRACE_S if len(self._pending) >= MOST_WAITING else HEADER_TIMEOUT_S
         for pending in self._pending.values():
             return pending.since + patience - time.monotonic()
         return None

@@ -63,8 +63,12 @@ def test_a_file_is_read_when_its_path_is_set(tmp_path: Any) -> None:
     assert SignalParameters().series is None
 
 
-def test_a_path_that_is_none_of_a_file_is_refused_in_one_sentence(tmp_path: Any) -> None:
+def test_a_path_that_is_none_of_a_file_is_refused_in_one_sentence(
+    tmp_path: Any, monkeypatch: Any
+) -> None:
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(ParameterError) as refusal:
-        SignalParameters(file=str(tmp_path))
-    assert str(refusal.value).startswith("parameter file: refused '%s': must be " % tmp_path)
+        SignalParameters(file="folder")
+    assert str(refusal.value).startswith("parameter file: refused 'folder': must be ")
     assert "this is a folder; a CSV file of time,value is needed" in str(refusal.value)

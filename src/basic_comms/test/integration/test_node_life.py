@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """How nodes end: their exit status, their last words, and what they leave with the master."""
 
+import os
 import signal
 import subprocess
+import time
 import unittest
 from contextlib import contextmanager
 from typing import Iterator
@@ -32,6 +34,7 @@ class NodeLife(unittest.TestCase):
         program = node if node == "fleet" else node + ".py"
         process = subprocess.Popen(
             ["rosrun", "basic_comms", program, *arguments],
+            env={**os.environ, "PYTHONWARNINGS": "error::ResourceWarning"},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             universal_newlines=True,
@@ -53,6 +56,7 @@ class NodeLife(unittest.TestCase):
         _, errors = process.communicate(timeout=TIMEOUT_S)
         self.assertEqual(process.returncode, 0, errors)
         self.assertNotIn("Traceback", errors)
+        self.assertNotIn("Warning", errors)
         wait_until(
             lambda: "/" + node not in self.graph.nodes(), lambda: node + " is still registered"
         )
@@ -64,6 +68,16 @@ class NodeLife(unittest.TestCase):
                     self.wait_until_up(node)
                     process.send_signal(number)
                     self.assert_ends_cleanly(node, process)
+
+    def test_sigterm_soon_after_ctrl_c_changes_no_status(self) -> None:
+        with self.started("talker") as process:
+            self.wait_until_up("talker")
+            process.send_signal(signal.SIGINT)
+            deadline = time.monotonic() + TIMEOUT_S
+            while process.poll() is None and time.monotonic() < deadline:
+                process.send_signal(signal.SIGTERM)
+                time.sleep(0.0005)
+            self.assert_ends_cleanly("talker", process)
 
     def test_rosnode_kill_ends_every_node_with_status_0(self) -> None:
         for node in NODES:
@@ -96,6 +110,11 @@ class NodeLife(unittest.TestCase):
                 "_waveform:=cosine",
             ): "refused 'cosine': must be one of sine",
             ("fleet", "_count:=-1"): "parameter /fleet/count: refused -1: must be",
+            ("fleet", "_prefix:=a b"): "parameter /fleet/prefix: refused 'a b': must be letters",
+            ("listener", "__name:=a b"): "node name 'a b': must be a letter",
+            ("listener", "__ns:=ä ö"): "namespace '/ä ö/': must be letters",
+            ("listener", "chatter:=a b"): "name '/a b': must be letters",
+            ("talker", '_rate:={a: [1"'): "argument '_rate:={a: [1\"': must have one value in YAML",
         }
         for (node, argument), sentence in cases.items():
             with self.subTest(node=node), self.started(node, argument) as process:

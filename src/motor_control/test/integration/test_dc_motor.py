@@ -5,13 +5,16 @@ import math
 import unittest
 from typing import List
 
+import rosgraph
 import rospy
 import rostest
 from rosgraph_msgs.msg import Log
+from roslib.packages import find_node
 from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
@@ -127,6 +130,7 @@ class DcMotor(unittest.TestCase):
         rospy.set_param(NODE + "/initial_conditions", -1.5)
         self.speed.wait_for(lambda heard: heard.data == -1.5)
         self.enable(False)
+        wait_until(lambda: self.values()[-1] == 0.0, lambda: "it does not stop")
         self.speed.forget()
         self.enable(True)
         self.speed.wait_for(lambda heard: True)
@@ -165,6 +169,24 @@ class DcMotor(unittest.TestCase):
         line = self.log.wait_for(lambda line: "not finite" in line.msg)
         self.assertEqual(line.level, Log.WARN)
         self.settle(3.5)
+
+    def test_second_motor_in_one_namespace_leaves_the_first_one_its_service(self) -> None:
+        master = rosgraph.Master("/test")
+        name = "/lab/EnableProcess"
+        own = master.lookupService(name)
+        other = Process(find_node("motor_control", "dc_motor.py")[0], ["__ns:=lab"])
+        self.addCleanup(other.end)
+        other.wait_for_log("WARN", "already offered", name + " (%s)" % NODE)
+        self.assertNotEqual(master.lookupService(name), own)
+        self.log.wait_for(
+            lambda log: log.name == NODE
+            and "taken over" in log.msg
+            and name + " (/lab/dc_motor)" in log.msg
+        )
+        self.assertEqual(other.interrupt(), 0)
+        self.log.wait_for(lambda log: log.name == NODE and "registered again" in log.msg)
+        self.assertEqual(master.lookupService(name), own)
+        self.assertEqual(self.enable(True).message, "enabled already")
 
 
 if __name__ == "__main__":

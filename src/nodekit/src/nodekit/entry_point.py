@@ -2,9 +2,12 @@
 
 import contextlib
 import importlib
+import os
 import sys
 import types
 from typing import Any, Iterator, Optional
+
+from nodekit.process.ending import end
 
 
 def main(node: str) -> None:
@@ -14,9 +17,19 @@ def main(node: str) -> None:
     """
     try:
         _import_ros()
+        _judge_namespace()
         importlib.import_module(node).main()
     except KeyboardInterrupt:
-        sys.exit(0)  # Ctrl-C before rospy took over the signal
+        end(0)  # Ctrl-C before rospy took over the signal
+
+
+def _judge_namespace() -> None:
+    """End with a sentence where rospy could not be imported because of its namespace."""
+    names = importlib.import_module("nodekit.life.legal_names")
+    try:
+        names.judge_namespace(os.environ, sys.argv)
+    except names.IllegalName as error:
+        end(str(error))
 
 
 def _import_ros() -> None:

@@ -73,6 +73,21 @@ class RestartedMaster(ParameterCase):
         self.assertEqual(node.values, {**DEFAULTS, "level": 6.0, "title": "kept"})
         self.assertEqual(len(node.logged("WARN", "/gauge/count: refused -1")), 1)
 
+    def test_master_that_refuses_every_registration_was_not_restarted(self) -> None:
+        refusing = RefusingMaster(self.master.uri)
+        self.addCleanup(refusing.close)
+        node = self.launch_node("/gauge", ROS_MASTER_URI=refusing.uri)
+        refused = "the master refuses to register /gauge/describe"
+        node.wait_for_log("ERROR", refused)
+        asked = refusing.calls.count("getPid")
+        wait_until(  # at the start, twice in the first second, and once in the next two
+            lambda: refusing.calls.count("getPid") >= asked + 5,
+            lambda: "the master is asked no more",
+        )
+        self.assertLessEqual(len(node.logged(refused)), 2)
+        self.assertEqual(node.logged("the master was restarted"), [])
+        self.assertEqual(node.logged("the master had forgotten"), [])
+
     def test_page_in_place_of_an_answer_is_a_master_that_does_not_answer(self) -> None:
         node = self.start()
         self.server.set("/gauge/level", 5)
@@ -116,6 +131,19 @@ class RestartedMaster(ParameterCase):
         self.assertEqual(node.values["level"], 5.0)
         self.server.set("/gauge/level", 6)
         node.wait_for(level=6.0)
+
+
+class RefusingMaster(SlowMaster):
+    """Refuses to register anything."""
+
+    def __init__(self, master_uri: str) -> None:
+        super().__init__(master_uri, "", "")
+
+    def _dispatch(self, method: str, arguments: Any) -> Any:
+        if method.startswith(("register", "subscribe")):
+            self.calls.append(method)
+            return [-1, "refused", 0]
+        return super()._dispatch(method, arguments)
 
 
 @contextlib.contextmanager

@@ -90,6 +90,16 @@ def test_interrupt_during_the_imports_is_no_error(tmp_path):
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+def test_sigterm_after_an_interrupt_during_the_imports_changes_no_status(tmp_path):
+    text = (
+        "import atexit, os, signal\n"
+        "atexit.register(os.kill, os.getpid(), signal.SIGTERM)\n"
+        "raise KeyboardInterrupt\n"
+    )
+    done = run_main(tmp_path, text)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def test_search_for_files_is_imported_when_it_is_needed(tmp_path):
     text = (
         "import roslib.packages, sys\n"

@@ -283,6 +283,10 @@ TABLE: Dict[str, List[Any]] = {
         Step({"": MISSING}, forgotten=True, fails=True, writes=HELD),
         Step(forgotten=True, writes=HELD),
     ],
+    "namespace of another node below this one's name is no misspelt parameter": [
+        Step({"levels": {"level": 1.0}, "deep": {}}),
+        Step({"levels": 1.0}, unknown={"levels": "level"}),
+    ],
     "unknown names are warned of once, those that are exempt never": [
         Step({"levle": 1, "Message": 2}, unknown={"levle": "level"}),
         Step({"levle": MISSING}),

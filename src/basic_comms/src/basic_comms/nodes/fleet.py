@@ -7,7 +7,8 @@ import rospy
 
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
-from nodekit import IntParameter, Node, ParameterSet, StringParameter, host_all, run
+from nodekit import IntParameter, Node, ParameterSet, StringParameter, host_all, rule, run
+from nodekit.life.legal_names import MUST_BE_GLOBAL, is_legal
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
 #: that connects would wait as long at each of its steps while the members' signals are made.
@@ -19,6 +20,12 @@ class FleetParameters(ParameterSet):
 
     count = IntParameter(2, minimum=0, maximum=5000, help="how many groups there are")
     prefix = StringParameter("Group", help="what the groups' names start with, before 1, 2, ...")
+
+    @rule("prefix")
+    def _gives_legal_names(self) -> None:
+        start = self.prefix[1:] if self.prefix.startswith(("/", "~")) else self.prefix
+        if not is_legal("/%s1" % start):
+            raise ValueError(MUST_BE_GLOBAL)
 
 
 class Fleet:

@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import rospy
 
+from nodekit.life.legal_names import judged
+
 
 class Names(NamedTuple):
     """Turns the names that a node's class uses into global ones.
@@ -27,16 +29,19 @@ class Names(NamedTuple):
 
         :param namespace: namespace of the node; a relative one is in that of the process
         :param name: base name of the node
+        :raises IllegalName: if ROS does not allow that name
         """
-        return cls("%s/%s" % (rospy.resolve_name(namespace).rstrip("/"), name), True)
+        node = "%s/%s" % (rospy.resolve_name(namespace).rstrip("/"), name)
+        return cls(judged(node, "node name"), True)
 
     def resolve(self, name: str) -> str:
         """Return the global name of a topic, a service or a parameter.
 
         :param name: relative, global, or private (``~name``)
+        :raises IllegalName: if ROS does not allow that name, as it is or as it was remapped
         """
-        if not self.is_hosted or name.startswith("/"):
-            return str(rospy.resolve_name(name))
-        if name.startswith("~"):
-            return str(rospy.resolve_name("%s/%s" % (self.node, name[1:])))
-        return str(rospy.resolve_name("%s/%s" % (self.node.rpartition("/")[0], name)))
+        if self.is_hosted and not name.startswith("/"):
+            private = name.startswith("~")
+            namespace = self.node if private else self.node.rpartition("/")[0]
+            name = "%s/%s" % (namespace, name[1:] if private else name)
+        return judged(str(rospy.resolve_name(name)))

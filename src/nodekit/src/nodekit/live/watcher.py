@@ -16,9 +16,10 @@ import rospy
 
 from nodekit.live.followers import Entry, Follower, Followers
 from nodekit.live.master import MasterClient, MasterUnreachable, Reading
+from nodekit.live.registrations import Registrations
 from nodekit.parameters.kinds import is_same
 from nodekit.parameters.no_value import MISSING
-from nodekit.rospy_internals import parameters, registration, shutdown
+from nodekit.rospy_internals import parameters, shutdown
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
@@ -45,11 +46,10 @@ class Watcher:
     def __init__(self, client: MasterClient) -> None:
         self.client = client
         self._followers = Followers(client)
+        self._registrations = Registrations(client)
         self._ahead: Dict[str, Any] = {}
         self._turn_from = 0
         self._bell = threading.Event()
-        self._master_pid: Optional[int] = None
-        self._restarted = False
         self._reachable = True
         self._logged: Dict[str, float] = {}
         if not parameters.on_push(self._on_push):
@@ -131,11 +131,14 @@ class Watcher:
             self._bell.wait(max(0.0, next_turn - time.monotonic()))
             self._bell.clear()
             turn: List[Entry] = []
-            if time.monotonic() >= next_turn:
+            is_due = time.monotonic() >= next_turn
+            if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
                 turn = self._next_turn()
             try:
                 self._look(turn)
+                if is_due and not self._followers.ended:
+                    self._registrations.look_after_services()
             except MasterUnreachable as error:
                 self._note_reachable(False, error)
             except BaseException:  # no defect may end this thread
@@ -168,7 +171,7 @@ class Watcher:
         due = [entry for entry in self._followers.entries.values() if entry.is_due]
         entries = list(dict.fromkeys(turn + due))
         read_at, reading = self._read(entries)
-        if self._restarted:
+        if self._registrations.are_lost:
             entries = list(self._followers.entries.values())
         elif not self._news(entries, reading):
             return
@@ -179,26 +182,23 @@ class Watcher:
             read_at, reading = self._read(entries)
             if is_same(reading.values, before.values) or read_at > limit:
                 break
-        if self._restarted and not self._followers.ended:
+        if self._registrations.are_lost and not self._followers.ended:
             self._begin_anew()
         self._pass_on(self._news(entries, reading), reading, read_at)
 
     def _read(self, entries: List[Entry]) -> Tuple[float, Reading]:
         read_at = time.monotonic()
         reading = self.client.read([entry.key for entry in entries])
-        if not reading.knows_node or self._master_pid not in (None, reading.master_pid):
-            self._restarted = True
-        self._master_pid = reading.master_pid
+        self._registrations.note(reading)
         return read_at, reading
 
     def _begin_anew(self) -> None:
-        """Tell a master that was restarted all that it has to know."""
-        registration.register_again(self.client.request)
+        """Tell a master all that it has to know and does not any more."""
+        self._registrations.renew()
         self._followers.subscribe(self._followers.keys())
         for entry in self._followers.entries.values():
             entry.forgotten = True
-        self._restarted = False
-        rospy.logwarn("the master was restarted: registered again, settings in force are kept")
+        self._registrations.renewed()
 
     def _pass_on(self, entries: List[Entry], reading: Reading, read_at: float) -> None:
         """Tell each follower; one that fails keeps no other from being told."""

@@ -113,6 +113,17 @@ def last_good(
     return found
 
 
+def leaves(tree: Mapping[str, Any]) -> List[str]:
+    """Return the names of what may have been meant for a parameter.
+
+    A namespace was not, since no kind of parameter takes one: it holds the parameters of another
+    node, whose name begins with this one's.
+
+    :param tree: raw values by name, as the server holds them
+    """
+    return [name for name, value in tree.items() if not isinstance(value, dict)]
+
+
 def unknown_names(
     declared: Collection[str], names: Collection[str], exempt: Collection[str] = ()
 ) -> Dict[str, Optional[str]]:

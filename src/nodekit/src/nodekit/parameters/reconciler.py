@@ -31,6 +31,7 @@ from nodekit.parameters.judging import (
     corrections,
     keep_rules,
     last_good,
+    leaves,
     on_wire,
     unknown_names,
     unknown_refused,
@@ -71,8 +72,7 @@ class Outcome(NamedTuple):
     :param writes: by name, what to write now; an empty name means to replace the
         whole namespace
     :param refusals: what to warn of, without what was warned of before
-    :param unknown: names that nobody declared and nobody was told of, each with
-        the nearest known one, None if none is near
+    :param unknown: undeclared names that nobody was told of, each with the nearest known or None
     :param again: nothing is decided yet: read again soon and hand over the same
         notifications once more
     """
@@ -240,7 +240,7 @@ class Reconciler(Generic[Snapshot]):
             else:
                 self._held.update(dict.fromkeys(names, _UNKNOWN))
         told, self._told_refused = self._told_refused, set(map(str, refusals))
-        names = [name for name in tree if name not in self._told_unknown]
+        names = [name for name in leaves(tree) if name not in self._told_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
         self._told_unknown.update(unknown)
         return Outcome(values, writes, [e for e in refusals if str(e) not in told], unknown)

@@ -1,5 +1,7 @@
 """The life of a node's process, the same for every node: start, spin, exit status."""
 
+import contextlib
+import os
 import sys
 import threading
 import time
@@ -8,11 +10,13 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
+from nodekit.life.legal_names import IllegalName
 from nodekit.live.master import MasterClient, MasterUnreachable
 from nodekit.live.watcher import get_watcher
 from nodekit.node import Node
 from nodekit.parameters.kinds import ParameterError
-from nodekit.process import timer_slack
+from nodekit.process import arguments, timer_slack
+from nodekit.process.ending import end
 from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often
 
@@ -26,12 +30,14 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
     """Run a node until it is shut down, then end the process.
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
-    where the start was refused because of a parameter or an unreachable master.
+    where the start was refused because of an argument, a name, a parameter or an
+    unreachable master.
 
     :param name: name of the node where none is given by ``__name``
     :param cls: the node's class, called with the process's :class:`.Node`
     """
     try:
+        arguments.judge(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
         signals.register()
         timer_slack.tighten()
         _wait_for_master(name)
@@ -39,15 +45,15 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
         if not rospy.is_shutdown():
             rospy.spin()
         del kept_alive
-    except ParameterError as error:
+    except (arguments.ArgumentError, IllegalName, ParameterError) as error:
         rospy.logfatal("%s", error)
-        sys.exit(EXIT_REFUSED)
+        end(EXIT_REFUSED)
     except MasterUnreachable as error:
         rospy.logfatal("the master stopped answering during the start: %s", error)
-        sys.exit(EXIT_REFUSED)
+        end(EXIT_REFUSED)
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
-    sys.exit(EXIT_OK)
+    end(EXIT_OK)
 
 
 def register(name: str) -> Node:
@@ -76,15 +82,16 @@ def _wait_for_master(name: str) -> None:
     uri = rosgraph.get_master_uri()
     master = MasterClient(uri, "/" + name, "", timeout=1.0)
     told = False
-    while not rospy.is_shutdown():
-        try:
-            master.read([])
-            return
-        except MasterUnreachable as error:
-            if not told:
-                rospy.logwarn("waiting for the master: %s", error)
-                told = True
-            time.sleep(0.1)
+    with contextlib.closing(master):
+        while not rospy.is_shutdown():
+            try:
+                master.read([])
+                return
+            except MasterUnreachable as error:
+                if not told:
+                    rospy.logwarn("waiting for the master: %s", error)
+                    told = True
+                time.sleep(0.1)
 
 
 def _start_beside(name: str, cls: Callable[[Node], object]) -> List[object]:

@@ -7,7 +7,7 @@ time-out, several registrations at once where it is told to.
 import contextlib
 import threading
 import time
-from typing import Any, Callable, ContextManager, Iterator, List, Optional, Tuple
+from typing import Any, ContextManager, Dict, Iterator, List, Optional, Tuple
 
 import rospy
 import rospy.core
@@ -18,6 +18,8 @@ from rospy.impl.registration import (
     get_service_manager,
     get_topic_manager,
 )
+
+from nodekit.rospy_internals.service_owners import Request, tell_of_others
 
 #: Most registrations in one request; the master's other clients are served between two.
 _TOGETHER = 500
@@ -39,9 +41,6 @@ _REMOVE = {
 }
 _KINDS = list(_ADD)
 
-#: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
-#: value); raises ConnectionError where it does not answer in time.
-Request = Callable[[List[Tuple[Any, ...]]], List[Any]]
 #: What is registered: kind, name, and its type or, of a service, its URI.
 _Entry = Tuple[str, str, str]
 
@@ -59,10 +58,13 @@ class _Registrar(RegistrationListener):
 
     :param listener: rospy's own, which connects subscribers to publishers
     :param request: asks the master
+
+    :ivar services: those that the master has taken, each with its URI
     """
 
     def __init__(self, listener: Any, request: Request) -> None:
         self.request = request
+        self.services: Dict[str, str] = {}
         self.local = threading.local()
         self._listener = listener
 
@@ -86,28 +88,36 @@ class _Registrar(RegistrationListener):
         else:
             batch.removed.append(entry)
 
-    def add(self, entries: List[_Entry], request: Optional[Request] = None) -> None:
-        """Register, and connect to the publishers that there are.
+    def add(self, entries: List[_Entry], request: Optional[Request] = None) -> bool:
+        """Register, connect to the publishers that there are, and tell whose services there were.
 
         :param entries: what is new
         :param request: asks the master; by default, as often as it takes to have an answer
+        :returns: whether the master has taken any of it
         :raises ConnectionError: if the request does
         """
+        taken = False
         request = request or self._ask_until_answered
         entries = sorted(entries, key=lambda entry: _KINDS.index(entry[0]))
         uri = rospy.get_node_uri()
         for start in range(0, len(entries), _TOGETHER):
             part = entries[start : start + _TOGETHER]
+            tell_of_others({name: uri for k, name, uri in part if k == Registration.SRV}, request)
             calls: List[Tuple[Any, ...]] = [
                 (_ADD[kind], name, type_or_uri, uri) for kind, name, type_or_uri in part
             ]
-            for (kind, name, _), answer in zip(part, request(calls)):
+            for (kind, name, type_or_uri), answer in zip(part, request(calls)):
                 if answer[0] != 1:
                     rospy.logerr("the master refuses to register %s: %s", name, answer[1])
-                elif kind == Registration.SUB:
+                    continue
+                taken = True
+                if kind == Registration.SUB:
                     self._connect(name, answer[2])
+                elif kind == Registration.SRV:
+                    self.services[name] = type_or_uri
             if rospy.core.is_shutdown_requested():  # rospy's own farewell may have come before
                 self.remove(part)
+        return taken
 
     def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
         # When the node ends, rospy takes back what there was, and nothing must follow.
@@ -127,6 +137,9 @@ class _Registrar(RegistrationListener):
 
         :param entries: what is no more
         """
+        for kind, name, _ in entries:
+            if kind == Registration.SRV:
+                self.services.pop(name, None)
         uri = rospy.get_node_uri()
         calls: List[Tuple[Any, ...]] = [
             (_REMOVE[kind], name, type_or_uri if kind == Registration.SRV else uri)
@@ -189,13 +202,14 @@ def together() -> Iterator[None]:
             registrar.add(batch.added)
 
 
-def register_again(request: Request) -> None:
+def register_again(request: Request) -> bool:
     """Tell the master once more of every topic and service of this node.
 
     rospy registers each of them once, so after a restart of the master no new
     subscriber or client would find it. Connections that exist are not touched.
 
     :param request: asks the master
+    :returns: whether the master has taken any of it
     :raises ConnectionError: if that does
     """
     registrar = _registrar or _Registrar(get_registration_listeners().listeners[0], request)
@@ -207,4 +221,29 @@ def register_again(request: Request) -> None:
         (services.get_services(), Registration.SRV),
     ):
         entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
-    registrar.add(entries, request)
+    return registrar.add(entries, request)
+
+
+def services() -> Dict[str, str]:
+    """Return the services that the master has taken from this process, each with its URI.
+
+    Without the node's private ones, as no other node has its name.
+    """
+    private = rospy.get_name() + "/"
+    registered = dict(_registrar.services) if _registrar is not None else {}
+    return {name: uri for name, uri in registered.items() if not name.startswith(private)}
+
+
+def register_services(names: List[str], request: Request) -> None:
+    """Register services of this process again, unless they have just been closed.
+
+    :param names: of those that the master had taken
+    :param request: asks the master
+    :raises ConnectionError: if that does
+    """
+    registered = services()
+    entries = [(Registration.SRV, name, registered[name]) for name in names if name in registered]
+    if _registrar is not None:
+        _registrar.add(entries, request)
+        manager = get_service_manager()
+        _registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])

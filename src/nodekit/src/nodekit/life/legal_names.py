@@ -1,0 +1,66 @@
+"""What a name may be in ROS: http://wiki.ros.org/Names, as roscpp enforces it.
+
+rospy only warns, and ``rosgraph.names.is_legal_name`` lets letters of any script pass. But the
+master refuses blanks and colons, and programs in C++, rosout and ``rosbag record`` among them,
+abort at the first name with a letter beyond ASCII.
+"""
+
+import re
+from typing import Mapping, Sequence
+
+from rosgraph.names import get_ros_namespace
+
+_BASE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_GLOBAL = re.compile(r"/|(/[A-Za-z0-9_]+)+/?")
+_MUST_BE_BASE = "must be a letter (a-z, A-Z), then letters, digits and underscores"
+#: What :func:`is_legal` judges by, in words.
+MUST_BE_GLOBAL = "must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
+
+
+class IllegalName(ValueError):
+    """A name that ROS does not allow; the text says which, and what a name may be."""
+
+
+def is_legal(name: str) -> bool:
+    """Tell whether a global name is legal.
+
+    :param name: of a node, topic, service, parameter or namespace
+    """
+    return _GLOBAL.fullmatch(name) is not None
+
+
+def judged(name: str, what: str = "name") -> str:
+    """Return a global name.
+
+    :param name: of a node, topic, service, parameter or namespace
+    :param what: what it is the name of, for the error
+    :raises IllegalName: if it is not legal
+    """
+    if not is_legal(name):
+        raise IllegalName("%s '%s': %s" % (what, name, MUST_BE_GLOBAL))
+    return name
+
+
+def judge_base_name(name: str) -> None:
+    """Judge the name of a node without its namespace.
+
+    :raises IllegalName: if it is not legal
+    """
+    if _BASE.fullmatch(name) is None:
+        raise IllegalName("node name '%s': %s" % (name, _MUST_BE_BASE))
+
+
+def judge_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
+    """Judge the namespace that this process is given by ``__ns`` or ``ROS_NAMESPACE``.
+
+    Importing rospy raises where one begins with a tilde.
+
+    :param environ: variables of the environment
+    :param argv: arguments of the command line
+    :raises IllegalName: if it is not legal
+    """
+    try:
+        namespace = get_ros_namespace(environ, argv)
+    except ValueError as error:  # private
+        raise IllegalName("namespace: %s: %s" % (error, MUST_BE_GLOBAL)) from None
+    judged(namespace, "namespace")

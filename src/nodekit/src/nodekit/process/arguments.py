@@ -1,0 +1,65 @@
+"""Judge what a node is given from outside, before rospy sees it.
+
+rospy answers what makes no sense with a traceback, or by waiting for ever.
+"""
+
+import xmlrpc.client
+from typing import Mapping, Sequence
+from urllib.parse import urlsplit
+
+import rosgraph
+from rospy.client import load_command_line_node_params
+
+from nodekit.life import legal_names
+
+_VALUE = (
+    "must have one value in YAML after :=, of those that the parameter server takes "
+    "(true, a whole number of 32 bits, 2.5, 'text', or a list or a mapping of such)"
+)
+_URI = "must be the address of a master, such as http://localhost:11311"
+
+
+class ArgumentError(ValueError):
+    """An argument or a variable that makes no sense; the text says which, and what it must be."""
+
+
+def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
+    """Judge names, private parameters and the master's address.
+
+    :param name: name of the node, without its namespace
+    :param environ: variables of the environment
+    :param argv: arguments of the command line
+    :raises IllegalName: if ROS does not allow the node's name or its namespace
+    :raises ArgumentError: if anything else makes no sense
+    """
+    legal_names.judge_namespace(environ, argv)
+    legal_names.judge_base_name(name)
+    _judge_master_uri(environ, argv)
+    for argument in argv:
+        _judge_parameter(argument)
+
+
+def _judge_parameter(argument: str) -> None:
+    """Judge an argument that may be one as ``_rate:=5``."""
+    try:
+        for value in load_command_line_node_params([argument]).values():
+            # There and back: the parser of XML refuses characters that the writer lets pass.
+            xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
+    except Exception:  # of any kind: YAML and XML-RPC have many
+        raise ArgumentError("argument '%s': %s" % (argument, _VALUE)) from None
+
+
+def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
+    source, uri = "ROS_MASTER_URI", ""
+    try:
+        given = [argument for argument in argv if argument.startswith("__master:=")]
+        if given:
+            source, _, uri = given[0].partition(":=")
+        else:
+            uri = rosgraph.get_master_uri(environ, argv)
+        parts = urlsplit(uri)
+        makes_sense = parts.scheme == "http" and parts.hostname and parts.port != 0
+    except ValueError:  # a port that is none
+        makes_sense = False
+    if not makes_sense:
+        raise ArgumentError("%s '%s': %s" % (source, uri, _URI))

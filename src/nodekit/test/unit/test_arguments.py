@@ -1,0 +1,92 @@
+"""What a node is given by the command line and the environment is judged before it starts."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from nodekit.life.legal_names import IllegalName
+from nodekit.process.arguments import ArgumentError, judge
+
+URI = "http://localhost:11311"
+
+
+@pytest.mark.parametrize(
+    "argument",
+    ["_rate:=5", "_on:=true", "_text:=a: b", "_x:=[1, {a: .nan}]", "_empty:=", "x:=y", "5"],
+)
+def test_what_makes_sense(argument):
+    judge("node", {}, ["node.py", argument])
+
+
+@pytest.mark.parametrize(
+    "argument",
+    [
+        '_amplitude:={a: [1"',
+        "_amplitude:=99999999999",
+        "_amplitude:=null",
+        "_amplitude:=2020-01-01",
+        "_amplitude:={1: 2}",
+        '_amplitude:="\\x01"',
+        "_amplitude:=1:=2",
+    ],
+)
+def test_parameter_that_the_server_cannot_take_is_named(argument):
+    sentence = re.escape("argument '%s': must have one value in YAML" % argument)
+    with pytest.raises(ArgumentError, match="^" + sentence):
+        judge("node", {}, ["node.py", "_rate:=5", argument])
+
+
+@pytest.mark.parametrize("uri", [URI, URI + "/", "http://127.0.0.1", "http://[::1]:1/"])
+def test_addresses_of_a_master(uri):
+    judge("node", {"ROS_MASTER_URI": uri}, [])
+    judge("node", {"ROS_MASTER_URI": "garbage"}, ["__master:=" + uri])
+
+
+@pytest.mark.parametrize(
+    "uri",
+    ["garbage", "", "localhost:11311", "http://", "http://:11311", "http://a:b", "http://a:99999"]
+    + ["https://a:11311", "http://a:0", "http://[::1"],
+)
+def test_address_that_is_none_is_named_with_its_source(uri):
+    must_be = "'%s': must be the address of a master, such as %s" % (uri, URI)
+    with pytest.raises(ArgumentError, match=re.escape("ROS_MASTER_URI " + must_be)):
+        judge("node", {"ROS_MASTER_URI": uri}, [])
+    with pytest.raises(ArgumentError, match=re.escape("__master " + must_be)):
+        judge("node", {"ROS_MASTER_URI": URI}, ["__master:=" + uri])
+
+
+def test_names_are_judged():
+    for name, environ, argv in (
+        ("a b", {}, []),
+        ("node", {"ROS_NAMESPACE": "/a b"}, []),
+        ("node", {}, ["__ns:=a b"]),
+    ):
+        with pytest.raises(IllegalName, match="a b"):
+            judge(name, environ, argv)
+
+
+@pytest.mark.parametrize(
+    "environment, arguments, sentence",
+    [
+        ({"ROS_MASTER_URI": "garbage"}, [], "ROS_MASTER_URI 'garbage': must be"),
+        ({}, ["__name:=a b"], "node name 'a b': must be"),
+        ({}, ["__ns:=~a"], "namespace: cannot turn [~a] into a global name: must be"),
+        ({}, ['_x:={a: [1"'], "argument '_x:={a: [1\"': must have"),
+    ],
+)
+def test_node_refuses_in_one_sentence(tmp_path, environment, arguments, sentence):
+    (tmp_path / "some_node.py").write_text("import nodekit\ndef main(): nodekit.run('n', object)\n")
+    program = "from nodekit.entry_point import main; main('some_node')"
+    paths = [str(tmp_path), *sys.path]
+    done = subprocess.run(
+        [sys.executable, "-c", program, *arguments],
+        env={**os.environ, **environment, "PYTHONPATH": os.pathsep.join(paths)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        universal_newlines=True,
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert re.fullmatch(re.escape(sentence) + ".*\n", done.stderr), done.stderr

@@ -1,0 +1,65 @@
+"""What a name may be in ROS."""
+
+import pytest
+import rosgraph.names
+
+from nodekit.life.legal_names import (
+    IllegalName,
+    is_legal,
+    judge_base_name,
+    judge_namespace,
+    judged,
+)
+from nodekit.life.names import Names
+
+
+@pytest.mark.parametrize("name", ["/", "/a", "/a/b_1/C", "/a/", "/5", "/_a", "/a" * 5000])
+def test_legal_names(name):
+    assert is_legal(name) and rosgraph.names.is_legal_name(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["", "a", "/a b", "/a:b", "//", "/a//b", "/a-b", "/a\n", "/~a", "/ä", "/a" * 5000 + " "]
+)
+def test_illegal_names_are_told_with_what_a_name_may_be(name):
+    assert not is_legal(name)
+    with pytest.raises(IllegalName) as error:
+        judged(name, "topic")
+    assert str(error.value) == (
+        "topic '%s': must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
+        % name
+    )
+
+
+@pytest.mark.parametrize("name", ["talker", "t", "Talker_2"])
+def test_legal_base_names(name):
+    judge_base_name(name)
+
+
+@pytest.mark.parametrize("name", ["", "a b", "a/b", "/a", "~a", "5", "_a", "aö"])
+def test_illegal_base_names(name):
+    with pytest.raises(IllegalName, match="^node name '%s': must be a letter" % name):
+        judge_base_name(name)
+
+
+def test_namespaces():
+    for namespace in ("", "/", "a", "/a/b", "a/", "5"):
+        judge_namespace({}, ["__ns:=" + namespace])
+        judge_namespace({"ROS_NAMESPACE": namespace}, [])
+    for namespace in ("a b", "ä ö", "a//b", "~a", "~"):
+        with pytest.raises(IllegalName, match="namespace.*%s.*must be letters" % namespace):
+            judge_namespace({}, ["__ns:=" + namespace])
+        with pytest.raises(IllegalName, match="namespace.*%s.*must be letters" % namespace):
+            judge_namespace({"ROS_NAMESPACE": namespace}, [])
+
+
+def test_names_of_a_node_are_judged():
+    node = Names.hosted("/lab", "motor")
+    assert node.resolve("speed") == "/lab/speed"
+    assert node.resolve("~gain") == "/lab/motor/gain"
+    for name in ("a b", "~a b", "/a b"):
+        with pytest.raises(IllegalName, match="a b': must be"):
+            node.resolve(name)
+    for namespace, base in (("/a b", "motor"), ("/lab", "a:b")):
+        with pytest.raises(IllegalName, match="node name '/"):
+            Names.hosted(namespace, base)

@@ -1,0 +1,131 @@
+"""What is told to a master that has lost what it knew, and to whom a service belongs."""
+
+from typing import Any, Dict, List
+
+import pytest
+import rospy
+
+from nodekit.live.master import Reading
+from nodekit.live.registrations import LOOKUPS, Registrations
+from nodekit.rospy_internals import registration
+
+OWN, OTHER = "rosrpc://own:1", "rosrpc://other:1"
+
+
+class Master:
+    """Answers for each service who has it; keeps what it was asked."""
+
+    def __init__(self) -> None:
+        self.owners: Dict[str, str] = {}
+        self.asked: List[str] = []
+
+    def request(self, calls: List[Any]) -> List[Any]:
+        if calls == [("getSystemState",)]:
+            return [(1, "", [[], [], [[name, ["/other"]] for name in self.owners]])]
+        self.asked = [name for _, name in calls]
+        return [
+            (1, "", self.owners[name]) if name in self.owners else (-1, "", 0)
+            for name in self.asked
+        ]
+
+
+class Rig:
+    """Registrations on a master of the test's own, and what they do and say."""
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        self.master = Master()
+        self.lines: List[str] = []
+        self.accepts = True
+        self.renewals = 0
+        self.services = {"/a": OWN}
+        self.tested = Registrations(self.master)  # type: ignore[arg-type]
+
+        def log(text: str, *arguments: Any) -> None:
+            self.lines.append(text % arguments)
+
+        patch.setattr(rospy, "logwarn", log)
+        patch.setattr(rospy, "loginfo", log)
+        patch.setattr(registration, "services", lambda: self.services)
+        patch.setattr(registration, "register_again", self.register_again)
+        patch.setattr(registration, "register_services", self.register_services)
+
+    def register_again(self, _request: Any) -> bool:
+        self.renewals += 1
+        return self.accepts
+
+    def register_services(self, names: List[str], _request: Any) -> None:
+        self.master.owners.update({name: self.services[name] for name in names})
+
+    def read(self, knows_node: bool, pid: int = 1) -> None:
+        """Act as the watcher does."""
+        self.tested.note(Reading({}, knows_node, pid))
+        if self.tested.are_lost:
+            self.tested.renew()
+            self.tested.renewed()
+
+    def look(self) -> List[str]:
+        """Look after the services; return what was said."""
+        before = len(self.lines)
+        self.tested.look_after_services()
+        return self.lines[before:]
+
+
+@pytest.fixture
+def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
+    return Rig(monkeypatch)
+
+
+def test_master_that_knows_the_node_is_left_alone(rig: Rig) -> None:
+    for _ in range(3):
+        rig.read(True)
+    assert (rig.renewals, rig.lines) == (0, [])
+
+
+def test_restarted_master_is_told_once(rig: Rig) -> None:
+    for knows, pid in ((True, 1), (False, 2), (True, 2), (True, 3), (True, 3)):
+        rig.read(knows, pid)
+    line = "the master was restarted: registered again, settings in force are kept"
+    assert (rig.renewals, rig.lines) == (2, [line, line])
+
+
+def test_node_that_was_forgotten_says_so_and_not_that_the_master_was_restarted(rig: Rig) -> None:
+    for knows in (True, False, True):
+        rig.read(knows)
+    line = "the master had forgotten this node: registered again, settings in force are kept"
+    assert (rig.renewals, rig.lines) == (1, [line])
+
+
+def test_master_that_refuses_everything_is_asked_once_and_no_restart_is_claimed(rig: Rig) -> None:
+    rig.accepts = False
+    for _ in range(5):
+        rig.read(False)
+    assert (rig.renewals, rig.lines) == (1, [])
+    rig.accepts = True
+    for _ in range(2):
+        rig.read(False, pid=2)
+    assert len(rig.lines) == rig.renewals - 1 > 0
+
+
+def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Rig) -> None:
+    rig.master.owners = {"/a": OWN}
+    assert rig.look() == []
+    rig.master.owners = {"/a": OTHER}
+    text = "taken over by another node, which is called in place of this one: service /a (/other)"
+    assert [rig.look(), rig.look()] == [[text], []]
+    rig.master.owners = {}
+    assert rig.look() == ["offered by nobody, registered again: service /a"]
+    assert rig.master.owners == {"/a": OWN}
+    assert rig.look() == []
+    rig.master.owners = {"/a": OTHER}
+    assert rig.look() == [text]
+
+
+def test_many_services_take_turns(rig: Rig) -> None:
+    names = ["/s%03d" % number for number in range(2 * LOOKUPS + 1)]
+    rig.services = rig.master.owners = dict.fromkeys(names, OWN)
+    seen: List[str] = []
+    for _ in range(3):
+        rig.look()
+        assert len(rig.master.asked) <= LOOKUPS
+        seen += rig.master.asked
+    assert seen == names

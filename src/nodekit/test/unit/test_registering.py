@@ -10,6 +10,7 @@ from nodekit.rospy_internals import registration
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"
 OK = (1, "", [])
+NOBODY = (-1, "no provider", "")
 
 
 class Asked:
@@ -22,7 +23,7 @@ class Asked:
     def __call__(self, calls):
         self.requests.append(calls)
         self.meanwhile(calls)
-        return [OK] * len(calls)
+        return [NOBODY if call[0] == "lookupService" else OK for call in calls]
 
     @property
     def calls(self):
@@ -76,7 +77,9 @@ def test_what_is_published_is_registered_before_what_listens(ending):
     ask = Asked()
     entries = [(SRV, "/s", "rosrpc://here:2"), (SUB, "/t", "*"), (PUB, "/t", "*")]
     registration._Registrar(None, ask).add(entries)
-    assert ask.requests == [
+    lookups, *requests = ask.requests
+    assert lookups == [("lookupService", "/s")]
+    assert requests == [
         [
             ("registerPublisher", "/t", "*", URI),
             ("registerSubscriber", "/t", "*", URI),

@@ -75,6 +75,8 @@ class RestartedMaster(unittest.TestCase):
         )
         self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
         for node in nodes:
+            # Said when all is told, which may be a moment after the master knows it.
+            node.wait_for_log("WARN", "the master was restarted")
             for words in ("the master does not answer", "the master was restarted"):
                 self.assertEqual(len(node.logged(words)), 1, node.logged(words))
             self.assertEqual(node.logged("Traceback"), [])

@@ -35,6 +35,10 @@ class Registrations:
         self._taken: Set[str] = set()
         self._turn_from = 0
 
+    def begin(self, reading: Reading) -> None:
+        """Note which master it is."""
+        self._master_pid = reading.master_pid
+
     def note(self, reading: Reading) -> None:
         """Note what was read from the master."""
         if self._master_pid not in (None, reading.master_pid):

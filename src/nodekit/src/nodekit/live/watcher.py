@@ -61,12 +61,13 @@ class Watcher:
     def _take_over_logging(self) -> None:
         """Spare the master a question for each line of the log, and rospy a subscription.
 
-        A subscription that is left behind is no trifle: should the node be
-        started anew, the master would shut down whoever has its old port by then.
+        One left behind is no trifle: the master would shut down whoever has this port by then.
         """
         key = parameters.ROSOUT_PARAMETER
         self._followers.subscribe([key])
-        value = self.client.read([key]).values[key]
+        reading = self.client.read([key])
+        self._registrations.begin(reading)
+        value = reading.values[key]
         parameters.cache(key, value if value is not MISSING else False)
 
     def read_ahead(self, keys: Sequence[str]) -> None:
@@ -130,11 +131,10 @@ class Watcher:
         while not self._followers.ended:
             self._bell.wait(max(0.0, next_turn - time.monotonic()))
             self._bell.clear()
-            turn: List[Entry] = []
             is_due = time.monotonic() >= next_turn
             if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
-                turn = self._next_turn()
+            turn = self._next_turn() if is_due else []
             try:
                 self._look(turn)
                 if is_due and not self._followers.ended:

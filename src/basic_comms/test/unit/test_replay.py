@@ -3,6 +3,7 @@
 import os
 import socket
 import time
+from unittest import mock
 
 import numpy
 import pytest
@@ -191,8 +192,7 @@ def test_the_size_is_looked_at_before_anything_is_read(tmp_path, monkeypatch):
 
 def test_a_file_that_tells_no_size_is_read_no_further_than_allowed():
     with pytest.raises(SeriesError, match="/proc/self/stat: 12 bytes; at most 11"):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(replay, "LARGEST_BYTES", 11)
+        with mock.patch.object(replay, "LARGEST_BYTES", 11):
             load_series("/proc/self/stat")
 
 

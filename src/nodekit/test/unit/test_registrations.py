@@ -32,7 +32,7 @@ class Master:
 class Rig:
     """Registrations on a master of the test's own, and what they do and say."""
 
-    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+    def __init__(self, patch: "pytest.MonkeyPatch") -> None:
         self.master = Master()
         self.lines: List[str] = []
         self.accepts = True
@@ -71,7 +71,7 @@ class Rig:
 
 
 @pytest.fixture
-def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
+def rig(monkeypatch: "pytest.MonkeyPatch") -> Rig:
     return Rig(monkeypatch)
 
 

@@ -106,8 +106,10 @@ class Master:
         self._popen.wait(TIMEOUT_S)
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, as SIGSTOP to have it hang."""
+        """Send it a signal, as SIGSTOP to have it hang; that is waited for."""
         self._popen.send_signal(number)
+        if number == signal.SIGSTOP:
+            wait_until(lambda: is_stopped(self._popen.pid), lambda: "the master goes on")
 
     def _answers(self) -> bool:
         try:
@@ -116,6 +118,18 @@ class Master:
                 return bool(answer[0] == 1)
         except OSError:
             return False
+
+
+def is_stopped(pid: int) -> bool:
+    """Tell whether all threads of a process have been stopped by a signal.
+
+    :param pid: its process id
+    """
+    states = []
+    for thread in os.listdir("/proc/%d/task" % pid):
+        with open("/proc/%d/task/%s/stat" % (pid, thread)) as stat:
+            states.append(stat.read().rpartition(")")[2].split()[0])
+    return set(states) == {"T"}
 
 
 class Server:

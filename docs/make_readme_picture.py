@@ -88,7 +88,7 @@ def draw(recording: Recording) -> None:
     axes.plot(times, answers, color=ORANGE, label="/proc_signal")
     for moment, (_, name, value) in zip(recording.changes, CHANGES):
         axes.axvline(moment - start, color=GREY, linestyle="--", linewidth=1.0)
-        command = "rosparam set %s %g" % (name, value)
+        command = f"rosparam set {name} {value:g}"
         axes.text(
             moment - start + 0.03, -2.75, command, color=GREY, family="monospace", fontsize=6.5
         )
@@ -106,7 +106,7 @@ def main() -> None:
     """Run the launch file on a master of its own, record, draw."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
-        os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % probe.getsockname()[1]
+        os.environ["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
     command = ["roslaunch", "basic_comms", "cw1.launch", "signal_rate:=100"]
     launch = subprocess.Popen(command, stdout=sys.stderr)
     try:

@@ -110,13 +110,13 @@ def show(browser: Browser, *fields: str) -> None:
 def take(browser: Browser, name: str, selector: str = "body") -> None:
     """Write a picture of a part of the page."""
     browser.run("document.activeElement.blur()")
-    path = IMAGES / ("scope_%s.png" % name)
+    path = IMAGES / f"scope_{name}.png"
     picture = Image.open(io.BytesIO(browser.find(selector).screenshot_as_png))
     picture = picture.convert("RGB")
     picture.save(path, optimize=True)
     if path.stat().st_size > LARGEST:
         picture.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
-    print("%s: %d kB" % (path.name, path.stat().st_size // 1000))
+    print(f"{path.name}: {path.stat().st_size // 1000} kB")
 
 
 def take_others(browser: Browser, url: str) -> None:
@@ -128,7 +128,7 @@ def take_others(browser: Browser, url: str) -> None:
     )
     subprocess.run(["rosparam", "set", "/group1/sp_gen_1/omega", "2.5"], check=True)
     show(browser, *MOTOR)
-    browser.find("[aria-label='right axis for %s']" % MOTOR[1]).click()
+    browser.find(f"[aria-label='right axis for {MOTOR[1]}']").click()
     browser.choose("#window", "5")
     for _ in range(TRIES):
         wait_full(browser)
@@ -161,8 +161,8 @@ def main() -> None:
     """Run everything on a master of its own."""
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
-        os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % probe.getsockname()[1]
-    course = ("roslaunch", "basic_comms", "cw1.launch", "signal_rate:=%g" % RATE_HZ)
+        os.environ["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
+    course = ("roslaunch", "basic_comms", "cw1.launch", f"signal_rate:={RATE_HZ:g}")
     motors = ("roslaunch", "motor_control", "motor_2.launch")
     with running(*course):
         scope = ScopeProcess(SIGNAL, PROCESSED, "--window", "5")

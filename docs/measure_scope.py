@@ -30,7 +30,7 @@ from browsing.waiting import wait_until  # noqa: E402
 
 TRACES, RATE_HZ = 10, 1000.0
 SETTLE_S, MEASURE_S = 7.0, 20.0
-TOPICS = ["/rig/s%d" % number for number in range(TRACES)]
+TOPICS = [f"/rig/s{number}" for number in range(TRACES)]
 
 #: Notes for each frame how old its newest sample is when it arrives and when it can be seen, and
 #: when the page draws it, ms.
@@ -74,13 +74,13 @@ def publish() -> None:
 
 def processor_time(pid: int) -> float:
     """Return how long a process has run, s."""
-    fields = Path("/proc/%d/stat" % pid).read_text().rpartition(")")[2].split()
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def memory_mb(pid: int) -> float:
     """Return the resident memory of a process, MB."""
-    lines = Path("/proc/%d/status" % pid).read_text().splitlines()
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     return next(int(line.split()[1]) / 1000.0 for line in lines if line.startswith("VmRSS"))
 
 
@@ -94,11 +94,11 @@ def report(browser: Browser, pid: int) -> None:
     seconds = time.monotonic() - begin
     share = (processor_time(pid) - used) / seconds
     arrived, seen, drawn = numpy.transpose(ages)
-    print("frames a second:            %5.1f" % (len(set(drawn)) / seconds))
+    print(f"frames a second:            {len(set(drawn)) / seconds:5.1f}")
     print("publish to page, ms:        %5.1f median, %5.1f p95" % _middle_and_high(arrived))
     print("publish to pixel, ms:       %5.1f median, %5.1f p95" % _middle_and_high(seen))
-    print("processor of the scope:     %5.0f %% of a core" % (100.0 * share))
-    print("memory of the scope:        %5.0f MB" % memory_mb(pid))
+    print(f"processor of the scope:     {100.0 * share:5.0f} % of a core")
+    print(f"memory of the scope:        {memory_mb(pid):5.0f} MB")
 
 
 def _middle_and_high(values: "numpy.ndarray[numpy.float64]") -> "tuple[float, float]":
@@ -110,7 +110,7 @@ def main() -> None:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
-    os.environ["ROS_MASTER_URI"] = "http://localhost:%d" % port
+    os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
     master = subprocess.Popen(["roscore", "-p", str(port)], stdout=sys.stderr)
     wait_until(rosgraph.is_master_online, lambda: "no master")
     rig = multiprocessing.Process(target=publish)

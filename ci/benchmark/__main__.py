@@ -32,7 +32,7 @@ def main() -> int:
     began = time.monotonic()
     facts = machine.describe()
     if machine.is_busy():
-        say("this machine is not idle (load %s): the figures will scatter" % facts["load before"])
+        say(f"this machine is not idle (load {facts['load before']}): the figures will scatter")
     say("building the peers")
     built = peers.prepare(fetch=not options.quick)
     results = Results()
@@ -41,7 +41,7 @@ def main() -> int:
             gc.disable()  # it would hold up the observer
             measure(chosen, Bench(session, built, options.quick), options.repeats, results)
     names = [one.name for one in chosen]
-    facts["duration"] = "%.0f s" % (time.monotonic() - began)
+    facts["duration"] = f"{time.monotonic() - began:.0f} s"
     print(report.tables(results, names, facts, built.left_out))
     if options.json:
         report.write_json(options.json, results, facts, built.left_out)
@@ -55,7 +55,7 @@ def main() -> int:
 def arguments() -> argparse.Namespace:
     """Read the command line."""
     names = [one.name for one in MEASUREMENTS]
-    listed = "\n".join("  %-14s %s" % (one.name, one.help) for one in MEASUREMENTS)
+    listed = "\n".join(f"  {one.name:14} {one.help}" for one in MEASUREMENTS)
     parser = argparse.ArgumentParser(
         prog="ci/bench",
         description="Measure the workspace's nodes and their peers in turn.",
@@ -81,7 +81,7 @@ def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Resu
     for repeat in range(repeats):
         now = time.monotonic()
         if now - began + (now - latest) > LIMIT:
-            say("that took long: no more than %d repeats" % repeat)
+            say(f"that took long: no more than {repeat} repeats")
             return
         latest = now
         for measurement in chosen:
@@ -101,12 +101,12 @@ def run(
     measurement: Measurement, bench: Bench, subject: str, repeat: int, results: Results
 ) -> None:
     """Run one measurement of one subject; a failure is reported and ends nothing else."""
-    what = "%s, %s" % (measurement.name, subject)
-    say("%s, repeat %d" % (what, repeat + 1) if repeat >= 0 else "%s, warm-up" % what)
+    what = f"{measurement.name}, {subject}"
+    say(f"{what}, repeat {repeat + 1}" if repeat >= 0 else f"{what}, warm-up")
     try:
         results.add(measurement.name, subject, repeat, measurement.measure(bench, subject))
     except (LookupError, OSError, RuntimeError, ValueError) as error:
-        results.failures.append("%s: %r" % (what, error))
+        results.failures.append(f"{what}: {error!r}")
         say(results.failures[-1])
     gc.collect()
 

@@ -34,7 +34,7 @@ class Goal(NamedTuple):
     @property
     def text(self) -> str:
         """The goal in words."""
-        return "%s %s%s" % ("<=" if self.at_most else ">=", number(self.limit), self.unit)
+        return f"{'<=' if self.at_most else '>='} {number(self.limit)}{self.unit}"
 
     def judge(self, results: Results) -> Optional[Verdict]:
         """Compare the results with the goal.
@@ -51,7 +51,7 @@ class Goal(NamedTuple):
 
 def number(value: float) -> str:
     """Write a number with the digits that say something."""
-    return "%.0f" % value if abs(value) >= 1000 else "%.3g" % value
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
 def _against(
@@ -67,11 +67,11 @@ def _against(
         ours = results.median(measurement, subject, figure)
         theirs = results.median(measurement, peer, figure)
         return (
-            "%s against %s%s" % (number(ours), number(theirs), unit),
+            f"{number(ours)} against {number(theirs)}{unit}",
             results.ratio(measurement, subject, peer, figure),
         )
 
-    return Goal(measurement, "%s, against %s" % (what, peer), limit, True, " x", look)
+    return Goal(measurement, f"{what}, against {peer}", limit, True, " x", look)
 
 
 def _times_better(
@@ -84,12 +84,12 @@ def _times_better(
         less = results.median(measurement, worse, figure)
         ours, theirs = (more, less) if better == OURS else (less, more)
         return (
-            "%s against %s%s" % (number(ours), number(theirs), unit),
+            f"{number(ours)} against {number(theirs)}{unit}",
             results.ratio(measurement, better, worse, figure),
         )
 
     peer = worse if better == OURS else better
-    return Goal(measurement, "%s, against %s" % (what, peer), limit, False, " x", look)
+    return Goal(measurement, f"{what}, against {peer}", limit, False, " x", look)
 
 
 def _itself(
@@ -112,7 +112,7 @@ def _worst_memory(results: Results) -> Tuple[str, float]:
     nodes = [startup.GENERATOR, startup.PROCESS]
     ours = max(results.median("memory", node, "resident_mb") for node in nodes)
     bare = results.median("memory", startup.BARE, "resident_mb")
-    return "%.1f against %.1f MB" % (ours, bare), ours / bare
+    return f"{ours:.1f} against {bare:.1f} MB", ours / bare
 
 
 def _drift(results: Results) -> Tuple[str, float]:
@@ -120,7 +120,7 @@ def _drift(results: Results) -> Tuple[str, float]:
     if not drifts:
         raise LookupError("drift was not measured")
     worst = max(abs(drift) for drift in drifts)
-    return "%.3f ms at worst" % worst, worst
+    return f"{worst:.3f} ms at worst", worst
 
 
 GOALS: List[Goal] = [

@@ -20,7 +20,7 @@ LIMIT = 120.0
 
 def thirty_two(bench: Bench, stack: str) -> Figures:
     """Start 32 groups: in one process, or the course's nodes as they are."""
-    topics = ["/Group%d/proc_signal" % number for number in range(1, 33)]
+    topics = [f"/Group{number}/proc_signal" for number in range(1, 33)]
     with bench.session.node() as node:
         counter = Counter(node)
         for topic in topics:
@@ -37,7 +37,7 @@ def thirty_two(bench: Bench, stack: str) -> Figures:
 
 def thousand(bench: Bench, stack: str) -> Figures:
     """Start 1000 groups; count all their answers and watch the load, with and without observer."""
-    topics = ["/Group%d/proc_signal" % number for number in range(1, 1001)]
+    topics = [f"/Group{number}/proc_signal" for number in range(1, 1001)]
     seconds = bench.seconds(5.0, 3.0)
     began = time.monotonic()
     with bench.session.running(_command(bench, stack, len(topics))) as pids:
@@ -70,7 +70,7 @@ def thousand(bench: Bench, stack: str) -> Figures:
 
 def _command(bench: Bench, stack: str, count: int) -> List[str]:
     if stack == stacks.OURS:
-        return stacks.ours("fleet", "_count:=%d" % count, "_prefix:=Group")
+        return stacks.ours("fleet", f"_count:={count}", "_prefix:=Group")
     return ["roslaunch", str(_course_launch_file(bench.session.directory, count))]
 
 
@@ -78,7 +78,7 @@ def _course_launch_file(directory: pathlib.Path, count: int) -> pathlib.Path:
     include = "<include ns='Group%%d' file='%s'/>\n" % (SCRIPTS / "course" / "course.launch")
     groups = "".join(include % number for number in range(1, count + 1))
     file = directory / "course_groups.launch"
-    file.write_text("<launch>\n%s</launch>\n" % groups)
+    file.write_text(f"<launch>\n{groups}</launch>\n")
     return file
 
 

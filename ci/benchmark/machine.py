@@ -14,11 +14,11 @@ def describe() -> Dict[str, str]:
     facts = {
         "processor": _processor(),
         "cores": str(os.cpu_count()),
-        "memory": "%.0f GB" % (os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30),
+        "memory": f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2 ** 30:.0f} GB",
         "kernel": platform.release(),
         "system": _system(),
         "python": platform.python_version(),
-        "load before": "%.2f" % os.getloadavg()[0],
+        "load before": f"{os.getloadavg()[0]:.2f}",
     }
     facts.update((name, _version(package)) for name, package in PACKAGES.items())
     return facts

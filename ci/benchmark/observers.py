@@ -146,5 +146,5 @@ def wait_until(condition: Callable[[], bool], limit: float, what: str) -> None:
     give_up = time.monotonic() + limit
     while not condition():
         if time.monotonic() > give_up:
-            raise TimeoutError("no %s within %g s" % (what, limit))
+            raise TimeoutError(f"no {what} within {limit:g} s")
         time.sleep(0.002)

@@ -60,7 +60,7 @@ def build_roscpp() -> None:
     target.mkdir(parents=True, exist_ok=True)
     include = WORKSPACE / "devel" / "include"
     configure = ["cmake", "-S", str(SCRIPTS / "roscpp"), "-B", str(target)]
-    run(configure + ["-DWORKSPACE_INCLUDE=%s" % include, "-DPYTHON_EXECUTABLE=/usr/bin/python3"])
+    run(configure + [f"-DWORKSPACE_INCLUDE={include}", "-DPYTHON_EXECUTABLE=/usr/bin/python3"])
     run(["cmake", "--build", str(target), "--parallel", "2"])
 
 
@@ -95,7 +95,7 @@ def build_rclpy(python: pathlib.Path) -> str:
     """
     creator = find_program(suitable_pythons())
     if creator is None:
-        return "its wheels need Python %s" % " or ".join(RCLPY_PYTHONS)
+        return f"its wheels need Python {' or '.join(RCLPY_PYTHONS)}"
     target = python.parents[1]
     shutil.rmtree(target, ignore_errors=True)
     steps: List[List[str]] = [
@@ -116,7 +116,7 @@ def build_rclpy(python: pathlib.Path) -> str:
             return "PyPI did not answer in time"
         except subprocess.CalledProcessError as error:
             lines = error.stdout.decode(errors="replace").splitlines()
-            return lines[-1] if lines else "%s failed" % command[0]
+            return lines[-1] if lines else f"{command[0]} failed"
     return "" if has_rclpy(python) else "what PyPI has cannot be imported"
 
 
@@ -124,7 +124,7 @@ def suitable_pythons() -> List[str]:
     """Return the names of the Pythons that rclpy's wheels are for, the system's first."""
     command = ["/usr/bin/python3", "-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
     version = subprocess.run(command, capture_output=True, check=True).stdout.decode().strip()
-    names = ["python%s" % number for number in RCLPY_PYTHONS]
+    names = [f"python{number}" for number in RCLPY_PYTHONS]
     return ["/usr/bin/python3"] * (version in RCLPY_PYTHONS) + names
 
 

@@ -24,7 +24,7 @@ def draw(file: pathlib.Path, results: Results) -> None:
     :param file: its suffix tells the format
     """
     hops = [
-        (measurement, subject, "%s, %s" % (subject, rate))
+        (measurement, subject, f"{subject}, {rate}")
         for measurement, rate in RATES
         for name, subject in results.subjects()
         if name == measurement

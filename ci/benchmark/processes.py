@@ -32,7 +32,7 @@ class Session:
         with socket.socket() as probe:
             probe.bind(("localhost", 0))
             self._port = probe.getsockname()[1]
-        self.master_uri = "http://localhost:%d" % self._port
+        self.master_uri = f"http://localhost:{self._port}"
         self.environment = dict(
             os.environ,
             ROS_MASTER_URI=self.master_uri,
@@ -86,7 +86,7 @@ class Session:
     def node(self) -> Iterator[Node]:
         """Lend a node to measure with."""
         self._numbers += 1
-        node = Node("/benchmark_%d" % self._numbers, self.master_uri)
+        node = Node(f"/benchmark_{self._numbers}", self.master_uri)
         try:
             yield node
         finally:
@@ -129,7 +129,7 @@ class Session:
         :param talk: give it pipes for standard input and output
         """
         self._numbers += 1
-        log = self.directory / ("%03d-%s.log" % (self._numbers, pathlib.Path(command[0]).name))
+        log = self.directory / f"{self._numbers:03}-{pathlib.Path(command[0]).name}.log"
         with log.open("wb") as output:
             process = subprocess.Popen(
                 command,
@@ -181,7 +181,7 @@ class Session:
     def _is_of_session(self, pid: int) -> bool:
         """Tell whether a process is still there, and no other that has got its number since."""
         with contextlib.suppress(OSError):
-            environment = pathlib.Path("/proc/%d/environ" % pid).read_bytes().split(b"\0")
+            environment = pathlib.Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
             return b"ROS_MASTER_URI=" + self.master_uri.encode() in environment
         return False
 
@@ -229,7 +229,7 @@ def resident_memory(pids: Iterable[int]) -> float:
     kilobytes = 0
     for pid in pids:
         with contextlib.suppress(OSError):
-            for line in pathlib.Path("/proc/%d/status" % pid).read_text().splitlines():
+            for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
                 if line.startswith("VmRSS:"):
                     kilobytes += int(line.split()[1])
     return kilobytes / 1024.0

@@ -12,9 +12,9 @@ def table(rows: List[List[str]]) -> str:
     """Return rows as a table whose first row is the head, in Markdown."""
     widths = [max(map(len, column)) for column in zip(*rows)]
     lines = [
-        "| %s |" % " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) for row in rows
+        f"| {' | '.join(cell.ljust(width) for cell, width in zip(row, widths))} |" for row in rows
     ]
-    lines.insert(1, "|%s|" % "|".join("-" * (width + 2) for width in widths))
+    lines.insert(1, f"|{'|'.join('-' * (width + 2) for width in widths)}|")
     return "\n".join(lines)
 
 
@@ -29,7 +29,7 @@ def tables(
     """
     goals = [["what", "goal", "figure", "ratio", ""]]
     goals += [_row(goal, results) for goal in GOALS if goal.measurement in wanted]
-    notes = ["%s is left out: %s." % reason for reason in left_out.items()]
+    notes = [f"{what} is left out: {why}." for what, why in left_out.items()]
     notes += ["FAILED: " + failure for failure in results.failures]
     facts = [["machine", ""]]
     facts += [[name, value] for name, value in machine.items()]
@@ -49,7 +49,7 @@ def figures_table(results: Results) -> str:
     rows = [["measurement", "of", "medians"]]
     for measurement, subject in results.subjects():
         medians = results.medians(measurement, subject)
-        figures = ", ".join("%s %s" % (name, number(value)) for name, value in medians.items())
+        figures = ", ".join(f"{name} {number(value)}" for name, value in medians.items())
         rows.append([measurement, subject, figures])
     return table(rows)
 

@@ -35,7 +35,7 @@ class Results:
         """
         values = self.values(measurement, subject, figure)
         if not values:
-            raise LookupError("%s of %s was not measured" % (measurement, subject))
+            raise LookupError(f"{measurement} of {subject} was not measured")
         return statistics.median(values)
 
     def ratio(self, measurement: str, subject: str, peer: str, figure: str) -> float:

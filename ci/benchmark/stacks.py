@@ -63,10 +63,10 @@ def generator_command(peers: Peers, stack: str, file: pathlib.Path, rate: float)
     The relay has the workspace's own, since topic_tools brings none.
     """
     if stack == ROSCPP:
-        return [str(peers.roscpp / "generator"), str(file), "_rate:=%g" % rate]
+        return [str(peers.roscpp / "generator"), str(file), f"_rate:={rate:g}"]
     if stack == COURSE:
-        return peer("course/signal_generator.py", str(file), "_rate:=%g" % rate)
-    return peer("recorded_generator.py", str(file), "_rate:=%g" % rate)
+        return peer("course/signal_generator.py", str(file), f"_rate:={rate:g}")
+    return peer("recorded_generator.py", str(file), f"_rate:={rate:g}")
 
 
 def output_type(stack: str) -> str:
@@ -90,11 +90,11 @@ def run(
     :param warm_up: how long it runs before that, s
     :param course_parameters: global parameters for the course's nodes
     """
-    file = session.directory / ("record-%d" % next(_numbers))
+    file = session.directory / f"record-{next(_numbers)}"
     if stack == RCLPY:
         received, cpu, until = _run_rclpy(session, peers, file, rate, seconds, warm_up)
     else:
-        group = "/run%d" % next(_numbers)
+        group = f"/run{next(_numbers)}"
         with session.node() as node, session.in_group(group):
             for name, value in (course_parameters or {}).items():
                 node.master("setParam", name, value)
@@ -123,7 +123,7 @@ def _run_rclpy(
     commands = [
         [python, str(SCRIPTS / "ros2" / "observer.py"), str(seen)],
         [python, str(SCRIPTS / "ros2" / "process.py")],
-        [python, str(SCRIPTS / "ros2" / "generator.py"), str(file), "%g" % rate],
+        [python, str(SCRIPTS / "ros2" / "generator.py"), str(file), f"{rate:g}"],
     ]
     running: List["subprocess.Popen[bytes]"] = []
     try:

@@ -44,7 +44,7 @@ class TopicType(NamedTuple):
 
 def encode_header(fields: Dict[str, str]) -> bytes:
     """Return a connection header as it goes on the wire."""
-    lines = [("%s=%s" % field).encode() for field in fields.items()]
+    lines = [f"{name}={value}".encode() for name, value in fields.items()]
     body = b"".join(struct.pack("<I", len(line)) + line for line in lines)
     return struct.pack("<I", len(body)) + body
 
@@ -107,7 +107,7 @@ class Node:
         slave_api: List[Any] = [self.publisherUpdate, self.requestTopic, self.getPid]
         for function in slave_api:
             self._server.register_function(function)
-        self._uri = "http://localhost:%d" % self._server.server_address[1]
+        self._uri = f"http://localhost:{self._server.server_address[1]}"
         threading.Thread(
             target=self._server.serve_forever, args=(CLOSING_LIMIT,), daemon=True
         ).start()
@@ -124,7 +124,7 @@ class Node:
             answer: Any = getattr(proxy, method)(self._name, *arguments)
         code, message, value = answer
         if code != 1:
-            raise RuntimeError("%s: %s" % (method, message))
+            raise RuntimeError(f"{method}: {message}")
         return value
 
     def subscribe(self, topic: str, type_name: str, handler: Handler) -> None:
@@ -262,7 +262,7 @@ class Node:
 def _read_header(connection: socket.socket) -> Dict[str, str]:
     (length,) = struct.unpack("<I", _read(connection, 4))
     if length > HEADER_LIMIT:
-        raise ValueError("a header of %d bytes" % length)
+        raise ValueError(f"a header of {length} bytes")
     return decode_header(_read(connection, length))
 
 

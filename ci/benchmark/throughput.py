@@ -41,7 +41,7 @@ class _Source:
     def __init__(self, bench: Bench, stack: str) -> None:
         self._bench = bench
         self._stack = stack
-        self._group = "/rate%d" % next(_numbers)
+        self._group = f"/rate{next(_numbers)}"
         self._topic = self._group + "/proc_signal"
 
     def __enter__(self) -> "_Source":

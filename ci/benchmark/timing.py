@@ -33,7 +33,7 @@ def from_call_to_call(bench: Bench, stack: str) -> Figures:
 
 def _generator(bench: Bench, seconds: float) -> List[Sample]:
     """Run the generator alone, with one observer that listens."""
-    file = bench.session.directory / ("timing-%d" % time.monotonic_ns())
+    file = bench.session.directory / f"timing-{time.monotonic_ns()}"
     with bench.session.node() as node:
         counter = Counter(node)
         counter.watch("/signal", "basic_comms/signal_msg")
@@ -47,9 +47,9 @@ def _generator(bench: Bench, seconds: float) -> List[Sample]:
 
 def _loop(bench: Bench, seconds: float) -> List[Sample]:
     """Run the loop in C++ alone."""
-    file = bench.session.directory / ("timing-%d" % time.monotonic_ns())
+    file = bench.session.directory / f"timing-{time.monotonic_ns()}"
     command = [str(bench.peers.roscpp / "periodic_loop"), str(file)]
-    bench.session.start(command + ["%g" % RATE, "%g" % (WARM_UP + seconds)]).wait()
+    bench.session.start(command + [f"{RATE:g}", f"{WARM_UP + seconds:g}"]).wait()
     return _settled(record.read(file))
 
 

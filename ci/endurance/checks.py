@@ -26,7 +26,7 @@ def at_least(what: str, value: float, limit: float, unit: str = "") -> Check:
 
 def none_of(what: str, found: List[str]) -> Check:
     """Demand that nothing of a kind was found; the first few are shown."""
-    figure = "0" if not found else "%d: %s" % (len(found), "; ".join(found[:3]))
+    figure = "0" if not found else f"{len(found)}: {'; '.join(found[:3])}"
     return Check(what, "0", figure, not found)
 
 
@@ -36,7 +36,7 @@ def told(what: str, figure: str) -> Check:
 
 
 def _text(value: float, unit: str) -> str:
-    return ("%.6g %s" % (value, unit)).strip()
+    return f"{value:.6g} {unit}".strip()
 
 
 def table(results: Dict[str, List[Check]]) -> str:
@@ -51,9 +51,9 @@ def table(results: Dict[str, List[Check]]) -> str:
             rows.append([name, check.what, check.bound, check.figure, verdict])
     widths = [max(map(len, column)) for column in zip(*rows)]
     lines = [
-        "| %s |" % " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) for row in rows
+        f"| {' | '.join(cell.ljust(width) for cell, width in zip(row, widths))} |" for row in rows
     ]
-    lines.insert(1, "|%s|" % "|".join("-" * (width + 2) for width in widths))
+    lines.insert(1, f"|{'|'.join('-' * (width + 2) for width in widths)}|")
     return "\n".join(lines)
 
 

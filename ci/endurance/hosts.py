@@ -28,7 +28,7 @@ class Hosts:
         self._running: List["subprocess.Popen[bytes]"] = []
         #: called at the end
         self.undo: List[Callable[[], None]] = []
-        self._names = {host: "basic-comms-%d-%s" % (os.getpid(), host) for host in ADDRESSES}
+        self._names = {host: f"basic-comms-{os.getpid()}-{host}" for host in ADDRESSES}
         self._numbers = 0
 
     def __enter__(self) -> "Hosts":
@@ -81,7 +81,7 @@ class Hosts:
         environment = dict(
             os.environ,
             ROS_IP=ADDRESSES[host],
-            ROS_MASTER_URI="http://%s:11311" % ADDRESSES["near"],
+            ROS_MASTER_URI=f"http://{ADDRESSES['near']}:11311",
             ROS_HOME=str(self.directory / "ros"),
             ROS_LOG_DIR=str(self.directory / "ros" / "log"),
             HOME=str(self.directory / host),
@@ -97,7 +97,7 @@ class Hosts:
         :param environment: in place of that of a node
         """
         self._numbers += 1
-        log = self.directory / ("%03d-%s.log" % (self._numbers, pathlib.Path(command[0]).name))
+        log = self.directory / f"{self._numbers:03}-{pathlib.Path(command[0]).name}.log"
         with log.open("wb") as output:
             process = subprocess.Popen(
                 self.within(host, command),

@@ -34,7 +34,7 @@ def main(topic: str, type_name: str, file: str) -> None:
             for message in messages:
                 kept.add(layout.unpack_from(message)[0])
 
-    node = Node("/observe_%d" % os.getpid(), os.environ["ROS_MASTER_URI"])
+    node = Node(f"/observe_{os.getpid()}", os.environ["ROS_MASTER_URI"])
     node.subscribe(
         topic,
         type_name,

@@ -42,7 +42,7 @@ def counted_losses(log: str) -> Dict[str, int]:
     """Return how many messages publishers say that they lost, by "topic subscriber"."""
     losses: Dict[str, int] = {}
     for topic, subscriber, total in _LOSS.findall(log):
-        key = "%s %s" % (topic, subscriber)
+        key = f"{topic} {subscriber}"
         losses[key] = max(losses.get(key, 0), int(total))
     return losses
 

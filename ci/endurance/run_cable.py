@@ -39,7 +39,7 @@ def run(hosts: Hosts, seconds: float) -> List[Check]:
     wait_until(lambda: "/process" in nodes(hosts), 60.0, "process on the other host")
     checks = []
     for rate in RATES:
-        hosts.run("near", ["rosparam", "set", "/signal_generator/rate", "%g" % rate])
+        hosts.run("near", ["rosparam", "set", "/signal_generator/rate", f"{rate:g}"])
         checks += pull(hosts, rate, seconds)
     hosts.stop(launch)
     checks.append(at_most("exit status of roslaunch", abs(launch.returncode), 0))
@@ -63,7 +63,7 @@ def pull(hosts: Hosts, rate: float, seconds: float) -> List[Check]:
         "crossed": ("far", "/signal", SIGNAL),
         "answers": ("near", "/proc_signal", ANSWER),
     }
-    files = {name: hosts.directory / ("%s-%g" % (name, rate)) for name in wanted}
+    files = {name: hosts.directory / f"{name}-{rate:g}" for name in wanted}
     observers = {
         name: hosts.start(host, [sys.executable, str(OBSERVE), topic, kind, str(files[name])])
         for name, (host, topic, kind) in wanted.items()
@@ -106,18 +106,20 @@ def report(
     unaccounted = crossing.lost - sum(
         lost for name, lost in losses.items() if "/observe" in name and name.startswith("/signal ")
     )
-    counts = "; ".join("%s: %d" % one for one in sorted(losses.items()) if one[1]) or "none"
-    head = "%g Hz, cable out for %g s: " % (rate, seconds)
+    counts = (
+        "; ".join(f"{what}: {count}" for what, count in sorted(losses.items()) if count) or "none"
+    )
+    head = f"{rate:g} Hz, cable out for {seconds:g} s: "
     return [
         at_most(head + "/signal crosses again after", round(back - plugged, 1), BACK_WITHIN, "s"),
         at_most("/proc_signal is back after", round(answered - plugged, 1), BACK_WITHIN, "s"),
-        told("made meanwhile and before and after", "%d samples" % crossing.made),
+        told("made meanwhile and before and after", f"{crossing.made} samples"),
         # At the first rate all of it fits into the socket's buffers.
         at_most("lost of them", crossing.lost, 0 if rate == RATES[0] else crossing.made),
         told("lost, by the publishers' own count", counts),
         at_most("lost without being counted", unaccounted, 0),
         at_least("process: samples are late by", lateness, 0.9 * seconds, "s"),
-        told("the latest sample was late by", "%.1f s" % crossing.lateness),
+        told("the latest sample was late by", f"{crossing.lateness:.1f} s"),
         at_most("lost on the generator's own host", local.lost, 0),
-        told("longest silence there", "%.0f ms" % (1e3 * local.silence)),
+        told("longest silence there", f"{1000.0 * local.silence:.0f} ms"),
     ]

@@ -96,7 +96,7 @@ def listening(hosts: Hosts) -> Dict[int, str]:
 
 def reachable(hosts: Hosts, ports: Dict[int, str]) -> Dict[int, str]:
     """Return those ports that a connection from the near host comes through to."""
-    script = "import run_closed; run_closed.knock(%r)" % sorted(ports)
+    script = f"import run_closed; run_closed.knock({sorted(ports)!r})"
     environment = dict(hosts.environment("near"), PYTHONPATH=":".join(sys.path))
     answers = hosts.run("near", [sys.executable, "-c", script], environment).split()
     return {int(port): ports[int(port)] for port in answers}

@@ -88,7 +88,7 @@ def run(soak: Soak) -> List[Check]:
     """Let the crowd in, while one subscriber listens all the time."""
     session = soak.session
     process = soak.start("process.py")
-    generator = soak.start("signal_generator.py", "_rate:=%g" % RATE)
+    generator = soak.start("signal_generator.py", f"_rate:={RATE:g}")
     session.wait_for("/signal_generator")
     pids = {"signal_generator": generator.pid, "process": process.pid}
     with session.node() as node:
@@ -103,7 +103,7 @@ def run(soak: Soak) -> List[Check]:
         visits = crowd(soak, CROWD, SECONDS)
         time.sleep(RECOVERY)
         after = {name: settled_usage(pid) for name, pid in pids.items()}
-        checks = [at_least("visits of %d subscribers" % CROWD, visits, CROWD)]
+        checks = [at_least(f"visits of {CROWD} subscribers", visits, CROWD)]
         checks += undisturbed(watches, control)
     session.stop(generator, process)
     for name in pids:

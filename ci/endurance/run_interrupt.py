@@ -78,7 +78,7 @@ def interrupt(soak: Soak, node: Node, name: str, moment: float) -> End:
     if address(node, name) is not None:
         left_over += " and its name"
     return End(
-        "%s after %.3f s" % (name, moment),
+        f"{name} after {moment:.3f} s",
         seconds,
         status,
         soak.session.log_of(process),
@@ -111,23 +111,23 @@ def report(ends: List[End]) -> List[Check]:
     early = [end for end in traces if is_before_our_code(end.output)]
     ours = [end for end in ends if end not in early]
     seconds = sorted(end.seconds for end in ends)
-    what = "%d times Ctrl-C: ended within" % len(ends)
+    what = f"{len(ends)} times Ctrl-C: ended within"
     return [
-        told("median until the end", "%.2f s" % seconds[len(seconds) // 2]),
+        told("median until the end", f"{seconds[len(seconds) // 2]:.2f} s"),
         at_most(what, round(seconds[-1], 2), ENDS_WITHIN, "s"),
         none_of(
             "exit status other than 0",
-            ["%s: %s" % (end.what, end.status) for end in ours if end.status != 0],
+            [f"{end.what}: {end.status}" for end in ours if end.status != 0],
         ),
         none_of(
             "tracebacks",
-            ["%s: %s" % (end.what, last_line(end.output)) for end in traces if end in ours],
+            [f"{end.what}: {last_line(end.output)}" for end in traces if end in ours],
         ),
         told("the interpreter's own, before a node's first line", str(len(early))),
         none_of("zombies and children", [end.what for end in ends if end.children]),
         none_of(
             "leftover registrations",
-            ["%s: %s" % (end.what, end.left_over) for end in ends if end.left_over],
+            [f"{end.what}: {end.left_over}" for end in ends if end.left_over],
         ),
     ]
 

@@ -47,7 +47,7 @@ def run(soak: Soak) -> List[Check]:
         answers = Watch(node, "/proc_signal", ANSWER)
         generator = soak.start(
             "signal_generator.py",
-            *("_rate:=%g" % RATE, "_frequency:=%g" % FREQUENCY, "_amplitude:=%g" % AMPLITUDE),
+            *(f"_rate:={RATE:g}", f"_frequency:={FREQUENCY:g}", f"_amplitude:={AMPLITUDE:g}"),
         )
         session.wait_for("/signal_generator")
         time.sleep(min(WARM_UP, 0.2 * soak.seconds))
@@ -94,7 +94,7 @@ def recorded(bag: pathlib.Path) -> List[Check]:
     checks = [
         told("samples in the bag", str(len(times))),
         at_most("missing in the bag", continuity.missing + continuity.repeated, 0),
-        told("in so many places", "%d, at most %d" % (continuity.holes, continuity.largest_hole)),
+        told("in so many places", f"{continuity.holes}, at most {continuity.largest_hole}"),
     ]
     if all(check.passed for check in checks):
         # Where samples are missing, the answers cannot be laid on them.
@@ -129,4 +129,4 @@ def grown(name: str, seen: List[Usage]) -> List[Check]:
 
 def memory(seen: List[Usage]) -> str:
     """Tell how a process's memory went."""
-    return "%.1f MB, then %.1f MB" % (seen[0].memory / 1024.0, seen[-1].memory / 1024.0)
+    return f"{seen[0].memory / 1024.0:.1f} MB, then {seen[-1].memory / 1024.0:.1f} MB"

@@ -102,7 +102,7 @@ def kill(
     wait_until(lambda: of_node(node, name) == before, 10.0, "registrations of " + name)
     time.sleep(0.3)
     now = of_node(node, name)
-    wrong = [] if now == before else ["%s: %s instead of %s" % (name, now, before)]
+    wrong = [] if now == before else [f"{name}: {now} instead of {before}"]
     return Return(back - killed, resumed), wrong
 
 
@@ -115,14 +115,14 @@ def duplicates(node: Node) -> List[str]:
             with xmlrpc.client.ServerProxy(str(uri)) as proxy:
                 answer: Any = proxy.getName("/soak")
         except (OSError, xmlrpc.client.Error) as error:
-            wrong.append("%s: %s" % (name, error))
+            wrong.append(f"{name}: {error}")
         else:
             if answer[2] != name:
-                wrong.append("%s: %s answers there" % (name, answer[2]))
+                wrong.append(f"{name}: {answer[2]} answers there")
     for part in node.master("getSystemState"):
         for topic, names in part:
             if len(set(names)) != len(names):
-                wrong.append("%s: %s" % (topic, names))
+                wrong.append(f"{topic}: {names}")
     return wrong
 
 
@@ -135,14 +135,14 @@ def report(
         starts = sorted(one.start for one in of_name)
         checks.append(
             told(
-                "%s killed %d times: back after" % (name, len(of_name)),
-                "%.2f s, at most %.2f s" % (starts[len(starts) // 2], starts[-1]),
+                f"{name} killed {len(of_name)} times: back after",
+                f"{starts[len(starts) // 2]:.2f} s, at most {starts[-1]:.2f} s",
             )
         )
         longest = max(one.resumed for one in of_name)
         checks.append(at_most("its streams resume within", round(longest, 3), BACK_WITHIN, "s"))
     for topic, gap in undisturbed.items():
-        what = "longest silence of %s while others die" % topic
+        what = f"longest silence of {topic} while others die"
         checks.append(at_most(what, round(1e3 * gap, 1), 1e3 * UNDISTURBED, "ms"))
     checks.append(none_of("stale or duplicate registrations", wrong))
     return checks

@@ -24,7 +24,7 @@ def run(soak: Soak) -> List[Check]:
     """Stop a subscriber of both topics, and let it go on."""
     session = soak.session
     process = soak.start("process.py")
-    generator = soak.start("signal_generator.py", "_rate:=%g" % RATE)
+    generator = soak.start("signal_generator.py", f"_rate:={RATE:g}")
     session.wait_for("/signal_generator")
     sleeper = session.start(["rostopic", "hz", "/signal", "/proc_signal"])
     pids = {"signal_generator": generator.pid, "process": process.pid}
@@ -46,8 +46,8 @@ def run(soak: Soak) -> List[Check]:
     checks.append(at_least("reports of the stopped one after its return", log.count("rate"), 1))
     session.stop(sleeper, generator, process)
     for name in pids:
-        during_mb = "%.1f MB" % (during[name].memory / 1024.0)
-        checks += [told("memory of %s meanwhile" % name, during_mb)]
+        during_mb = f"{during[name].memory / 1024.0:.1f} MB"
+        checks += [told(f"memory of {name} meanwhile", during_mb)]
         checks += returned(name, before[name], after[name])
     return checks
 
@@ -60,7 +60,7 @@ def undisturbed(watches: List[Watch], control: Control) -> List[Check]:
     checks = []
     for watch in watches:
         longest = round(1e3 * watch.arrivals.longest_gap, 1)
-        what = "longest silence of %s for a good one" % watch.topic
+        what = f"longest silence of {watch.topic} for a good one"
         checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
         checks.append(told("its silences", silences(watch.arrivals)))
     checks.append(told("pauses of a loop that only sleeps", control.stop()))
@@ -72,10 +72,10 @@ def undisturbed(watches: List[Watch], control: Control) -> List[Check]:
 
 def returned(name: str, before: Usage, after: Usage) -> List[Check]:
     """Check that a node holds no more than before."""
-    figure = "%.1f MB, %.1f MB" % (before.memory / 1024.0, after.memory / 1024.0)
+    figure = f"{before.memory / 1024.0:.1f} MB, {after.memory / 1024.0:.1f} MB"
     grown = 100.0 * (after.memory / before.memory - 1.0)
     return [
-        told("memory of %s before and after" % name, figure),
+        told(f"memory of {name} before and after", figure),
         at_most("growth of its memory", round(grown, 2), 1.0, "%"),
         at_most("its new threads", after.threads - before.threads, 0),
         at_most("its new descriptors", after.descriptors - before.descriptors, 0),

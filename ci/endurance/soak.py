@@ -27,15 +27,15 @@ def main() -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     facts = machine.describe()
     if machine.is_busy():
-        say("this machine is not idle (load %s)" % facts["load before"])
+        say(f"this machine is not idle (load {facts['load before']})")
     results: Dict[str, List[Check]] = {}
     for one in chosen:
-        say("%s: %s" % (one.name, one.help))
+        say(f"{one.name}: {one.help}")
         results[one.name] = attempt(one, options)
         if options.json:
             write_json(options.json, results, facts)
     print(table(results))
-    print("\nload before: %s" % facts["load before"])
+    print(f"\nload before: {facts['load before']}")
     return 0 if all_kept(results) else 1
 
 
@@ -53,7 +53,7 @@ def attempt(one: Run, options: argparse.Namespace) -> List[Check]:
 
 def arguments() -> argparse.Namespace:
     """Read the command line."""
-    listed = "\n".join("  %-10s %s" % (one.name, one.help) for one in RUNS)
+    listed = "\n".join(f"  {one.name:10} {one.help}" for one in RUNS)
     parser = argparse.ArgumentParser(
         prog="ci/soak",
         description="Run the nodes for long and trouble them meanwhile.",

@@ -35,7 +35,7 @@ def start(hosts: Hosts) -> None:
     make_key(key)
     address = ADDRESSES["far"]
     public = (directory / "host_key.pub").read_text()
-    (home / "known_hosts").write_text("%s %s" % (address, public))
+    (home / "known_hosts").write_text(f"{address} {public}")
     (directory / "authorized_keys").write_text(key.with_suffix(".pub").read_text())
     configuration = directory / "sshd_config"
     configuration.write_text(
@@ -61,6 +61,6 @@ def command(hosts: Hosts, *words: str) -> List[str]:
     home = hosts.directory / "near" / ".ssh"
     return [
         *("ssh", "-F", "none", "-i", str(home / "id_ed25519")),
-        *("-o", "UserKnownHostsFile=%s" % (home / "known_hosts"), "-o", "BatchMode=yes"),
+        *("-o", f"UserKnownHostsFile={home / 'known_hosts'}", "-o", "BatchMode=yes"),
         *("root@" + ADDRESSES["far"], *words),
     ]

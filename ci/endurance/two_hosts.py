@@ -48,12 +48,12 @@ def main() -> int:
     for one in RUNS:
         if options.only and one.name not in options.only:
             continue
-        print("ci/two-hosts: %s: %s" % (one.name, one.help), file=sys.stderr, flush=True)
+        print(f"ci/two-hosts: {one.name}: {one.help}", file=sys.stderr, flush=True)
         results[one.name] = attempt(one, options.outage)
         if options.json:
             write_json(options.json, results, facts)
     print(table(results))
-    print("\nload before: %s" % facts["load before"])
+    print(f"\nload before: {facts['load before']}")
     return 0 if all_kept(results) else 1
 
 
@@ -71,7 +71,7 @@ def attempt(one: Run, seconds: float) -> List[Check]:
 
 def arguments() -> argparse.Namespace:
     """Read the command line."""
-    listed = "\n".join("  %-10s %s" % (one.name, one.help) for one in RUNS)
+    listed = "\n".join(f"  {one.name:10} {one.help}" for one in RUNS)
     parser = argparse.ArgumentParser(
         prog="ci/two-hosts",
         description="Make two hosts of this machine, and try the network between them.",

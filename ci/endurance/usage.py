@@ -23,7 +23,7 @@ def usage(pid: int) -> Usage:
 
     :raises OSError: if it is gone
     """
-    place = pathlib.Path("/proc/%d" % pid)
+    place = pathlib.Path(f"/proc/{pid}")
     status = dict(
         line.split(":", 1) for line in (place / "status").read_text().splitlines() if ":" in line
     )

@@ -61,7 +61,7 @@ def modules() -> Iterator[Tuple[str, pathlib.Path]]:
             parts = path.relative_to(library).with_suffix("").parts
             yield ".".join(part for part in parts if part != "__init__"), path
     for path in sorted(SOURCES.glob("*/scripts/*")):
-        yield "%s.scripts.%s" % (path.parts[-3], path.stem), path
+        yield f"{path.parts[-3]}.scripts.{path.stem}", path
 
 
 def imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
@@ -72,7 +72,7 @@ def imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
                 yield node.lineno, alias.name
         elif isinstance(node, ast.ImportFrom):
             for alias in node.names:
-                yield node.lineno, "%s.%s" % (node.module, alias.name)
+                yield node.lineno, f"{node.module}.{alias.name}"
 
 
 def calls(tree: ast.AST) -> Iterator[Tuple[int, str]]:
@@ -129,24 +129,24 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
         top, _, other = imported.partition(".")
         other = other.partition(".")[0]
         if top in packages and top != package and not is_in(imported, SIBLINGS.get(package, ())):
-            yield line, "%s may not import %s" % (package, imported)
+            yield line, f"{package} may not import {imported}"
         if top == package and room in rooms and other in rooms:
             if rooms.index(other) > rooms.index(room):
-                yield line, "%s stands below %s and may not import it" % (room, other)
+                yield line, f"{room} stands below {other} and may not import it"
         if is_in(name, PURE) and top in ROS:
-            yield line, "it is to know no ROS, and imports %s" % imported
+            yield line, f"it is to know no ROS, and imports {imported}"
         if top in MODULES and not is_in(name, MAY_START_PROCESSES):
-            yield line, "%s could make code of input" % top
+            yield line, f"{top} could make code of input"
         if imported == "typing.TYPE_CHECKING" and name != FRONT_DOOR:
             yield line, "what is imported for type checkers alone may hide a circle"
-    if is_in(name, ["%s.nodes" % package]):
+    if is_in(name, [f"{package}.nodes"]):
         doors = {imported.rpartition(".")[0] for _, imported in imports(tree)}
         doors = {door for door in doors if is_in(door, ["nodekit"])}
         if len(doors) > MOST_DOORS:
-            yield 1, "a node that needs so much of nodekit: %s" % ", ".join(sorted(doors))
+            yield 1, f"a node that needs so much of nodekit: {', '.join(sorted(doors))}"
     for line, called in calls(tree):
         if called in CODE:
-            yield line, "%s could make code of input" % called
+            yield line, f"{called} could make code of input"
 
 
 def main() -> int:
@@ -158,15 +158,15 @@ def main() -> int:
     paths = dict(modules())
     trees = {name: ast.parse(path.read_text("utf-8")) for name, path in paths.items()}
     found = [
-        "%s:%d: %s" % (paths[name].relative_to(SOURCES.parent), line, sentence)
+        f"{paths[name].relative_to(SOURCES.parent)}:{line}: {sentence}"
         for name, tree in trees.items()
         for line, sentence in breaches(name, tree, packages)
     ]
     for name, path in paths.items():
         if len(path.read_text("utf-8").splitlines()) > LONGEST:
-            found.append("%s: longer than %d lines" % (name, LONGEST))
+            found.append(f"{name}: longer than {LONGEST} lines")
     trees.pop(FRONT_DOOR)  # nobody imports it from within
-    found += ["%s: %s" % breach for breach in cycles(trees)]
+    found += [f"{module}: {sentence}" for module, sentence in cycles(trees)]
     print("\n".join(found))
     return 1 if found else 0
 

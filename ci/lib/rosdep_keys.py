@@ -35,10 +35,9 @@ def unknown(sources: pathlib.Path, known: Set[str]) -> Iterator[str]:
             # depend, build_depend, … but not group_depend, which names no package.
             if element.tag.endswith("depend") and element.tag != "group_depend":
                 if key not in known | own:
-                    yield "%s: %s '%s' is no key in ci/rosdep-keys.txt" % (
-                        manifest.relative_to(sources.parent),
-                        element.tag,
-                        key,
+                    yield (
+                        f"{manifest.relative_to(sources.parent)}: {element.tag} '{key}' is "
+                        "no key in ci/rosdep-keys.txt"
                     )
 
 

@@ -56,7 +56,7 @@ def lint() -> List[Step]:
         + libraries,
         "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
-        "shellcheck": ["shellcheck", "-x", "-a", "-P", "%s:%s/lib" % (CI, CI)] + shell_scripts(),
+        "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib"] + shell_scripts(),
     }
     for package in packages():
         if (package / "launch").is_dir():
@@ -106,7 +106,7 @@ def integration() -> List[Step]:
     steps = [
         Step(
             "integration",
-            "%s/%s" % (package.name, test.stem),
+            f"{package.name}/{test.stem}",
             [
                 *("rostest", "--pkgdir", str(package), "--package", package.name),
                 *("--results-base-dir", "{results}", "--results-filename", test.stem + ".xml"),

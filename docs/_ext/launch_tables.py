@@ -37,15 +37,15 @@ def read(path: Path) -> LaunchFile:
     parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
     root = ElementTree.parse(path, parser).getroot()
     if not len(root) or root[0].tag is not ElementTree.Comment:
-        raise ValueError("%s has no comment at its top" % path)
+        raise ValueError(f"{path} has no comment at its top")
     rows = []
     for arg in root.iter("arg"):
         if arg not in list(root) or "value" in arg.attrib:
             continue  # handed on to an included file, or a constant
         if "doc" not in arg.attrib:
-            raise ValueError("%s: arg %s has no doc" % (path, arg.get("name")))
-        default = "`%s`" % arg.get("default") if "default" in arg.attrib else "required"
-        rows.append(["`%s`" % arg.get("name"), default, arg.get("doc", "")])
+            raise ValueError(f"{path}: arg {arg.get('name')} has no doc")
+        default = f"`{arg.get('default')}`" if "default" in arg.attrib else "required"
+        rows.append([f"`{arg.get('name')}`", default, arg.get("doc", "")])
     return LaunchFile(inspect.cleandoc(root[0].text or ""), rows)
 
 
@@ -84,8 +84,8 @@ class LaunchIndex(LaunchArgs):
         folder = Path(self.config.launch_tables_folder, self.arguments[0])
         files = sorted(folder.glob("*.launch"))
         if not files:
-            raise self.error("no launch files in %s" % folder)
-        rows = [["`%s`" % path.name, _one_line(self.read_path(path).comment)] for path in files]
+            raise self.error(f"no launch files in {folder}")
+        rows = [[f"`{path.name}`", _one_line(self.read_path(path).comment)] for path in files]
         return [table(["File", "What it shows"], rows)]
 
 

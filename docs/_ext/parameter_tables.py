@@ -27,14 +27,14 @@ class ParameterTable(SphinxDirective):
         self.env.note_dependency(str(module.__file__))
         declaration = getattr(module, class_name)
         if not issubclass(declaration, ParameterSet):
-            raise self.error("%s.%s declares no parameters" % (module_name, class_name))
+            raise self.error(f"{module_name}.{class_name} declares no parameters")
         return [table(HEADERS, [_row(item) for item in describe(declaration())])]
 
 
 def _row(item: Dict[str, Any]) -> List[str]:
     default = item["default"]
     return [
-        "`~%s`" % item["name"],
+        f"`~{item['name']}`",
         item["type"],
         "`%s`" % (default or '""' if isinstance(default, str) else format_value(default)),
         _unbroken(item["range"]),

@@ -90,7 +90,7 @@ def draw(name: str, path: Path) -> None:
         at_samples = list(zip(times, outputs))[:: round(SAMPLE_TIME * RATE)]
         errors = [100.0 * (y - analytic(t)) / (GAIN * AMPLITUDE) for t, y in at_samples]
         worst = max(map(abs, errors))
-        label = "%s: at most %s %%" % (method, "%.1f" % worst if worst > 1e-9 else "0")
+        label = f"{method}: at most {worst if worst > 1e-9 else 0:.3g} %"
         below.plot([t for t, _ in at_samples], errors, ".-", color=COLOURS[method], label=label)
     above.set_ylabel("output")
     below.set_ylabel("error at the samples,\n% of K u")
@@ -115,10 +115,10 @@ class PlantResponse(SphinxDirective):
     def run(self) -> List[nodes.Node]:
         name = self.arguments[0]
         if name not in RESPONSES:
-            raise self.error("no response %r; there are %s" % (name, ", ".join(RESPONSES)))
-        picture = "%s/plant_%s.svg" % (FOLDER, name)
+            raise self.error(f"no response {name!r}; there are {', '.join(RESPONSES)}")
+        picture = f"{FOLDER}/plant_{name}.svg"
         draw(name, Path(self.env.srcdir, picture))
-        alt = "%s response: analytic, exact and by forward Euler" % name
+        alt = f"{name} response: analytic, exact and by forward Euler"
         return [nodes.image(uri="/" + picture, alt=alt)]
 
 

@@ -37,7 +37,7 @@ class WaveformPlot(SphinxDirective):
         if "file" in settings:  # on the page below the folder that holds docs
             command = command.replace(settings["file"], "$PWD/docs/" + settings["file"])
             settings["file"] = str(Path(self.env.srcdir, settings["file"]))
-        picture = "%s/%s.svg" % (FOLDER, waveform)
+        picture = f"{FOLDER}/{waveform}.svg"
         draw(SignalParameters(**settings), rate, seconds, Path(self.env.srcdir, picture))
         shown = nodes.literal_block(command, command, language="sh")
         return [shown, nodes.image(uri="/" + picture, alt="plot of the waveform " + waveform)]

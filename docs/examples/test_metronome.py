@@ -54,7 +54,7 @@ class MetronomeTest(unittest.TestCase):
         graph, metronome = Graph(), self.start("__ns:=end")
         graph.wait_for_nodes("/end/metronome")
         self.assertEqual(metronome.interrupt(), 0)
-        wait_until(lambda: not graph.nodes(), lambda: "still there: %s" % graph.nodes())
+        wait_until(lambda: not graph.nodes(), lambda: f"still there: {graph.nodes()}")
 
 
 if __name__ == "__main__":

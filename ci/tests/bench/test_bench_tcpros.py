@@ -55,7 +55,7 @@ def master():
     server = xmlrpc.server.SimpleXMLRPCServer(("localhost", 0), logRequests=False)
     server.register_instance(type("Master", (), {"_dispatch": lambda *_: (1, "", [])})())
     threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
-    yield "http://localhost:%d" % server.server_address[1]
+    yield f"http://localhost:{server.server_address[1]}"
     server.shutdown()
     server.server_close()
 
@@ -130,7 +130,7 @@ def test_a_publisher_that_answers_nonsense_is_tried_again_quietly(master, capfd)
     threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
     node = tcpros.Node("/node", master)
     node.subscribe("/topic", "std_msgs/Empty", lambda connection: None)
-    node.publisherUpdate("/master", "/topic", ["http://localhost:%d" % server.server_address[1]])
+    node.publisherUpdate("/master", "/topic", [f"http://localhost:{server.server_address[1]}"])
     wait_until(lambda: len(calls) >= 2, 5.0, "second try")
     node.close()
     server.shutdown()

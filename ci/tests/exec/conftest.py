@@ -76,7 +76,7 @@ class Workspace:
         for name in ("ROS_HOSTNAME", "ROS_IP", "ROS_MASTER_URI", "CI_EXEC_NO_INSTALL"):
             environment.pop(name, None)
         for name, body in self.fakes.items():
-            environment["BASH_FUNC_%s%%%%" % name] = "() { %s\n}" % body
+            environment[f"BASH_FUNC_{name}%%"] = "() { %s\n}" % body
         for key, value in (changes or {}).items():
             environment.pop(key, None)
             if value is not None:
@@ -106,7 +106,7 @@ class Workspace:
     def shows(self, message: str) -> bool:
         """Whether Python code in the workspace finds a message, given as package.Name."""
         package, name = message.split(".")
-        code = "from %s.msg import %s" % (package, name)
+        code = f"from {package}.msg import {name}"
         return self.run("python3", "-c", code).returncode == 0
 
     def pretend_packages(self, listed: str, installed: str = "", known: str = "") -> pathlib.Path:
@@ -125,13 +125,12 @@ class Workspace:
         (system / "known").write_text(known)
         self.fakes.update(
             {
-                "dpkg-query": "sed 's/^/installed /' '%s/installed'" % system,
-                "apt-cache": r"sed 's/\(.*\)/\1:\n  Candidate: 1.0/' '%s/known'" % system,
+                "dpkg-query": f"sed 's/^/installed /' '{system}/installed'",
+                "apt-cache": rf"sed 's/\(.*\)/\1:\n  Candidate: 1.0/' '{system}/known'",
                 "apt-get": APT_GET.replace("SYSTEM", str(system)),
-                "apt-helper": """
+                "apt-helper": f"""
                     [[ $* != *InRelease* ]] || return 0  # whether the archive answers
-                    echo "$*" >> '%s/log'; touch "$3" """
-                % system,
+                    echo "$*" >> '{system}/log'; touch "$3" """,
                 "timeout": 'shift; "$@"',
                 "sudo": '"$@"',
                 "env": 'while [[ $1 == *=* ]]; do shift; done; "$@"',
@@ -145,8 +144,8 @@ class Workspace:
     def pretend_release(self, codename: str) -> None:
         """Replace what tells which release of Debian this is."""
         release = self.root / "system" / "os-release"
-        release.write_text("PRETTY_NAME='a Debian'\nVERSION_CODENAME=%s\n" % codename)
-        self.patch("setup.bash", "=/etc/os-release\n", "='%s'\n" % release)
+        release.write_text(f"PRETTY_NAME='a Debian'\nVERSION_CODENAME={codename}\n")
+        self.patch("setup.bash", "=/etc/os-release\n", f"='{release}'\n")
 
     def patch(self, name: str, old: str, new: str) -> None:
         """Replace something in a file of ci/lib."""
@@ -161,10 +160,8 @@ class Workspace:
 
     def be_somebody(self, name: str = "daemon") -> None:
         """Make ci/exec believe that a user without rights has called it."""
-        self.fakes["id"] = (
-            'case $1 in -u) echo 12345 ;; -nu) [ $# = 1 ] && echo %s || command id "$@" ;; esac'
-            % name
-        )
+        names = f"case $1 in -u) echo 12345 ;; -nu) [ $# = 1 ] && echo {name} ||"
+        self.fakes["id"] = names + ' command id "$@" ;; esac'
 
 
 @pytest.fixture

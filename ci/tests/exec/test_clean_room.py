@@ -9,11 +9,11 @@ INSIDE = CI / "lib" / "clean-room-inside.bash"
 
 
 def test_the_commands_are_those_of_readme() -> None:
-    script = "source '%s'; readme_commands" % INSIDE
+    script = f"source '{INSIDE}'; readme_commands"
     lines = subprocess.check_output(["bash", "-c", script]).decode().splitlines()
     assert lines == ["./ci/exec roslaunch basic_comms cw1.launch", "./ci/test"]
     readme = (CI.parent / "README.md").read_text("utf-8")
-    assert all("\n%s  " % line in readme for line in lines)
+    assert all(f"\n{line}  " in readme for line in lines)
 
 
 @pytest.mark.parametrize(

@@ -80,11 +80,10 @@ def test_failed_build_is_shown_and_not_taken_for_finished(workspace: Workspace) 
 def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     begun = workspace.root / "begun"
     # bash forgets a SIGINT that comes just before it becomes another program; sh does not.
-    workspace.fakes["catkin_make"] = (
-        """mkdir devel; : > devel/setup.bash
-        sh -c ': > "$0"; exec sleep 60' '%s'"""
-        % begun
-    )
+    workspace.fakes[
+        "catkin_make"
+    ] = f"""mkdir devel; : > devel/setup.bash
+        sh -c ': > "$0"; exec sleep 60' '{begun}'"""
     process = workspace.start("echo", "not reached")
     give_up = time.monotonic() + 60.0
     while not begun.exists() and time.monotonic() < give_up:
@@ -120,11 +119,11 @@ def test_another_workspace_of_the_caller_stays_out(workspace: Workspace, built: 
 
 @pytest.mark.parametrize("sign", list("\"'$ \\#:\t"))
 def test_refuses_a_path_that_ros_cannot_take(tmp_path: pathlib.Path, sign: str) -> None:
-    workspace = Workspace(tmp_path / ("one%sother" % sign))
+    workspace = Workspace(tmp_path / f"one{sign}other")
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert len(result.stderr.splitlines()) == 1
-    assert "stumble over the '%s' in" % sign in result.stderr
+    assert f"stumble over the '{sign}' in" in result.stderr
     assert not (workspace.root / "build").exists()
 
 
@@ -139,8 +138,8 @@ def test_says_whose_the_build_is(workspace: Workspace, place: str) -> None:
     assert (result.stdout, result.returncode) == ("", 125)
     (line,) = result.stderr.splitlines()
     owner = pwd.getpwuid(os.getuid()).pw_name
-    assert line.startswith("ci/exec: %s belongs to %s, " % (workspace.root / place, owner))
-    assert "'chown -R daemon %s/build %s/devel'" % ((workspace.root,) * 2) in line
+    assert line.startswith(f"ci/exec: {workspace.root / place} belongs to {owner}, ")
+    assert f"'chown -R daemon {workspace.root}/build {workspace.root}/devel'" in line
 
 
 def test_says_that_the_checkout_cannot_be_written_to(workspace: Workspace) -> None:
@@ -149,7 +148,7 @@ def test_says_that_the_checkout_cannot_be_written_to(workspace: Workspace) -> No
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     (line,) = result.stderr.splitlines()
-    assert "cannot write to %s/build/ci-exec" % workspace.root in line and "a clone" in line
+    assert f"cannot write to {workspace.root}/build/ci-exec" in line and "a clone" in line
 
 
 def test_runs_what_is_built_whoever_it_belongs_to(workspace: Workspace) -> None:

@@ -32,7 +32,7 @@ def test_command_takes_the_place_of_the_script(built: Workspace) -> None:
 def test_arguments_arrive_unchanged(built: Workspace) -> None:
     arguments = ["--extend", "two words", "", "*"]
     result = built.run("printf", "<%s>", *arguments)
-    assert result.stdout == "".join("<%s>" % argument for argument in arguments)
+    assert result.stdout == "".join(f"<{argument}>" for argument in arguments)
 
 
 def test_unknown_command_is_127(built: Workspace) -> None:
@@ -90,13 +90,13 @@ def test_another_python_is_kept_away(built: Workspace, tmp_path: pathlib.Path) -
     code = "import mine, genpy, os, tiny.msg; print(os.environ.get('VIRTUAL_ENV'))"
     result = built.run(
         *("env", "python3", "-c", code),
-        PATH="%s:%s" % (shims, os.environ["PATH"]),
+        PATH=f"{shims}:{os.environ['PATH']}",
         VIRTUAL_ENV=str(tmp_path / "venv"),
         PYTHONHOME=str(tmp_path / "venv"),
-        PYTHONPATH="%s:%s" % (modules, tmp_path),
+        PYTHONPATH=f"{modules}:{tmp_path}",
     )
     assert (result.stdout, result.stderr) == ("None\n", "")
-    assert built.run("sh", "-c", "command -v python", PATH="%s:/usr/bin" % shims).stdout != str(
+    assert built.run("sh", "-c", "command -v python", PATH=f"{shims}:/usr/bin").stdout != str(
         shims / "python"
     )
 
@@ -138,18 +138,18 @@ def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> Non
         built.be_somebody()
         command = ["roslaunch", "--help"] if words else ["true"]
         command += [word.replace("PORT", str(port)) for word in words]
-        changes = {} if words else {"ROS_MASTER_URI": "http://localhost:%d" % port}
+        changes = {} if words else {"ROS_MASTER_URI": f"http://localhost:{port}"}
         try:
             (line,) = built.run(*command, **changes).stderr.splitlines()
         finally:
             built.fakes.clear()
-        assert "port %d of this machine is served by %s" % (port, owner) in line
+        assert f"port {port} of this machine is served by {owner}" in line
         found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
         assert found and int(found.group(1)) > port
-        assert built.run("true", ROS_MASTER_URI="http://localhost:%d" % port).stderr == ""
+        assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""
     # Nobody listens there.
     built.be_somebody()
     try:
-        assert built.run("true", ROS_MASTER_URI="http://localhost:%d" % port).stderr == ""
+        assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""
     finally:
         built.fakes.clear()

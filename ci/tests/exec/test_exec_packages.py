@@ -46,7 +46,7 @@ def test_installs_only_what_is_missing(workspace: Workspace) -> None:
 
 def test_no_service_that_is_installed_keeps_the_lock(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
-    workspace.fakes["apt-get"] += "; [ ! -e /proc/$BASHPID/fd/9 ] || echo open >> '%s'" % log
+    workspace.fakes["apt-get"] += f"; [ ! -e /proc/$BASHPID/fd/9 ] || echo open >> '{log}'"
     assert workspace.run("true").returncode == 0
     assert "open" not in log.read_text()
 
@@ -76,7 +76,7 @@ def test_borrows_from_a_later_release_what_this_one_lacks(workspace: Workspace) 
     download, install = log.read_text().splitlines()
     file = str(workspace.root / "build" / "ci-exec" / "two.deb")
     url = "http://mirror/debian/pool/main/two.deb"
-    assert download == "download-file %s %s SHA256:5ec" % (url, file)
+    assert download == f"download-file {url} {file} SHA256:5ec"
     assert install.endswith(" one " + file)
     assert "has no two: taking that of a later release" in result.stderr
 
@@ -175,7 +175,7 @@ def test_sudo_is_asked_once_and_its_refusal_said_as_such(workspace: Workspace) -
 
 def test_proxies_reach_apt_through_sudo(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
-    workspace.fakes["env"] = 'echo "$*" >> "%s"; %s' % (log, workspace.fakes["env"])
+    workspace.fakes["env"] = f"echo \"$*\" >> \"{log}\"; {workspace.fakes['env']}"
     assert workspace.run("true", http_proxy="http://proxy:1", https_proxy=None).returncode == 0
     calls = [line for line in log.read_text().splitlines() if "=" in line.split()[0]]
     assert calls and all("http_proxy=http://proxy:1 " in line for line in calls)
@@ -184,7 +184,7 @@ def test_proxies_reach_apt_through_sudo(workspace: Workspace) -> None:
 def test_an_unreachable_archive_is_said_as_such(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     fault = "E: Failed to fetch http://mirror/x  Could not connect to proxy:1 (refused)"
-    workspace.fakes["apt-helper"] = "echo '%s'; false" % fault
+    workspace.fakes["apt-helper"] = f"echo '{fault}'; false"
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert log.read_text() == ""
@@ -202,7 +202,7 @@ def test_an_archive_that_never_answers_is_given_up(workspace: Workspace) -> None
     del workspace.fakes["timeout"], workspace.fakes["apt-helper"]
     workspace.patch("packages.bash", "patience=40\n", "patience=1\n")
     began = time.monotonic()
-    result = workspace.run("true", PATH="%s:%s" % (bin, os.environ["PATH"]))
+    result = workspace.run("true", PATH=f"{bin}:{os.environ['PATH']}")
     assert result.returncode == 125
     assert "no answer within 1 s" in result.stderr
     assert time.monotonic() - began < 10.0
@@ -248,7 +248,7 @@ def test_waits_for_the_lock_of_the_lists(workspace: Workspace) -> None:
             echo 'E: Could not get lock'; return 100
         fi;"""
     workspace.fakes["apt-get"] = locked.format(log.parent) + workspace.fakes["apt-get"]
-    workspace.fakes["sleep"] = ": > '%s/waited'" % log.parent
+    workspace.fakes["sleep"] = f": > '{log.parent}/waited'"
     assert workspace.run("true").returncode == 0
     assert (log.parent / "waited").exists()
 
@@ -256,7 +256,7 @@ def test_waits_for_the_lock_of_the_lists(workspace: Workspace) -> None:
 def test_finishes_an_installation_that_was_cut_short(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
     workspace.fakes["compgen"] = '[[ $2 == /var/lib/dpkg/* ]] || builtin compgen "$@"'
-    workspace.fakes["dpkg"] = "echo \"dpkg $*\" >> '%s'" % log
+    workspace.fakes["dpkg"] = f"echo \"dpkg $*\" >> '{log}'"
     assert workspace.run("true").returncode == 0
     assert log.read_text().splitlines()[0] == "dpkg --configure -a"
 
@@ -301,7 +301,7 @@ def test_without_a_terminal_it_shows_no_progress(workspace: Workspace) -> None:
 @pytest.mark.parametrize("absent", ["apt-get", "dpkg-query"])
 def test_refuses_a_system_without_apt_in_one_sentence(workspace: Workspace, absent: str) -> None:
     log = workspace.pretend_packages(LISTED)
-    workspace.fakes["command"] = '[ "$2" != %s ] && builtin command "$@"' % absent
+    workspace.fakes["command"] = f'[ "$2" != {absent} ] && builtin command "$@"'
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert len(result.stderr.splitlines()) == 1
@@ -314,7 +314,7 @@ def test_takes_noetic_where_it_is(workspace: Workspace) -> None:
     noetic = workspace.root / "noetic"
     noetic.mkdir()
     (noetic / "setup.bash").write_text("export FAKE_NOETIC=sourced\n")
-    workspace.patch("setup.bash", "=/opt/ros/noetic\n", "='%s'\n" % noetic)
+    workspace.patch("setup.bash", "=/opt/ros/noetic\n", f"='{noetic}'\n")
     workspace.fakes["catkin_make"] = 'mkdir -p devel; : > devel/setup.bash; echo "$FAKE_NOETIC"'
     result = workspace.run("true")
     assert result.returncode == 0

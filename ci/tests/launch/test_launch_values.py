@@ -35,21 +35,21 @@ def test_there_are_truth_values_in_every_package_with_launch_files() -> None:
 
 @pytest.mark.parametrize("name, argument", TRUTH)
 def test_a_truth_value_is_any_of_four_words_in_any_case(name: str, argument: str) -> None:
-    yes, no = (whole(load(name, "%s:=%s" % (argument, text))) for text in ("true", "false"))
+    yes, no = (whole(load(name, f"{argument}:={text}")) for text in ("true", "false"))
     assert yes != no
     for text in ("TRUE", "1", "yes", "On"):
-        assert whole(load(name, "%s:=%s" % (argument, text))) == yes, text
+        assert whole(load(name, f"{argument}:={text}")) == yes, text
     for text in ("False", "0", "No", "off"):
-        assert whole(load(name, "%s:=%s" % (argument, text))) == no, text
+        assert whole(load(name, f"{argument}:={text}")) == no, text
 
 
 @pytest.mark.parametrize("name, argument", TRUTH)
 @pytest.mark.parametrize("text", ["maybe", "2", "true false"])
 def test_any_other_is_refused(name: str, argument: str, text: str) -> None:
     with pytest.raises((RLException, ValueError)) as caught:
-        load(name, "%s:=%s" % (argument, text))
+        load(name, f"{argument}:={text}")
     said = str(caught.value)
-    assert argument in said and "'%s' is not in list" % text in said
+    assert argument in said and f"'{text}' is not in list" in said
     assert "'true yes on 1 false no off 0'" in said
 
 
@@ -78,7 +78,7 @@ PARAMETERS: Dict[str, Dict[str, str]] = {
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_text_reaches_the_parameter_as_typed(name: str, text: str) -> None:
     wanted = {parameter: text for parameter in PARAMETERS[name].values()}
-    typed = ["%s:=%s" % (argument, text) for argument in PARAMETERS[name]]
+    typed = [f"{argument}:={text}" for argument in PARAMETERS[name]]
     found = settings(load(name, *typed))
     assert {parameter: found[parameter] for parameter in wanted} == wanted
 
@@ -91,11 +91,11 @@ def test_no_file_is_no_text() -> None:
 @pytest.mark.parametrize("space", ["5", "007", "True", "1.5", "7/8"])
 def test_a_name_may_look_like_a_number(space: str) -> None:
     cw1 = load("basic_comms/launch/cw1.launch", "ns:=" + space, "plot:=true")
-    assert {node.namespace for node in cw1.nodes} == {"/%s/" % space}
+    assert {node.namespace for node in cw1.nodes} == {f"/{space}/"}
     pair = load("basic_comms/launch/talker_listener.launch", "prefix:=" + space)
-    assert {node.namespace for node in pair.nodes} == {"/%s/" % space}
+    assert {node.namespace for node in pair.nodes} == {f"/{space}/"}
     groups = load("basic_comms/launch/groups.launch", "prefix:=" + space)
-    assert {node.namespace for node in groups.nodes} == {"/%s1/" % space, "/%s2/" % space}
+    assert {node.namespace for node in groups.nodes} == {f"/{space}1/", f"/{space}2/"}
 
 
 @pytest.mark.parametrize("text", [text for text in TEXTS if text])
@@ -129,7 +129,7 @@ def test_the_scope_is_called_after_its_port(port: str, name: str) -> None:
 def test_a_port_that_is_none_is_refused(port: str) -> None:
     with pytest.raises(RLException) as caught:
         load(SCOPE, "port:=" + port)
-    assert "port is %s: must be a whole number" % port.replace("true", "True") in str(caught.value)
+    assert f"port is {port.replace('true', 'True')}: must be a whole number" in str(caught.value)
 
 
 def test_two_plots_have_two_names_and_ports() -> None:
@@ -153,9 +153,9 @@ def test_a_delay_is_no_command() -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("count", [0, 1, 3, 200])
 def test_a_count_is_kept_to_its_bound(name: str, count: int) -> None:
-    groups = {node.namespace for node in load(name, "count:=%d" % count).nodes}
+    groups = {node.namespace for node in load(name, f"count:={count}").nodes}
     start = "/Group" if "basic_comms" in name else "/group"
-    assert groups == {"%s%d/" % (start, number) for number in range(1, count + 1)}
+    assert groups == {f"{start}{number}/" for number in range(1, count + 1)}
 
 
 NO_COUNTS = ["1000000000000", "-1", "2.5", "3.0", "two", "True", "[]"]
@@ -167,7 +167,7 @@ def test_any_other_count_is_refused(name: str, count: str) -> None:
     with pytest.raises(RLException) as caught:
         load(name, "count:=" + count)
     said = str(caught.value)
-    assert "count is %s: must be a whole number from 0 to 200; " % count in said
+    assert f"count is {count}: must be a whole number from 0 to 200; " in said
     assert "fleet.launch" in said
 
 
@@ -177,7 +177,7 @@ def test_the_fleet_has_its_bound_too(count: str) -> None:
     assert FleetParameters(count=5000).count == 5000
     with pytest.raises(RLException) as caught:
         load(FLEET, "count:=" + count)
-    assert "count is %s: must be a whole number from 0 to 5000" % count in str(caught.value)
+    assert f"count is {count}: must be a whole number from 0 to 5000" in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -23,8 +23,8 @@ def install_space(
     subprocess.check_call(
         [
             *("catkin_make", "--source", str(SOURCES), "--build", str(spaces / "build")),
-            "-DCATKIN_DEVEL_PREFIX=%s" % (spaces / "devel"),
-            "-DCMAKE_INSTALL_PREFIX=%s" % (spaces / "install"),
+            f"-DCATKIN_DEVEL_PREFIX={spaces / 'devel'}",
+            f"-DCMAKE_INSTALL_PREFIX={spaces / 'install'}",
             *("-DCATKIN_ENABLE_TESTING=OFF", "-DPYTHON_EXECUTABLE=/usr/bin/python3", "install"),
         ],
         cwd=str(spaces),

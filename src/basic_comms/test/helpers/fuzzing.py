@@ -78,19 +78,19 @@ class Fuzzer:
 
     def _odd_call(self) -> bytes:
         body = self._call()
-        return self._post(body, "Content-Length: %d" % len(body))
+        return self._post(body, f"Content-Length: {len(body)}")
 
     def _broken_call(self) -> bytes:
         body = self._mutated(self._call())
-        return self._post(body, "Content-Length: %d" % len(body))
+        return self._post(body, f"Content-Length: {len(body)}")
 
     def _odd_http(self) -> bytes:
         body = self._random.choice([self._call(), gzip.compress(bytes(100000)), self._noise()])
         headers = (
             *("Content-Length: -1", "Content-Length: x", "Content-Length: 9999999999", "X: y"),
             "Transfer-Encoding: chunked",
-            "Content-Encoding: gzip\r\nContent-Length: %d" % len(body),
-            "Expect: 100-continue\r\nContent-Length: %d" % len(body),
+            f"Content-Encoding: gzip\r\nContent-Length: {len(body)}",
+            f"Expect: 100-continue\r\nContent-Length: {len(body)}",
         )
         return self._mutated(self._post(body, self._random.choice(headers)))
 

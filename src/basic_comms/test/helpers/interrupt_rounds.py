@@ -118,7 +118,7 @@ def _wait_for_our_lines(told: Callable[[], str]) -> None:
     # The next module of all is imported by that very line.
     while _ENTRY_POINT not in _IMPORT.findall(told())[:-1]:
         if time.monotonic() > deadline:
-            raise AssertionError("it has not come to %s: %s" % (_ENTRY_POINT, told()))
+            raise AssertionError(f"it has not come to {_ENTRY_POINT}: {told()}")
         time.sleep(0.001)
 
 
@@ -127,7 +127,7 @@ def _session(leader: int) -> List[int]:
     found = []
     for pid in filter(str.isdigit, os.listdir("/proc")):
         try:
-            with open("/proc/%s/stat" % pid) as stat:
+            with open(f"/proc/{pid}/stat") as stat:
                 session = int(stat.read().rpartition(")")[2].split()[3])
         except OSError:
             continue  # it has just ended

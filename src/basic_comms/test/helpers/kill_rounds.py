@@ -56,13 +56,13 @@ def _kill_once(launch: Launched, node: str, streams: List[Stream]) -> Round:
     heard = [stream() for stream in streams]
     wait_until(
         lambda: all(stream() > count for stream, count in zip(streams, heard)),
-        lambda: "of %s heard %s, then %s" % (node, heard, [stream() for stream in streams]),
+        lambda: f"of {node} heard {heard}, then {[stream() for stream in streams]}",
     )
     resumed_at = time.monotonic()
     _assert_others_went_on(launch, node, before)
     wait_until(
         lambda: registrations() == registered,
-        lambda: "registered was %s, now %s" % (registered, registrations()),
+        lambda: f"registered was {registered}, now {registrations()}",
     )
     assert_alive(launch, node)
     return Round(back_at - killed_at, resumed_at - back_at)
@@ -84,11 +84,11 @@ def assert_alive(launch: Launched, node: str) -> None:
     with ServerProxy(master.lookupNode(node)) as slave:
         answer: Any = slave.getPid("/kill_rounds")
         port = _port(slave)
-    assert answer[2] == pid, "%s answers from process %s, not %d" % (node, answer, pid)
+    assert answer[2] == pid, f"{node} answers from process {answer}, not {pid}"
     for service, owner in registrations()[2]:
         if owner == node:
             uri = master.lookupService(service)
-            assert uri.endswith(":%d" % port), "%s is at %s, not port %d" % (service, uri, port)
+            assert uri.endswith(f":{port}"), f"{service} is at {uri}, not port {port}"
 
 
 def _port(slave: ServerProxy) -> int:
@@ -111,4 +111,4 @@ def _assert_others_went_on(launch: Launched, node: str, before: Dict[str, Any]) 
     for other, process in before.items():
         if other != node:
             now = after.get(other)
-            assert now == process, "%s was %s and is %s" % (other, process, now)
+            assert now == process, f"{other} was {process} and is {now}"

@@ -26,11 +26,11 @@ def usage(pid: int) -> Usage:
 
     :raises OSError: when there is no such process
     """
-    with open("/proc/%d/statm" % pid) as statm:
+    with open(f"/proc/{pid}/statm") as statm:
         pages = int(statm.read().split()[1])
     return Usage(
-        threads=len(os.listdir("/proc/%d/task" % pid)),
-        descriptors=len(os.listdir("/proc/%d/fd" % pid)),
+        threads=len(os.listdir(f"/proc/{pid}/task")),
+        descriptors=len(os.listdir(f"/proc/{pid}/fd")),
         memory=pages * os.sysconf("SC_PAGE_SIZE"),
     )
 
@@ -40,12 +40,12 @@ def listening(pid: int) -> Set[Tuple[str, int]]:
 
     :raises OSError: when there is no such process
     """
-    mine = {_link("/proc/%d/fd/%s" % (pid, name)) for name in os.listdir("/proc/%d/fd" % pid)}
+    mine = {_link(f"/proc/{pid}/fd/{name}") for name in os.listdir(f"/proc/{pid}/fd")}
     found = set()
     for table in ("tcp", "tcp6"):
-        with open("/proc/%d/net/%s" % (pid, table)) as lines:
+        with open(f"/proc/{pid}/net/{table}") as lines:
             for words in map(str.split, lines.readlines()[1:]):
-                if words[3] == _LISTENING and "socket:[%s]" % words[9] in mine:
+                if words[3] == _LISTENING and f"socket:[{words[9]}]" in mine:
                     address, _, port = words[1].partition(":")
                     found.add((_readable(address), int(port, 16)))
     return found
@@ -61,5 +61,5 @@ def _link(path: str) -> str:
 def _readable(address: str) -> str:
     """Turn an address of /proc/net, 32 bit words in the machine's order, into the usual form."""
     words = [int(address[start : start + 8], 16) for start in range(0, len(address), 8)]
-    packed = struct.pack("=%dI" % len(words), *words)
+    packed = struct.pack(f"={len(words)}I", *words)
     return socket.inet_ntop(socket.AF_INET if len(words) == 1 else socket.AF_INET6, packed)

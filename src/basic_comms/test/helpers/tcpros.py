@@ -33,7 +33,7 @@ def header(topic: str, kind: Any, **changes: str) -> bytes:
     :param changes: fields to say something else in
     """
     fields: Dict[str, str] = {
-        "callerid": "/by_hand_%d" % next(_NUMBERS),
+        "callerid": f"/by_hand_{next(_NUMBERS)}",
         "topic": topic,
         "type": kind._type,
         "md5sum": kind._md5sum,

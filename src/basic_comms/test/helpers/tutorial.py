@@ -85,7 +85,7 @@ class Reader:
             os.environ,
             HOME=self._home.name,
             PYTHONUNBUFFERED="1",
-            ROS_MASTER_URI="http://localhost:%d" % self._port,
+            ROS_MASTER_URI=f"http://localhost:{self._port}",
             TERM="dumb",
         )
         self._terminals: Dict[str, _Job] = {}
@@ -141,14 +141,14 @@ class Reader:
             if is_all(step.expected, job.output()) and (step.expected or job.status == 0):
                 return
             time.sleep(0.1)
-        raise _wrong(step, "status %s" % tried.status, tried.output())
+        raise _wrong(step, f"status {tried.status}", tried.output())
 
     def _watch(self, step: Step, terminal: str) -> None:
         """Start a command that keeps running, or not, and wait for what it prints."""
         if step.typed is not None:
             previous = self._terminals.get(terminal)
             if previous and not previous.ended_by(time.monotonic() + self._timeout):
-                raise _wrong(step, "%s is busy" % terminal, previous.output())
+                raise _wrong(step, f"{terminal} is busy", previous.output())
             self._terminals[terminal] = self._start(step.typed)
         job = self._job(step, terminal)
         self._wait_for(step, job, lambda: find(step.expected, job.output(), job.seen))
@@ -156,10 +156,10 @@ class Reader:
     def _interrupt(self, step: Step, terminal: str) -> None:
         job = self._job(step, terminal)
         if job.status is not None:
-            raise _wrong(step, "%s has ended by itself" % terminal, job.output())
+            raise _wrong(step, f"{terminal} has ended by itself", job.output())
         job.interrupt()
         if not job.ended_by(time.monotonic() + self._timeout):
-            raise _wrong(step, "%s does not end" % terminal, job.output())
+            raise _wrong(step, f"{terminal} does not end", job.output())
         self._wait_for(step, job, lambda: find(step.expected, job.output(), job.seen))
 
     def _wait_for(self, step: Step, job: _Job, condition: Callable[[], Optional[int]]) -> None:
@@ -171,20 +171,20 @@ class Reader:
                 job.seen = found
                 return
             if last_chance:
-                raise _wrong(step, "status %s" % job.status, job.output()[job.seen :])
+                raise _wrong(step, f"status {job.status}", job.output()[job.seen :])
             time.sleep(0.05)
 
     def _job(self, step: Step, terminal: str) -> _Job:
         if terminal not in self._terminals:
-            raise _wrong(step, "nothing was started in %s" % terminal, "")
+            raise _wrong(step, f"nothing was started in {terminal}", "")
         return self._terminals[terminal]
 
     def _start(self, command: str) -> _Job:
         if command.split()[0] == "roscore":  # alone among the tools it ignores ROS_MASTER_URI
-            command += " -p %d" % self._port
+            command += f" -p {self._port}"
         if "topic_scope scope.py" in command:  # beside one that somebody may have open
-            command += " --port %d" % self._scope_port
-        output = Path(self._home.name, "output%d" % len(self._jobs))
+            command += f" --port {self._scope_port}"
+        output = Path(self._home.name, f"output{len(self._jobs)}")
         job = _Job(command, self._environment, output)
         self._jobs.append(job)
         return job

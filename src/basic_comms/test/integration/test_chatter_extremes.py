@@ -42,9 +42,9 @@ class ChatterExtremes(unittest.TestCase):
         def heard() -> List[str]:
             wait_until(lambda: not self.publisher.statistics()[0].stalled, lambda: "stalled")
             self.publisher.publish(String(text))
-            return self.listener.logged("I heard '%s'" % text)
+            return self.listener.logged(f"I heard '{text}'")
 
-        wait_until(heard, lambda: "log: %s" % self.listener.logged()[-3:])
+        wait_until(heard, lambda: f"log: {self.listener.logged()[-3:]}")
 
     def lost(self) -> int:
         """Return how many texts this busy machine kept from the listener."""
@@ -53,7 +53,7 @@ class ChatterExtremes(unittest.TestCase):
     def assert_small(self) -> None:
         wait_until(
             lambda: usage(self.pid).memory < self.before.memory + ALLOWANCE,
-            lambda: "%s, before %s" % (usage(self.pid), self.before),
+            lambda: f"{usage(self.pid)}, before {self.before}",
         )
         self.assertLessEqual(usage(self.pid).threads, self.before.threads)
         self.assertEqual(self.listener.logged("Traceback"), [])
@@ -62,13 +62,13 @@ class ChatterExtremes(unittest.TestCase):
     def test_ten_kilohertz(self) -> None:
         start = time.monotonic()
         for number in range(COUNT):
-            self.publisher.publish(String("text %d" % number))
+            self.publisher.publish(String(f"text {number}"))
             pause = start + number / RATE - time.monotonic()
             if pause > 0:
                 time.sleep(pause)
         wait_until(
             lambda: self.counted() + self.lost() >= COUNT,
-            lambda: "counted %d of %d" % (self.counted(), COUNT),
+            lambda: f"counted {self.counted()} of {COUNT}",
         )
         self.assertEqual(self.counted() + self.lost(), COUNT)
         seconds = time.monotonic() - start + 2.0
@@ -83,8 +83,8 @@ class ChatterExtremes(unittest.TestCase):
 
     def test_ten_megabytes(self) -> None:
         for number in range(10):
-            self.publisher.publish(String("%d %s" % (number, "x" * HUGE)))
-            self.say_until_heard("after %d" % number)
+            self.publisher.publish(String(f"{number} {'x' * HUGE}"))
+            self.say_until_heard(f"after {number}")
         self.assertTrue(self.listener.logged("I heard '0 xxx", "xxx' from /"))
         self.assertLess(max(map(len, self.listener.logged("I heard"))), 2000)
         self.assert_small()

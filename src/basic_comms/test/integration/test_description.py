@@ -52,7 +52,7 @@ class Description(unittest.TestCase):
         everything = describe("/")
         self.assertEqual(everything.returncode, 0, everything.stderr)
         for name in [*SignalParameters.declared, *ProcessParameters.declared]:
-            self.assertRegex(everything.stdout, r"(?m)^  %s +=" % name)
+            self.assertRegex(everything.stdout, rf"(?m)^  {name} +=")
         group = describe("lab")
         self.assertEqual(group.returncode, 0, group.stderr)
         self.assertTrue(group.stdout.startswith("/lab/process\n"), group.stdout)
@@ -74,8 +74,10 @@ class Description(unittest.TestCase):
             wait_until(
                 lambda: client.get_configuration(1.0)["amplitude"] == value
                 and rospy.get_param("/generator/amplitude") == value,
-                lambda: "%s and %s, not %s"
-                % (client.get_configuration(1.0), rospy.get_param("/generator"), value),
+                lambda: (
+                    f"{client.get_configuration(1.0)} and {rospy.get_param('/generator')}, "
+                    f"not {value}"
+                ),
             )
 
         self.assertEqual(client.update_configuration({"amplitude": 3.0})["amplitude"], 3.0)
@@ -93,9 +95,7 @@ class Description(unittest.TestCase):
         for name, bad in (("duty", math.nan), ("duty", 1.0), ("waveform", "triangel")):
             after = client.update_configuration({name: bad})
             self.assertEqual(after[name], before[name])
-            log.wait_for(
-                lambda line: "/generator/%s: " % name in line.msg and "refused" in line.msg
-            )
+            log.wait_for(lambda line: f"/generator/{name}: " in line.msg and "refused" in line.msg)
             log.forget()
         self.assertEqual(rospy.get_param("/generator"), before)
         client.close()

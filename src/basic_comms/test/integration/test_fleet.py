@@ -37,9 +37,9 @@ class FleetOfThree(unittest.TestCase):
             self.assertEqual(topics[group + "/proc_signal"], "std_msgs/Float32")
             self.assertEqual(topics[group + "/signal_generator/status"], "std_msgs/String")
             for service in ("signal_generator/enable", "signal_generator/reset"):
-                self.assertIn("%s/%s" % (group, service), services)
+                self.assertIn(f"{group}/{service}", services)
             for node in ("signal_generator", "process"):
-                self.assertIn("%s/%s/describe" % (group, node), services)
+                self.assertIn(f"{group}/{node}/describe", services)
 
     def test_parameters_are_those_of_separate_nodes(self) -> None:
         for group in ("/Robot1", "/Robot3"):
@@ -66,7 +66,7 @@ class FleetOfThree(unittest.TestCase):
             ear.close()
 
     def test_each_member_has_parameters_of_its_own(self) -> None:
-        ears = {name: Ear("/%s/signal" % name, signal_msg) for name in ("Robot1", "Robot3")}
+        ears = {name: Ear(f"/{name}/signal", signal_msg) for name in ("Robot1", "Robot3")}
         ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
         self.graph.set_parameter("/Robot1/signal_generator/amplitude", 7.0)
         ears["Robot1"].wait_for(lambda sample: sample.amplitude == 7.0)

@@ -85,7 +85,7 @@ class Fuzz(unittest.TestCase):
         self.assertEqual({node: self.graph.pid(node) for node in STREAMS}, self.pids)
         self.assert_all_speak()
         self.assertEqual(self.settings(), self.parameters)
-        wait_until(self.nothing_stays, lambda: "%s, before %s" % (self.usages(), self.before))
+        wait_until(self.nothing_stays, lambda: f"{self.usages()}, before {self.before}")
 
     def nothing_stays(self) -> bool:
         """Tell whether no connection and no thread is left of it all."""

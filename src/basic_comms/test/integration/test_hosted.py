@@ -29,7 +29,7 @@ class Hosted(unittest.TestCase):
         ear.wait_for(lambda message: message.data.startswith("my own "))
         process.wait_for_log("I heard 'my own", "from /hosted")
         rospy.set_param("/lab/talker/rate", 200.0)
-        wait_until(lambda: ear.count() > 100, lambda: "%d messages" % ear.count())
+        wait_until(lambda: ear.count() > 100, lambda: f"{ear.count()} messages")
         self.assertEqual(process.interrupt(), 0)
         self.assertEqual(process.logged("Traceback"), [])
 

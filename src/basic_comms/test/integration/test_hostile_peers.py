@@ -75,11 +75,11 @@ class HostilePeers(unittest.TestCase):
         self.assertEqual({round(RATE * (b[1] - a[1]), 2) for a, b in pairs}, {1.0})
         gap = max(b[0] - a[0] for a, b in pairs)
         self.assertLess(gap, lag.allowed(SILENCE))
-        wait_until(lambda: is_back(usage(pid), before), lambda: "%s, %s" % (usage(pid), before))
+        wait_until(lambda: is_back(usage(pid), before), lambda: f"{usage(pid)}, {before}")
         grown = usage(pid).memory - before.memory
         print(
-            "%s: longest gap %.1f ms, of a loop that only sleeps %.1f ms, memory %+d kB"
-            % (self.id(), 1000 * gap, 1000 * lag.longest, grown // 1000)
+            f"{self.id()}: longest gap {1000 * gap:.1f} ms, of a loop that only sleeps "
+            f"{1000 * lag.longest:.1f} ms, memory {int(grown // 1000):+} kB"
         )
         self.assertEqual(self.graph.pid(GENERATOR), pid)
 
@@ -100,7 +100,7 @@ class HostilePeers(unittest.TestCase):
             mute.sendall(header("/chatter", String, callerid="/mute"))
             log.wait_for(lambda line: "subscriber /mute does not keep up" in line.msg)
             chatter.forget()
-            wait_until(lambda: chatter.count() > 1000, lambda: "heard %d" % chatter.count())
+            wait_until(lambda: chatter.count() > 1000, lambda: f"heard {chatter.count()}")
         chatter.close()
 
     def test_garbage(self) -> None:

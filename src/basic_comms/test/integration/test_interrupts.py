@@ -25,7 +25,7 @@ class Interrupts(unittest.TestCase):
         self.assertEqual([end.imported_too_soon for end in ends if end.imported_too_soon], [])
         self.assertEqual(graph.nodes(), set())
         self.assert_no_name_is_known()
-        print("longest end: %.2f s" % max(end.seconds for end in ends))
+        print(f"longest end: {max((end.seconds for end in ends)):.2f} s")
 
     def assert_no_name_is_known(self) -> None:
         """Check that the master has forgotten them all, subscriptions of parameters included."""

@@ -49,7 +49,7 @@ class LaunchFeatures(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rosgraph.Master("/test").setParam("/rosparam/rosparam_demo/stale", 1)
-        commands = ["basic_comms features/%s __ns:=%s" % (TOGETHER[ns], ns) for ns in TOGETHER]
+        commands = [f"basic_comms features/{TOGETHER[ns]} __ns:={ns}" for ns in TOGETHER]
         with ExitStack() as stack:
             cls.launch = stack.enter_context(launched(*commands))
             cls.at_once = cls.launch.processes()

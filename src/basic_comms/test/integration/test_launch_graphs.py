@@ -74,7 +74,7 @@ class LaunchGraphs(unittest.TestCase):
 
     def assert_texts(self, activity: str) -> None:
         """Check the parameters of activities 2 and 3, which differ in where they come from."""
-        with launched("basic_comms %s scope:=local" % activity) as launch:
+        with launched(f"basic_comms {activity} scope:=local") as launch:
             self.assert_isolated_groups(launch)
             found = {path: launch.graph.parameter(path) for path in TEXTS}
             self.assertEqual(found, TEXTS)
@@ -151,7 +151,7 @@ class LaunchGraphs(unittest.TestCase):
         """Make an xterm that notes its arguments and runs the command after -e."""
         journal, program = os.path.join(folder, "journal"), os.path.join(folder, "xterm")
         with open(program, "w") as script:
-            script.write('#!/bin/sh\necho "$@" >> "%s"\nshift\nexec "$@"\n' % journal)
+            script.write(f'#!/bin/sh\necho "$@" >> "{journal}"\nshift\nexec "$@"\n')
         os.chmod(program, os.stat(program).st_mode | stat.S_IXUSR)
         return journal, folder + os.pathsep + os.environ["PATH"]
 

@@ -16,7 +16,7 @@ from nodekit.testing.launching import launched
 SCOPES = ("closest", "global", "local", "private")
 GLOBAL, LOCAL = "/Message", "/lab/Message"
 TEXTS = {GLOBAL: "global text", LOCAL: "local text"}
-TEXTS.update({"/lab/%s/Message" % scope: "private text" for scope in SCOPES})
+TEXTS.update({f"/lab/{scope}/Message": "private text" for scope in SCOPES})
 
 
 def rosparam(*arguments: str) -> List[str]:

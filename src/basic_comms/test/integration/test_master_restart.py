@@ -51,7 +51,7 @@ class RestartedMaster(unittest.TestCase):
 
     def test_connections_stay_and_registrations_come_back(self) -> None:
         nodes = [self.start(name) for name in ("listener", "talker", "process")]
-        nodes.append(self.start("signal_generator", "_rate:=%s" % RATE, "_amplitude:=3.0"))
+        nodes.append(self.start("signal_generator", f"_rate:={RATE}", "_amplitude:=3.0"))
         listener = nodes[0]
         listener.wait_for_log("I heard")
         signal = self.tap_when_up("/signal_generator", "/signal", signal_msg)
@@ -67,11 +67,11 @@ class RestartedMaster(unittest.TestCase):
         self.server = Server(self.master.uri)
         wait_until(
             lambda: self.registrations() == registered,
-            lambda: "registered was %s, now %s" % (registered, self.registrations()),
+            lambda: f"registered was {registered}, now {self.registrations()}",
         )
         wait_until(
             lambda: self.parameters() == parameters,
-            lambda: "parameters were %s, now %s" % (parameters, self.parameters()),
+            lambda: f"parameters were {parameters}, now {self.parameters()}",
         )
         self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
         for node in nodes:

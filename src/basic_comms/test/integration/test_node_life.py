@@ -123,7 +123,7 @@ class NodeLife(unittest.TestCase):
                 self.assertIn(sentence, errors)
                 self.assertNotIn("Traceback", errors)
             for name in self.graph.parameters():
-                if name.startswith("/%s/" % node):
+                if name.startswith(f"/{node}/"):
                     self.graph.delete_parameter(name)
 
 

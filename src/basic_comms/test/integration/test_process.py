@@ -55,7 +55,7 @@ class ProcessNode(unittest.TestCase):
         )
         for node in ("process", "steady/steady"):
             wait_until(
-                lambda: rospy.has_param("/%s/amplitude_scale" % node),
+                lambda: rospy.has_param(f"/{node}/amplitude_scale"),
                 lambda: node + " did not start",
             )
         cls.time = 0.0
@@ -111,7 +111,7 @@ class ProcessNode(unittest.TestCase):
             seen.append(self.ask(time_x, y))
             return abs(seen[-1] - expected) < 1e-6
 
-        wait_until(matches, lambda: "answered %s, not %s" % (seen[-1], expected))
+        wait_until(matches, lambda: f"answered {seen[-1]}, not {expected}")
 
     def test_sine_is_scaled_shifted_and_lifted(self) -> None:
         self.run_on(3)
@@ -166,7 +166,7 @@ class ProcessNode(unittest.TestCase):
         self.steady_answers.forget()
         wait_until(
             lambda: len(self.steady_answers.messages()) >= 20,
-            lambda: "only %d answers" % len(self.steady_answers.messages()),
+            lambda: f"only {len(self.steady_answers.messages())} answers",
         )
         self.assertEqual(len({answer.data for answer in self.steady_answers.messages()}), 1)
 

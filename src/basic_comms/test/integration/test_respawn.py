@@ -50,7 +50,7 @@ class Respawn(unittest.TestCase):
         with measured_lag() as lag:
             rounds = kill_rounds(self.launch, node, list(streams), ROUNDS)
         silent = [each.silent for each in rounds]
-        print("%s: silent for up to %.0f ms after its return" % (node, 1000.0 * max(silent)))
+        print(f"{node}: silent for up to {1000.0 * max(silent):.0f} ms after its return")
         self.assertLess(max(silent), lag.allowed(SILENCE))
 
     def assert_no_sample_lost(self, samples: List[signal_msg]) -> None:
@@ -84,7 +84,7 @@ class Respawn(unittest.TestCase):
 
     def test_fleet(self) -> None:
         signal = self.ear("signal", signal_msg)
-        groups = [self.stream("Group%d/proc_signal" % number) for number in (1, 2)]
+        groups = [self.stream(f"Group{number}/proc_signal") for number in (1, 2)]
         self.kill("/fleet", *groups)
         self.assert_no_sample_lost(signal.messages())
 

@@ -64,7 +64,7 @@ class SignalGeneratorNode(unittest.TestCase):
         self.samples.forget()
         wait_until(
             lambda: len(self.samples.messages()) >= count,
-            lambda: "only %d samples" % len(self.samples.messages()),
+            lambda: f"only {len(self.samples.messages())} samples",
         )
         return self.samples.messages()[:count]
 
@@ -110,7 +110,7 @@ class SignalGeneratorNode(unittest.TestCase):
         self.assertEqual((idle.amplitude, idle.frequency), (0.0, 0.0))
         late_joiner = Ear("generator/status", String)
         status = late_joiner.wait_for(lambda heard: heard.data.startswith("idle "))
-        self.assertEqual(status.data, "idle %.3f" % idle.time_x)
+        self.assertEqual(status.data, f"idle {idle.time_x:.3f}")
         late_joiner.close()
         self.samples.forget()
         self.assertEqual(self.enable(True).message, "enabled")

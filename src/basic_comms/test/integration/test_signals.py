@@ -108,7 +108,7 @@ class Signals(unittest.TestCase):
     def ends_while_it_waits_for_a_master(self, number: int) -> None:
         process = self.node("talker.py", ROS_MASTER_URI="http://localhost:1")
         wait_until(
-            lambda: b"waiting for the master" in self.logged(), lambda: "log: %r" % self.logged()
+            lambda: b"waiting for the master" in self.logged(), lambda: f"log: {self.logged()!r}"
         )
         process.send_signal(number)
         self.assert_ended(process)
@@ -122,7 +122,7 @@ class Signals(unittest.TestCase):
 
 def taken_in(pid: int, number: int) -> bool:
     """Tell whether a signal that was sent to a process is no longer pending."""
-    with open("/proc/%d/status" % pid) as status:
+    with open(f"/proc/{pid}/status") as status:
         lines = dict(line.split(":", 1) for line in status if ":" in line)
     pending = int(lines["ShdPnd"], 16)
     return not pending & (1 << (number - 1))

@@ -76,7 +76,7 @@ class OnSimulatedClock(unittest.TestCase):
             lambda: subscribers(rospy.get_name(), "/clock") >= set(NODES)
             and subscribers("/signal_generator", "/signal") >= {"/process", rospy.get_name()}
             and self.answers.publishers() == self.chatter.publishers() == 1,
-            lambda: "/clock has %s" % subscribers(rospy.get_name(), "/clock"),
+            lambda: f"/clock has {subscribers(rospy.get_name(), '/clock')}",
         )
 
         def show(*times: float) -> None:
@@ -87,7 +87,7 @@ class OnSimulatedClock(unittest.TestCase):
                     lambda: self.signal.count() > before[0]
                     and self.answers.count() > before[1]
                     and self.chatter.count() > before[2],
-                    lambda: "nothing at %s s" % time,
+                    lambda: f"nothing at {time} s",
                 )
 
         show(100.0, 100.1, 100.2)
@@ -112,7 +112,7 @@ class OnSimulatedClock(unittest.TestCase):
             self.addCleanup(os.killpg, play.pid, signal.SIGINT)
             wait_until(
                 lambda: laps(self.said_at()) >= 3 and recorded.count() > 150,
-                lambda: "%d laps, %d answers" % (laps(self.said_at()), recorded.count()),
+                lambda: f"{int(laps(self.said_at()))} laps, {recorded.count()} answers",
             )
             wait_until(self.heard, lambda: "the listener is deaf")
         steps = self.steps()

@@ -38,7 +38,7 @@ class OnSlowClock(unittest.TestCase):
             lambda: subscriber.get_num_connections() == 1
             and graph.hearers("/generator", "/signal") == 1
             and self.clock.get_num_connections() == 2,
-            lambda: "start: %s" % generator.logged(),
+            lambda: f"start: {generator.logged()}",
         )
         for number in range(5):
             self.clock.publish(Clock(rospy.Time.from_sec(200.0 + number / 10)))

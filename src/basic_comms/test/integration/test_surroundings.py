@@ -81,7 +81,7 @@ class Surroundings(unittest.TestCase):
     def hear(self, ear: Ear, count: int) -> None:
         """Wait for some more messages."""
         last = ear.count() + count
-        wait_until(lambda: ear.count() >= last, lambda: "heard %d of %d" % (ear.count(), last))
+        wait_until(lambda: ear.count() >= last, lambda: f"heard {ear.count()} of {last}")
 
     def test_full_disk_below_every_log(self) -> None:
         with tempfile.TemporaryDirectory() as logs, open("/dev/full", "w") as full:

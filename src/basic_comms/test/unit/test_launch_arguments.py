@@ -29,8 +29,8 @@ Declaration = Type[ParameterSet]
 
 def doc_of(parameter: Parameter[Any]) -> str:
     """Return what a launch file says of a parameter: its help, unit and choices."""
-    unit = " [%s]" % parameter.unit if parameter.unit else ""
-    choices = " %s" % parameter.range if parameter.type_name == "enum" else ""
+    unit = f" [{parameter.unit}]" if parameter.unit else ""
+    choices = f" {parameter.range}" if parameter.type_name == "enum" else ""
     return parameter.help + unit + choices
 
 
@@ -65,8 +65,8 @@ def test_every_argument_reaches_its_parameter(
         key: unlike(parameter, number)
         for number, (key, parameter) in enumerate(declaration.declared.items(), start=1)
     }
-    arguments = ["%s%s:=%s" % (start, key, as_text(value)) for key, value in wanted.items()]
-    prefix = "/%s/" % node
+    arguments = [f"{start}{key}:={as_text(value)}" for key, value in wanted.items()]
+    prefix = f"/{node}/"
     found = {
         key[len(prefix) :]: parameter.value
         for key, parameter in load(name, *arguments).params.items()
@@ -84,7 +84,7 @@ def unlike(parameter: Parameter[Any], number: int) -> Any:
         return type(default)(default + 1000 * number)
     if isinstance(default, list):
         return [1000.5 * number]
-    return "text%d" % number
+    return f"text{number}"
 
 
 def as_text(value: Any) -> str:

@@ -22,22 +22,22 @@ def marker(tmp_path):
 def hostile(marker):
     """Return texts that would create the marker if anything ran them."""
     return [
-        "__import__('pathlib').Path(%r).touch()" % str(marker),
-        "=cmd|'/C touch %s'!A0" % marker,
-        "$(touch %s)" % marker,
-        "`touch %s`" % marker,
-        "| touch %s" % marker,
-        "; touch %s" % marker,
+        f"__import__('pathlib').Path({str(marker)!r}).touch()",
+        f"=cmd|'/C touch {marker}'!A0",
+        f"$(touch {marker})",
+        f"`touch {marker}`",
+        f"| touch {marker}",
+        f"; touch {marker}",
     ]
 
 
 def test_recorded_signal_holds_numbers_or_is_refused(tmp_path, marker):
     recorded = tmp_path / "signal.csv"
     for text in hostile(marker):
-        recorded.write_text("0,1\n%s,2\n" % text)
+        recorded.write_text(f"0,1\n{text},2\n")
         with pytest.raises(SeriesError, match="line 2"):
             load_series(str(recorded))
-        recorded.write_text("0,1\n1,%s\n" % text)
+        recorded.write_text(f"0,1\n1,{text}\n")
         with pytest.raises(SeriesError, match="line 2"):
             load_series(str(recorded))
 
@@ -63,8 +63,8 @@ def test_any_file_is_a_signal_or_refused(tmp_path_factory, content):
 def python_tags(marker):
     """Return YAML that would create the marker if Python's tags were obeyed."""
     return [
-        "value: !!python/object/apply:os.mkdir [%s]" % marker,
-        "value: !!python/object/new:pathlib.Path.touch [%s]" % marker,
+        f"value: !!python/object/apply:os.mkdir [{marker}]",
+        f"value: !!python/object/new:pathlib.Path.touch [{marker}]",
         "value: !!python/name:os.system",
     ]
 
@@ -80,6 +80,6 @@ def test_rosparam_refuses_the_tags_of_python(tmp_path, marker):
 def test_roslaunch_refuses_the_tags_of_python(tmp_path, marker):
     launch = tmp_path / "hostile.launch"
     for text in python_tags(marker):
-        launch.write_text("<launch><rosparam>%s</rosparam></launch>" % text)
+        launch.write_text(f"<launch><rosparam>{text}</rosparam></launch>")
         with pytest.raises((RLException, yaml.YAMLError)):
             load(str(launch))

@@ -234,8 +234,8 @@ def test_a_first_line_that_is_no_heading_is_not_passed_over(write, line):
     with pytest.raises(SeriesError) as refusal:
         load_series(write("# times\n" + line + "\n1,1\n"))
     assert str(refusal.value).endswith(
-        "series.csv, line 2: %r; two finite numbers, time,value, are allowed, "
-        "or a heading of two names" % line
+        f"series.csv, line 2: {line!r}; two finite numbers, time,value, are allowed, or "
+        "a heading of two names"
     )
 
 

@@ -44,7 +44,7 @@ class FirstOrderSys(unittest.TestCase):
         self.log.wait_for(lambda line: "system_initial_conditions: " in line.msg)
         self.log.forget()
         self.output.forget()
-        wait_until(self.rests, lambda: "the output is %s" % self.latest())
+        wait_until(self.rests, lambda: f"the output is {self.latest()}")
 
     def send(self, value: float) -> None:
         self.input.publish(Float32(value))
@@ -63,7 +63,7 @@ class FirstOrderSys(unittest.TestCase):
         """Wait for a steady output, and return all since those of rest."""
         wait_until(
             lambda: abs(self.latest() - value) < 1e-6,
-            lambda: "the output is %s, not %s" % (self.latest(), value),
+            lambda: f"the output is {self.latest()}, not {value}",
         )
         return [heard.data for heard in self.output.messages()]
 
@@ -81,7 +81,7 @@ class FirstOrderSys(unittest.TestCase):
             period = round(-TAU * RATE * math.log((value - target) / (start - target)))
             exact = target + (start - target) * math.exp(-period / RATE / TAU)
             # The start is rounded too.
-            self.assertAlmostEqual(value, exact, delta=2.0 * rounding, msg="period %d" % period)
+            self.assertAlmostEqual(value, exact, delta=2.0 * rounding, msg=f"period {period}")
             self.assertGreater(period, last)
             last = period
         self.assertGreater(last, 20)
@@ -132,7 +132,7 @@ class FirstOrderSys(unittest.TestCase):
         self.assertIn(NODE + "/system_param_T: refused -0.05: must be a number", line.msg)
         wait_until(
             lambda: rospy.get_param(NODE + "/system_param_T") == 0.05,
-            lambda: "%s is not put back" % rospy.get_param(NODE + "/system_param_T"),
+            lambda: f"{rospy.get_param(NODE + '/system_param_T')} is not put back",
         )
         self.send(0.5)
         self.settle(6.6)

@@ -62,7 +62,7 @@ class SineResponse(unittest.TestCase):
         self.clock.publish(Clock(time))
         wait_until(
             lambda: len(self.output.messages()) > number,
-            lambda: "no output %d" % number,
+            lambda: f"no output {number}",
         )
         return float(self.output.messages()[number].data)
 
@@ -94,7 +94,7 @@ class SineResponse(unittest.TestCase):
         for number, output in enumerate(self.record(480)):
             time = number / RATE
             expected = GAIN * held + (state - GAIN * held) * math.exp(-(time - begun) / TAU)
-            self.assertAlmostEqual(output, expected, delta=ROUNDING, msg="output %d" % number)
+            self.assertAlmostEqual(output, expected, delta=ROUNDING, msg=f"output {number}")
             worst = max(worst, abs(output - analytic(time)))
             if number % 3 == 0:
                 held, state, begun = sine(time), expected, time

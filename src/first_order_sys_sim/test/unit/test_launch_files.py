@@ -70,10 +70,10 @@ def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
     assert set(docs) == {*ARGUMENTS, "terminals"}
     for argument, (name, value) in ARGUMENTS.items():
         expected = SystemParameters(**{name: value}).as_dict()
-        assert settings(load("system.launch", "%s:=%s" % (argument, value))) == expected
+        assert settings(load("system.launch", f"{argument}:={value}")) == expected
         declared = SystemParameters.declared[name]
-        unit = " [%s]" % declared.unit if declared.unit else ""
-        choices = " %s" % declared.range if declared.type_name == "enum" else ""
+        unit = f" [{declared.unit}]" if declared.unit else ""
+        choices = f" {declared.range}" if declared.type_name == "enum" else ""
         assert docs[argument] == declared.help + unit + choices
 
 

@@ -9,7 +9,7 @@ if __name__ == "__main__":
     host(
         "hosted",
         [
-            (name, "/pair%d" % number, cls)
+            (name, f"/pair{number}", cls)
             for number in range(3)
             for name, cls in (("motor_sys", DcMotor), ("sp_gen", SetPoint))
         ],

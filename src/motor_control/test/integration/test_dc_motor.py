@@ -53,7 +53,7 @@ class DcMotor(unittest.TestCase):
         """Wait for a steady speed, and return all heard."""
         wait_until(
             lambda: self.values() and abs(self.values()[-1] - target) < 1e-6,
-            lambda: "the speed is %s, not %s" % (self.values()[-1:], target),
+            lambda: f"the speed is {self.values()[-1:]}, not {target}",
         )
         return self.values()
 
@@ -71,7 +71,7 @@ class DcMotor(unittest.TestCase):
                 break
             sample = round(-TAU / SAMPLE_TIME * math.log((value - target) / (start - target)))
             exact = target + (start - target) * math.exp(-sample * SAMPLE_TIME / TAU)
-            self.assertAlmostEqual(value, exact, delta=2.0 * ROUNDING, msg="sample %d" % sample)
+            self.assertAlmostEqual(value, exact, delta=2.0 * ROUNDING, msg=f"sample {sample}")
             self.assertGreater(sample, last)
             last = sample
         self.assertGreater(last, 8)
@@ -115,14 +115,14 @@ class DcMotor(unittest.TestCase):
             ("sys_gain_K", GAIN, "a number in [0, 1e6]; in force is sys_gain_K=1.75"),
             ("sys_tau_T", TAU, "a number in (0, 1e6] (s); in force is sys_tau_T=0.05"),
         ):
-            rospy.set_param("%s/%s" % (NODE, name), -1.0)
+            rospy.set_param(f"{NODE}/{name}", -1.0)
             line = self.log.wait_for(lambda line: name in line.msg)
             self.assertEqual(line.level, Log.WARN)
-            text = "parameter %s/%s: refused -1: must be %s" % (NODE, name, reason)
+            text = f"parameter {NODE}/{name}: refused -1: must be {reason}"
             self.assertEqual(line.msg, text)
             wait_until(
-                lambda: rospy.get_param("%s/%s" % (NODE, name)) == kept,
-                lambda: "%s is not put back" % name,
+                lambda: rospy.get_param(f"{NODE}/{name}") == kept,
+                lambda: f"{name} is not put back",
             )
 
     def test_initial_conditions_are_where_it_starts_and_can_be_set_live(self) -> None:
@@ -176,7 +176,7 @@ class DcMotor(unittest.TestCase):
         own = master.lookupService(name)
         other = Process(find_node("motor_control", "dc_motor.py")[0], ["__ns:=lab"])
         self.addCleanup(other.end)
-        other.wait_for_log("WARN", "already offered", name + " (%s)" % NODE)
+        other.wait_for_log("WARN", "already offered", name + f" ({NODE})")
         self.assertNotEqual(master.lookupService(name), own)
         self.log.wait_for(
             lambda log: log.name == NODE

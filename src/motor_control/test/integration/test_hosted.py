@@ -17,7 +17,7 @@ from nodekit.testing.hearing import Ear
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "helpers")
-PAIRS = ["/pair%d" % number for number in range(3)]
+PAIRS = [f"/pair{number}" for number in range(3)]
 
 
 class Hosted(unittest.TestCase):
@@ -46,11 +46,11 @@ class Hosted(unittest.TestCase):
             for speed in speeds:
                 speed.forget()
                 speed.wait_for(lambda message: abs(message.data) > 0.01)
-                wait_until(lambda: speed.count() > 300, lambda: "%d speeds" % speed.count())
+                wait_until(lambda: speed.count() > 300, lambda: f"{speed.count()} speeds")
             for pair in PAIRS:
                 rospy.set_param(pair + "/sp_gen/amplitude", 2.0 + round_)
                 rospy.set_param(pair + "/motor_sys/sys_gain_K", 1.0 + round_)
-        names = {"%s/%s" % (pair, name) for pair in PAIRS for name in ("motor_sys", "sp_gen")}
+        names = {f"{pair}/{name}" for pair in PAIRS for name in ("motor_sys", "sp_gen")}
         held: List[str] = rospy.get_param_names()
         self.assertEqual(
             {name for name in names if name + "/rate" in held},
@@ -61,7 +61,7 @@ class Hosted(unittest.TestCase):
     def tearDownClass(cls) -> None:
         cls.process.send_signal(signal.SIGINT)
         status = cls.process.wait(TIMEOUT_S)
-        assert status == 0, "exit status %d" % status
+        assert status == 0, f"exit status {status}"
 
 
 if __name__ == "__main__":

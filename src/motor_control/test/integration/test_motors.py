@@ -12,7 +12,7 @@ from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.hearing import Ear
 from nodekit.testing.waiting import wait_until
 
-GROUPS = ["/group%d" % number for number in range(1, 11)]
+GROUPS = [f"/group{number}" for number in range(1, 11)]
 #: Twelve groups of two nodes each, on a machine that may have other things to do.
 TIMEOUT = 90.0
 
@@ -55,7 +55,7 @@ class Motors(unittest.TestCase):
             self.assertEqual(rospy.get_param(motor + "/sys_gain_K"), gain)
             self.assertEqual(rospy.get_param(motor + "/sys_tau_T"), tau)
         # The set points say the same sine of 2, so one speed gets past 3.5 and the other never.
-        strong, weak = (Ear("/lab/group%d/motor_speed_y" % number, Float32) for number in (1, 2))
+        strong, weak = (Ear(f"/lab/group{number}/motor_speed_y", Float32) for number in (1, 2))
         strong.wait_for(lambda heard: abs(heard.data) > 3.6, TIMEOUT)
         weak.wait_for(lambda heard: abs(heard.data) > 1.0, TIMEOUT)
         self.assertLess(max(abs(heard.data) for heard in weak.messages()), 3.5)

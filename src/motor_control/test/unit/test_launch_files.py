@@ -67,8 +67,8 @@ def test_motor_3() -> None:
 
 @pytest.mark.parametrize("count", [0, 1, 3, 10, 150])
 def test_motors(count: int) -> None:
-    groups = ["/group%d" % number for number in range(1, count + 1)]
-    assert nodes(load("motors.launch", "count:=%d" % count)) == pairs(groups)
+    groups = [f"/group{number}" for number in range(1, count + 1)]
+    assert nodes(load("motors.launch", f"count:={count}")) == pairs(groups)
 
 
 def test_every_motor_starts_from_the_defaults() -> None:
@@ -91,7 +91,7 @@ def test_params_name_nodes_and_parameters_that_exist() -> None:
     with open(os.path.join(PACKAGE, "config", "params.yaml")) as file:
         for group, members in yaml.safe_load(file).items():
             for node, values in members.items():
-                assert started["/%s/%s" % (group, node)] == "dc_motor.py"
+                assert started[f"/{group}/{node}"] == "dc_motor.py"
                 MotorParameters(**values)
 
 

@@ -60,7 +60,7 @@ __all__ = sorted(_HOMES)
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
-        raise AttributeError("module 'nodekit' has no attribute %r" % name)
+        raise AttributeError(f"module 'nodekit' has no attribute {name!r}")
     value = getattr(importlib.import_module("nodekit." + _HOMES[name]), name)
     globals()[name] = value
     return value

@@ -46,7 +46,7 @@ class ParameterNode(Process):
         """Wait until these values are in force."""
         wait_until(
             lambda: self.reports and {**self.values, **values} == self.values,
-            lambda: "%s in %s; log: %s" % (values, self.reports[-1:], self.logged()[-5:]),
+            lambda: f"{values} in {self.reports[-1:]}; log: {self.logged()[-5:]}",
         )
 
     def tell(self, **command: Any) -> None:
@@ -62,7 +62,7 @@ class Spy(Process):
 
     def __init__(self, *keys: str) -> None:
         super().__init__(os.path.join(HELPERS, "parameter_spy.py"), keys)
-        wait_until(lambda: self.lines, lambda: "spy: %s" % self.error_lines)
+        wait_until(lambda: self.lines, lambda: f"spy: {self.error_lines}")
 
     @property
     def updates(self) -> List[List[Any]]:
@@ -82,7 +82,7 @@ class ParameterCase(unittest.TestCase):
     def start_node(self, name: str, **environment: str) -> ParameterNode:
         """Start a node as above and wait for its first values."""
         node = self.launch_node(name, **environment)
-        wait_until(lambda: node.reports, lambda: "start of %s: %s" % (name, node.logged()))
+        wait_until(lambda: node.reports, lambda: f"start of {name}: {node.logged()}")
         return node
 
     def assert_truth(self, node: ParameterNode, server: Server) -> None:
@@ -94,5 +94,5 @@ class ParameterCase(unittest.TestCase):
 
         wait_until(
             lambda: told() == node.values,
-            lambda: "the server holds %s, in force is %s" % (told(), node.values),
+            lambda: f"the server holds {told()}, in force is {node.values}",
         )

@@ -13,7 +13,7 @@ def start(_node: Node) -> None:
     """Register services without end."""
     print("starting", flush=True)
     for number in itertools.count():
-        service = rospy.Service("~%d" % number, Trigger, lambda request: TriggerResponse())
+        service = rospy.Service(f"~{number}", Trigger, lambda request: TriggerResponse())
         service.shutdown()
 
 

@@ -22,10 +22,10 @@ def main() -> None:
     """Run until killed."""
     server = SimpleXMLRPCServer(("localhost", 0), logRequests=False)
     server.register_function(print_update, "paramUpdate")
-    uri = "http://localhost:%d/" % server.server_address[1]
+    uri = f"http://localhost:{server.server_address[1]}/"
     master = ServerProxy(os.environ["ROS_MASTER_URI"])
     for key in sys.argv[1:]:
-        master.subscribeParam("/spy_%d" % os.getpid(), uri, key)
+        master.subscribeParam(f"/spy_{os.getpid()}", uri, key)
     print(json.dumps("ready"), flush=True)
     server.serve_forever()
 

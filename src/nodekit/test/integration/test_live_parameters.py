@@ -96,7 +96,7 @@ class LiveParameters(ParameterCase):
     def setUpClass(cls) -> None:
         cls.server = Server()
         cls.node = ParameterNode(GAUGE)
-        wait_until(lambda: cls.node.reports, lambda: "start: %s" % cls.node.logged())
+        wait_until(lambda: cls.node.reports, lambda: f"start: {cls.node.logged()}")
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -127,7 +127,7 @@ class LiveParameters(ParameterCase):
     def test_values_that_are_taken(self) -> None:
         for name, typed, value, on_server in TAKEN:
             self.setUp()
-            key = "%s/%s" % (GAUGE, name)
+            key = f"{GAUGE}/{name}"
             run_rosparam("set", key, typed)
             if value != DEFAULTS[name]:
                 self.assert_one_change(**{name: value})
@@ -138,12 +138,12 @@ class LiveParameters(ParameterCase):
     def test_values_that_are_refused(self) -> None:
         for name, typed, shown in REFUSED:
             self.setUp()
-            key = "%s/%s" % (GAUGE, name)
+            key = f"{GAUGE}/{name}"
             run_rosparam("set", key, typed)
-            wait_until(lambda: self.new_log("WARN"), lambda: "warning of %s %s" % (key, typed))
+            wait_until(lambda: self.new_log("WARN"), lambda: f"warning of {key} {typed}")
             self.server.wait_for(key, DEFAULTS[name])
             (warning,) = self.new_log("WARN")
-            for words in (key, "refused %s: " % shown):
+            for words in (key, f"refused {shown}: "):
                 self.assertIn(words, warning)
             self.assertEqual(self.node.changes, self.changes_before, warning)
 
@@ -214,7 +214,7 @@ class LiveParameters(ParameterCase):
         self.node.wait_for(level=5.0)
         wait_until(lambda: self.new_log("WARN"), lambda: "a warning of the unknown name")
         self.server.set(GAUGE, 7)
-        self.node.wait_for_log("WARN", "parameter %s: refused 7" % GAUGE)
+        self.node.wait_for_log("WARN", f"parameter {GAUGE}: refused 7")
         self.server.wait_for(GAUGE + "/someone_elses", "note")
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "level": 5.0})
@@ -248,7 +248,7 @@ class LiveParameters(ParameterCase):
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 4})
         (warning,) = self.new_log("WARN")
-        self.assertIn("%s/low, %s/high: refused 20, 15" % (GAUGE, GAUGE), warning)
+        self.assertIn(f"{GAUGE}/low, {GAUGE}/high: refused 20, 15", warning)
         self.assertIn("low <= high", warning)
 
     def test_node_sets_its_own_parameters(self) -> None:

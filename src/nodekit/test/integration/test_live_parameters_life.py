@@ -51,7 +51,7 @@ class Life(ParameterCase):
         """Check the exit status, that nothing was raised and that no registration is left."""
         self.assertEqual(status, 0, node.error_lines)
         self.assertEqual(node.logged("Traceback"), [])
-        self.assertFalse(self.server.knows(name), "%s is still registered" % name)
+        self.assertFalse(self.server.knows(name), f"{name} is still registered")
 
     def test_bad_values_at_the_start(self) -> None:
         self.server.set("/bad_value", {"level": -1})
@@ -70,7 +70,7 @@ class Life(ParameterCase):
             self.assertEqual(node.reports, [])
             (line,) = node.error_lines
             self.assertIn(sentence, line)
-            self.assertFalse(self.server.knows(name), "%s is still registered" % name)
+            self.assertFalse(self.server.knows(name), f"{name} is still registered")
         self.assertEqual(self.server.get("/bad_value"), {"level": -1})
 
     def test_same_sentence_while_it_runs(self) -> None:
@@ -102,7 +102,7 @@ class Life(ParameterCase):
         names = ["/lab/bench/probe", "/probe_1", "/probe_2", "/gauge_4711_1700000000000"]
         nodes = [self.launch_node(name) for name in names]
         for level, node in enumerate(nodes, start=2):
-            wait_until(lambda: node.reports, lambda: "start: %s" % node.logged())
+            wait_until(lambda: node.reports, lambda: f"start: {node.logged()}")
             self.server.set(node.name + "/level", level)
         for level, node in enumerate(nodes, start=2):
             node.wait_for(level=float(level))
@@ -123,7 +123,7 @@ class Life(ParameterCase):
     def test_interrupt_during_a_burst_of_sets(self) -> None:
         node = self.start_node("/bursting")
         with self.burst_of_sets("/bursting/level"):
-            wait_until(lambda: node.changes >= 3, lambda: "changes: %s" % node.logged())
+            wait_until(lambda: node.changes >= 3, lambda: f"changes: {node.logged()}")
             self.assert_ended_well(node, "/bursting", node.interrupt())
 
     def test_interrupt_during_a_burst_of_refusals(self) -> None:
@@ -131,7 +131,7 @@ class Life(ParameterCase):
         self.server.set("/refusing", {"low": 500.0, "high": 1000.0})
         node.wait_for(low=500.0, high=1000.0)
         with self.burst_of_sets("/refusing/high", 400):
-            wait_until(lambda: node.logged("WARN"), lambda: "warnings: %s" % node.logged())
+            wait_until(lambda: node.logged("WARN"), lambda: f"warnings: {node.logged()}")
             self.assert_ended_well(node, "/refusing", node.interrupt())
 
     def test_interrupt_while_it_registers_services(self) -> None:
@@ -160,7 +160,7 @@ class Life(ParameterCase):
         node.wait_for(title="late")
         wait_until(
             lambda: all(["/unhindered/title", "late"] in spy.updates for spy in hung),
-            lambda: "spies: %s" % [spy.updates for spy in hung],
+            lambda: f"spies: {[spy.updates for spy in hung]}",
         )
         self.assert_truth(node, self.server)
         self.assertEqual((node.values["level"], node.changes), (7.0, 4))

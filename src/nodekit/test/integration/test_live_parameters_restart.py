@@ -120,7 +120,7 @@ class RestartedMaster(ParameterCase):
         slow.go_on.set()
         wait_until(
             lambda: node.logged("WARN", "the master does not answer", "timed out"),
-            lambda: "the thread waits for ever: %s" % node.logged(),
+            lambda: f"the thread waits for ever: {node.logged()}",
         )
         self.master.send_signal(signal.SIGCONT)
         wait_until(

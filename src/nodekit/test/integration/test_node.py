@@ -43,7 +43,7 @@ class OnMaster(unittest.TestCase):
     numbers = itertools.count()
 
     def setUp(self) -> None:
-        self.space = "/space%d" % next(self.numbers)
+        self.space = f"/space{next(self.numbers)}"
         self.server = Server()
 
     def node(self, name: str = "one") -> Node:
@@ -398,7 +398,7 @@ class Closing(OnMaster):
         part.every(100.0, goes.append)
         part.publisher("goes", String)
         node.start()
-        wait_until(lambda: len(stays) > 3 and len(goes) > 3, lambda: "%s %s" % (stays, goes))
+        wait_until(lambda: len(stays) > 3 and len(goes) > 3, lambda: f"{stays} {goes}")
         part.close()
         before = len(stays), len(goes)
         wait_until(lambda: len(stays) > before[0] + 3, lambda: str(stays))
@@ -458,7 +458,7 @@ class Closing(OnMaster):
         gc.collect()
         linecache.clearcache()
         grown = tracemalloc.get_traced_memory()[0] - held
-        wait_until(lambda: facts() == before, lambda: "%s, not %s" % (facts(), before))
+        wait_until(lambda: facts() == before, lambda: f"{facts()}, not {before}")
         self.assertLess(grown / 90.0, 2000.0)
 
 
@@ -479,10 +479,10 @@ class Hosting(OnMaster):
         root.start()
         root.host("member", self.space + "/late", self.Member)
         for group in ("a", "b", "late"):
-            name = "%s/%s/member" % (self.space, group)
+            name = f"{self.space}/{group}/member"
             self.assertEqual(rospy.ServiceProxy(name + "/ask", Trigger)().message, name)
             self.assertEqual(self.server.get(name + "/gain"), 1.0)
-            topic = "%s/%s/topic" % (self.space, group)
+            topic = f"{self.space}/{group}/topic"
             self.assertEqual(rospy.wait_for_message(topic, String, TIMEOUT_S).data, name)
         root.close()
         self.assertEqual(self.registered(), [])

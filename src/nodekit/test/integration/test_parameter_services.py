@@ -60,7 +60,7 @@ class ParameterServices(ParameterCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.server = Server()
-        cls.nodes = [ParameterNode("%s/%s" % (LAB, name)) for name in ("first", "second")]
+        cls.nodes = [ParameterNode(f"{LAB}/{name}") for name in ("first", "second")]
         for node in cls.nodes:
             rospy.wait_for_service(node.name + "/change", 30.0)
 
@@ -101,9 +101,9 @@ class ParameterServices(ParameterCase):
 
     def test_nothing_changes_where_one_is_refused(self) -> None:
         name = self.node.name
-        self.assert_refused("{count: 5, level: -1}", "parameter %s/level: refused -1: must" % name)
+        self.assert_refused("{count: 5, level: -1}", f"parameter {name}/level: refused -1: must")
         self.assert_refused("{level: -1, shape: square}", name + "/level: ", name + "/shape: ")
-        self.assert_refused("{low: 20, count: 5}", "%s/low, %s/high: refused 20, 10" % (name, name))
+        self.assert_refused("{low: 20, count: 5}", f"{name}/low, {name}/high: refused 20, 10")
         self.assert_refused("{levle: 2, count: 5}", name + "/levle: ", "did you mean level?")
 
     def test_nonsense_is_answered_in_a_sentence(self) -> None:
@@ -183,7 +183,7 @@ class ParameterServices(ParameterCase):
         lines = done.stdout.splitlines()
         self.assertEqual(lines[0], self.nodes[1].name, "the other has to wait for the first")
         self.assertEqual(
-            lines[-1], "describe: %s does not answer: no answer within 2 s" % self.node.name
+            lines[-1], f"describe: {self.node.name} does not answer: no answer within 2 s"
         )
         hung = command("change", self.node.name, "level", "2")
         self.assertEqual(hung.returncode, 1)

@@ -99,7 +99,7 @@ class OnSimulatedClock(OnClock):
         for time_s in times:
             before = self.steps
             self.clock.publish(Clock(rospy.Time.from_sec(time_s)))
-            wait_until(lambda: self.steps > before, lambda: "%g s is not seen" % time_s)
+            wait_until(lambda: self.steps > before, lambda: f"{time_s:g} s is not seen")
 
     def test_nothing_is_due_before_the_clock_runs(self) -> None:
         timer = self.start(10.0)

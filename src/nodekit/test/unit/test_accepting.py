@@ -160,7 +160,7 @@ def test_headers_are_handled_in_the_order_of_arrival(served):
     served.ask()
     assert held.wait(TIME_OUT)
     served.server.topic_connection_handler = served.take_topic
-    names = ["/%d" % number for number in range(len(peers))]
+    names = [f"/{number}" for number in range(len(peers))]
     for peer, name in reversed(list(zip(peers, names))):  # which is not the order of arrival
         peer.sendall(header(callerid=name))
     hold.set()
@@ -208,7 +208,7 @@ def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings)
     time.sleep(0.05)
     assert served.heard == [], "there are as many as may be already"
     for number, peer in enumerate(peers[:3]):
-        peer.sendall(header(callerid="/%d" % number))
+        peer.sendall(header(callerid=f"/{number}"))
     wait_until(lambda: sorted(served.heard) == ["/0", "/1", "/2", "/3"], lambda: str(served.heard))
     assert warnings == []
 

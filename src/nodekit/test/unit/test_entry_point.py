@@ -14,7 +14,7 @@ def run_main(tmp_path, text, before=""):
     :param before: lines that the program begins with
     """
     (tmp_path / "some_node.py").write_text(text)
-    program = "%s\nimport sys; sys.path.insert(0, %r); %s" % (before, str(tmp_path), RUN)
+    program = f"{before}\nimport sys; sys.path.insert(0, {str(tmp_path)!r}); {RUN}"
     return subprocess.run(
         [sys.executable, "-c", program % "some_node"],
         stdout=subprocess.PIPE,

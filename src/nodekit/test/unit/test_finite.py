@@ -115,7 +115,7 @@ def test_one_number_deep_in_a_message_is_enough(colors, other, channel, place):
 def test_what_has_arrived_is_judged_like_what_was_sent(numbers):
     finite = all(math.isfinite(number) for number in numbers)
     for data_class, letter in ((Float32MultiArray, "f"), (Float64MultiArray, "d")):
-        body = struct.pack("<3I%d%s" % (len(numbers), letter), 0, 0, len(numbers), *numbers)
+        body = struct.pack(f"<3I{len(numbers)}{letter}", 0, 0, len(numbers), *numbers)
         assert is_finite(data_class().deserialize(body)) is finite
         assert is_finite(data_class(data=numbers)) is finite
 

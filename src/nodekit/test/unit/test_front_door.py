@@ -81,7 +81,7 @@ def test_each_home_has_its_name() -> None:
         made = [
             node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))
         ]
-        assert name in made, "%s is not made in %s" % (name, path)
+        assert name in made, f"{name} is not made in {path}"
 
 
 def test_no_public_name_hides_a_room() -> None:
@@ -97,7 +97,7 @@ def test_a_name_that_does_not_exist_is_an_error_as_everywhere() -> None:
 
 
 def test_all_names_come_with_a_star() -> None:
-    run("from nodekit import *; assert set(%r) <= set(globals())" % nodekit.__all__)
+    run(f"from nodekit import *; assert set({nodekit.__all__!r}) <= set(globals())")
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,4 @@ def test_all_names_come_with_a_star() -> None:
 )
 def test_who_only_judges_parameters_does_without_ros(statement: str) -> None:
     ros = ("rospy", "rosgraph", "roslib", "genpy", "std_msgs", "nodekit_msgs")
-    run(
-        "import sys; %s; assert not set(%r) & set(sys.modules), sorted(sys.modules)"
-        % (statement, ros)
-    )
+    run(f"import sys; {statement}; assert not set({ros!r}) & set(sys.modules), sorted(sys.modules)")

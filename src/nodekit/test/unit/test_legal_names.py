@@ -26,8 +26,8 @@ def test_illegal_names_are_told_with_what_a_name_may_be(name):
     with pytest.raises(IllegalName) as error:
         judged(name, "topic")
     assert str(error.value) == (
-        "topic '%s': must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
-        % name
+        f"topic '{name}': must be letters (a-z, A-Z), digits and underscores, parted by "
+        "single slashes"
     )
 
 
@@ -38,7 +38,7 @@ def test_legal_base_names(name):
 
 @pytest.mark.parametrize("name", ["", "a b", "a/b", "/a", "~a", "5", "_a", "aö"])
 def test_illegal_base_names(name):
-    with pytest.raises(IllegalName, match="^node name '%s': must be a letter" % name):
+    with pytest.raises(IllegalName, match=f"^node name '{name}': must be a letter"):
         judge_base_name(name)
 
 
@@ -47,9 +47,9 @@ def test_namespaces():
         judge_namespace({}, ["__ns:=" + namespace])
         judge_namespace({"ROS_NAMESPACE": namespace}, [])
     for namespace in ("a b", "ä ö", "a//b", "~a", "~"):
-        with pytest.raises(IllegalName, match="namespace.*%s.*must be letters" % namespace):
+        with pytest.raises(IllegalName, match=f"namespace.*{namespace}.*must be letters"):
             judge_namespace({}, ["__ns:=" + namespace])
-        with pytest.raises(IllegalName, match="namespace.*%s.*must be letters" % namespace):
+        with pytest.raises(IllegalName, match=f"namespace.*{namespace}.*must be letters"):
             judge_namespace({"ROS_NAMESPACE": namespace}, [])
 
 

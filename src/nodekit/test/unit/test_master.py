@@ -25,7 +25,7 @@ def served(server: Any) -> Iterator[str]:
     thread = threading.Thread(target=server.serve_forever, args=(0.01,))
     thread.start()
     try:
-        yield "http://localhost:%d/" % server.server_address[1]
+        yield f"http://localhost:{server.server_address[1]}/"
     finally:
         server.shutdown()
         thread.join()
@@ -106,7 +106,7 @@ def master() -> Iterator[Any]:
 
 def test_any_number_of_calls_is_divided_among_a_few_requests() -> None:
     with master() as (instance, client):
-        client.write({"/n/%d" % number: number for number in range(1201)})
+        client.write({f"/n/{number}": number for number in range(1201)})
         assert instance.requests == [500, 500, 201]
         assert client.read(["/n/3", "/n/1200"]).values == {"/n/3": 3, "/n/1200": 1200}
         client.request([])
@@ -180,14 +180,14 @@ def test_nobody_listens() -> None:
         chooser.bind(("localhost", 0))
         port = chooser.getsockname()[1]
     with pytest.raises(MasterUnreachable, match="refused"):
-        MasterClient("http://localhost:%d/" % port, "/n", "").read([])
+        MasterClient(f"http://localhost:{port}/", "/n", "").read([])
 
 
 def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:
     with socket.socket() as silent:
         silent.bind(("localhost", 0))
         silent.listen(5)
-        client = MasterClient("http://localhost:%d/" % silent.getsockname()[1], "/n", "", 0.1)
+        client = MasterClient(f"http://localhost:{silent.getsockname()[1]}/", "/n", "", 0.1)
         before = time.monotonic()
         with pytest.raises(MasterUnreachable, match="timed out"):
             client.read(["/n"])

@@ -57,7 +57,7 @@ def warnings(monkeypatch):
 
 
 def topics(count):
-    return [(PUB, "/%d" % number, "std_msgs/String") for number in range(count)]
+    return [(PUB, f"/{number}", "std_msgs/String") for number in range(count)]
 
 
 def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
@@ -70,7 +70,7 @@ def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
         ("registerPublisher", ask.calls[:1201]),
         ("unregisterPublisher", ask.calls[1201:]),
     ):
-        assert [call[:2] for call in calls] == [(method, "/%d" % n) for n in range(1201)]
+        assert [call[:2] for call in calls] == [(method, f"/{n}") for n in range(1201)]
 
 
 def test_what_is_published_is_registered_before_what_listens(ending):

@@ -121,7 +121,7 @@ def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Ri
 
 
 def test_many_services_take_turns(rig: Rig) -> None:
-    names = ["/s%03d" % number for number in range(2 * LOOKUPS + 1)]
+    names = [f"/s{number:03}" for number in range(2 * LOOKUPS + 1)]
     rig.services = rig.master.owners = dict.fromkeys(names, OWN)
     seen: List[str] = []
     for _ in range(3):

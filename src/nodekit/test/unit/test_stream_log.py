@@ -19,7 +19,7 @@ def test_a_very_long_one_keeps_its_ends_and_says_how_much_is_left_out(size):
     text = "start" + "x" * (size - 8) + "end"
     short = shortened(text)
     assert short.startswith("start") and short.endswith("end")
-    assert "(%d characters)" % (size - LONGEST) in short
+    assert f"({size - LONGEST} characters)" in short
     assert len(short) < LONGEST + 40
     logged = []
     StreamLog(log=logged.append).line(text)
@@ -32,13 +32,13 @@ def test_each_second_some_lines_are_logged_and_the_rest_is_counted(per_second, s
     log = StreamLog(per_second, logged.append)
     limit = per_second + StreamLog.JITTER
     for second, count in enumerate(seconds):
-        lines = ["%d of second %d" % (number, second) for number in range(count)]
+        lines = [f"{number} of second {second}" for number in range(count)]
         for line in lines:
             log.line(line)
         log.end_second(float(second))
         expected += lines[:limit]
         if count > limit:
-            expected.append("... and %d more in the last second" % (count - limit))
+            expected.append(f"... and {count - limit} more in the last second")
     assert logged == expected
 
 
@@ -67,7 +67,7 @@ def test_lines_of_several_threads_are_all_logged_or_counted():
         thread.join(20.0)
     log.end_second()
     limit = 10 + StreamLog.JITTER
-    assert logged == ["line"] * limit + ["... and %d more in the last second" % (4000 - limit)]
+    assert logged == ["line"] * limit + [f"... and {4000 - limit} more in the last second"]
 
 
 def test_a_line_that_cannot_be_logged_counts_and_holds_up_no_other():

@@ -13,7 +13,7 @@ from nodekit.rospy_internals import parameters, registration, shutdown
 from nodekit.testing.waiting import wait_until
 
 #: More than are read each second; they take three turns.
-MANY = ["/many/%d" % number for number in range(2 * watching.RECONCILE_KEYS + 50)]
+MANY = [f"/many/{number}" for number in range(2 * watching.RECONCILE_KEYS + 50)]
 
 
 class Client:
@@ -130,7 +130,7 @@ def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client
     watcher.ring()
     for one in (told[0], told[watching.RECONCILE_KEYS], told[-1]):
         client.values[one.follower.key] = 5
-        wait_until(lambda: one.values == [5], lambda: "%s is not noticed" % one.follower.key)
+        wait_until(lambda: one.values == [5], lambda: f"{one.follower.key} is not noticed")
 
 
 def test_notifications_come_again_after_a_restart_of_the_master(

@@ -29,7 +29,7 @@ class Column(NamedTuple):
     @property
     def name(self) -> str:
         """The name of the field, e.g. ``/signal/signal_y``."""
-        return "%s/%s" % (self.topic, to_text(self.path))
+        return f"{self.topic}/{to_text(self.path)}"
 
 
 def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Column]:
@@ -69,6 +69,6 @@ def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         near = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or known[:3]
-        hint = "nearest to it: %s" % ", ".join(near) if near else "there are no numbers at all"
-        raise FieldError("%s: %s; %s" % (name, error, hint)) from error
+        hint = f"nearest to it: {', '.join(near)}" if near else "there are no numbers at all"
+        raise FieldError(f"{name}: {error}; {hint}") from error
     return [Column(topic, field.path) for field in found]

@@ -31,7 +31,7 @@ def write_csv(file: TextIO, columns: List[Column], samples: Iterable[Sample]) ->
 def exact_seconds(nanoseconds: int) -> str:
     """Return a time in s, without rounding it."""
     seconds, rest = divmod(abs(nanoseconds), 10**9)
-    return "%s%d.%09d" % ("-" if nanoseconds < 0 else "", seconds, rest)
+    return f"{'-' if nanoseconds < 0 else ''}{seconds}.{rest:09}"
 
 
 def _cell(column: Column, sample: Sample) -> str:

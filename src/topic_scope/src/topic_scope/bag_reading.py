@@ -47,7 +47,7 @@ class BagReader:
             for name in self._bag.get_type_and_topic_info().topics:
                 self._recorded.setdefault("/" + name.lstrip("/"), []).append(name)
             if not self._recorded:
-                raise BagError("%s holds no messages" % path)
+                raise BagError(f"{path} holds no messages")
             _, _, self._begin = next(self._bag.read_messages(raw=True))
             end = round(self._bag.get_end_time() * 1e9)
         except rosbag.ROSBagUnindexedException as error:
@@ -116,7 +116,7 @@ class BagReader:
                 raise _broken(self._path, error) from error
             topic = "/" + topic.lstrip("/")
             if self._checksums.setdefault(topic, message._md5sum) != message._md5sum:
-                raise BagError("%s: the messages of %s change their type" % (self._path, topic))
+                raise BagError(f"{self._path}: the messages of {topic} change their type")
             yield Sample(time.to_nsec() - begin, topic, message)
 
     def _names(self, topics: List[str]) -> List[str]:
@@ -131,9 +131,9 @@ def _look_at_begin(path: str) -> None:
         with open(path, "rb") as file:
             begin = file.read(len(_MAGIC))
     except OSError as error:
-        raise BagError("%s: %s" % (path, os.strerror(error.errno or 0))) from error
+        raise BagError(f"{path}: {os.strerror(error.errno or 0)}") from error
     if begin != _MAGIC:
-        raise BagError("%s is no bag" % path)
+        raise BagError(f"{path} is no bag")
 
 
 def _broken(path: str, error: Exception) -> BagError:

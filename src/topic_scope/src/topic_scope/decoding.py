@@ -101,7 +101,7 @@ def _steps_to(layout: Layout, path: Path) -> "tuple[List[Step], Layout]":
         if isinstance(part, str) and isinstance(node, Record):
             names = [name for name, _ in node.fields]
             if part not in names:
-                raise FieldError("there is no %s in %s" % (part, node.datatype))
+                raise FieldError(f"there is no {part} in {node.datatype}")
             position = names.index(part)
             for _, before in node.fields[:position]:
                 steps += _skip(before)
@@ -110,7 +110,7 @@ def _steps_to(layout: Layout, path: Path) -> "tuple[List[Step], Layout]":
             steps.append(_step_to_element(node, part))
             node = node.element
         else:
-            raise FieldError("%s is not in %s" % (part, node.datatype))
+            raise FieldError(f"{part} is not in {node.datatype}")
     return _merged(steps), node
 
 
@@ -139,7 +139,7 @@ def _step_over_array(array: Array) -> Step:
 def _step_to_element(array: Array, index: int) -> Step:
     size = array.element.size
     if array.length is not None and index >= array.length:
-        raise FieldError("the array has %d elements only" % array.length)
+        raise FieldError(f"the array has {array.length} elements only")
     if array.length is not None and size is not None:
         return int(index * size)
     over_elements = _step_over_elements(array.element)

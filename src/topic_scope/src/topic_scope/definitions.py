@@ -71,7 +71,7 @@ class Array(NamedTuple):
     def datatype(self) -> str:
         """Its name in definitions."""
         count = "" if self.length is None else str(self.length)
-        return "%s[%s]" % (self.element.datatype, count)
+        return f"{self.element.datatype}[{count}]"
 
 
 Layout = Union[Scalar, Text, Record, Array]
@@ -120,12 +120,12 @@ def parse(datatype: str, text: str) -> Record:
     :param text: its definition, followed by those of the types that it uses
     :raises DefinitionError: if it makes no sense
     """
-    first, *others = re.split(r"^%s\s*$" % _SEPARATOR, text, flags=re.MULTILINE)
+    first, *others = re.split(rf"^{_SEPARATOR}\s*$", text, flags=re.MULTILINE)
     texts = {datatype: first}
     for other in others:
         head, _, body = other.strip().partition("\n")
         if not head.startswith("MSG:"):
-            raise DefinitionError("no name is given to a part of the definition of %s" % datatype)
+            raise DefinitionError(f"no name is given to a part of the definition of {datatype}")
         texts[head[len("MSG:") :].strip()] = body
     return _Parser(texts).record(datatype, 0)
 
@@ -138,9 +138,9 @@ class _Parser:
 
     def record(self, datatype: str, depth: int) -> Record:
         if datatype not in self._texts:
-            raise DefinitionError("the type %s is not defined" % datatype)
+            raise DefinitionError(f"the type {datatype} is not defined")
         if depth > _DEPTH:
-            raise DefinitionError("the type %s is nested too deeply" % datatype)
+            raise DefinitionError(f"the type {datatype} is nested too deeply")
         if datatype not in self._known:
             fields = tuple(
                 self._field(match, datatype, depth)
@@ -154,7 +154,7 @@ class _Parser:
                 self._counts.get(_innermost(layout), 0) for _, layout in fields
             )
             if self._counts[datatype] > _FIELDS:
-                raise DefinitionError("the type %s has too many fields" % datatype)
+                raise DefinitionError(f"the type {datatype} has too many fields")
             self._known[datatype] = Record(datatype, fields, size, numeric)
         return self._known[datatype]
 
@@ -175,7 +175,7 @@ class _Parser:
     def _full_name(self, datatype: str, parent: str) -> str:
         if datatype in ("Header", "roslib/Header"):
             return "std_msgs/Header"
-        return datatype if "/" in datatype else "%s/%s" % (parent.partition("/")[0], datatype)
+        return datatype if "/" in datatype else f"{parent.partition('/')[0]}/{datatype}"
 
 
 def _size_of_array(element: Layout, count: Optional[int]) -> Optional[int]:
@@ -195,5 +195,5 @@ def _field_of(line: str) -> "Optional[re.Match[str]]":
         return None
     match = _FIELD.match(code)
     if not match:
-        raise DefinitionError("%r is no field of a message" % line)
+        raise DefinitionError(f"{line!r} is no field of a message")
     return match

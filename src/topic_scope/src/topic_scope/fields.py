@@ -23,7 +23,7 @@ LISTED_ELEMENTS = 16
 LISTED_FIELDS = 200
 
 _NAME = r"[A-Za-z][A-Za-z0-9_]*(?:\[\d{1,9}\])*"
-_EXPRESSION = re.compile(r"(?:/|~?/?)%s(?:/%s)*(?::%s)*\Z" % (_NAME, _NAME, _NAME))
+_EXPRESSION = re.compile(rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*\Z")
 _PART = re.compile(r"([A-Za-z][A-Za-z0-9_]*)((?:\[\d+\])*)\Z")
 _LONGEST = 300
 
@@ -56,11 +56,11 @@ def expand(expression: str) -> List[str]:
     :raises FieldError: if it is no name
     """
     if len(expression) > _LONGEST or not _EXPRESSION.match(expression):
-        raise FieldError("%r is no name of a field, such as /topic/field" % expression[:_LONGEST])
+        raise FieldError(f"{expression[:_LONGEST]!r} is no name of a field, such as /topic/field")
     first, *others = expression.split(":")
     first = "/" + first.lstrip("/")
     parent = first.rpartition("/")[0]
-    return [first] + ["%s/%s" % (parent, other) for other in others]
+    return [first] + [f"{parent}/{other}" for other in others]
 
 
 def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
@@ -76,7 +76,7 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
         if topic in topics:
             return topic, rest
         topic, _, last = topic.rpartition("/")
-        rest = "%s/%s" % (last, rest) if rest else last
+        rest = f"{last}/{rest}" if rest else last
     return None
 
 
@@ -89,7 +89,7 @@ def to_path(text: str) -> Path:
     for part in text.split("/") if text else []:
         match = _PART.match(part)
         if not match:
-            raise FieldError("%r is no name of a field" % part)
+            raise FieldError(f"{part!r} is no name of a field")
         path.append(match.group(1))
         path += [int(index) for index in re.findall(r"\d+", match.group(2))]
     return tuple(path)
@@ -97,7 +97,7 @@ def to_path(text: str) -> Path:
 
 def to_text(path: Path) -> str:
     """Return the text that stands for a path."""
-    parts = ["[%d]" % part if isinstance(part, int) else "/" + part for part in path]
+    parts = [f"[{part}]" if isinstance(part, int) else "/" + part for part in path]
     return "".join(parts).lstrip("/")
 
 
@@ -115,7 +115,7 @@ def resolve(layout: Record, text: str, lengths: Lengths = one_element) -> List[N
         node = _step(node, part, to_text(path[:position]) or layout.datatype)
     found = list(itertools.islice(_numbers(node, path, lengths), LISTED_FIELDS))
     if not found:
-        raise FieldError("there is no number in %s" % (to_text(path) or layout.datatype))
+        raise FieldError(f"there is no number in {to_text(path) or layout.datatype}")
     return found
 
 
@@ -169,13 +169,13 @@ def getter(path: Path) -> Callable[[Any], float]:
 def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
     if isinstance(part, int):
         if not isinstance(node, Array):
-            raise FieldError("%s is no array" % place)
+            raise FieldError(f"{place} is no array")
         if node.length is not None and part >= node.length:
-            raise FieldError("%s has %d elements only" % (place, node.length))
+            raise FieldError(f"{place} has {node.length} elements only")
         return node.element
     fields = dict(node.fields) if isinstance(node, Record) else {}
     if part not in fields:
-        raise FieldError("there is no %s in %s" % (part, place))
+        raise FieldError(f"there is no {part} in {place}")
     return fields[part]
 
 

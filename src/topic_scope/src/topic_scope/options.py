@@ -56,7 +56,8 @@ class Options(NamedTuple):
         """Where the page is, as seen from this machine."""
         is_here = self.is_local or self.address in _ALL
         host = "localhost" if is_here else self.address
-        return "http://%s:%d" % ("[%s]" % host if ":" in host else host, self.port)
+        shown = f"[{host}]" if ":" in host else host
+        return f"http://{shown}:{self.port}"
 
 
 def is_loopback(address: str) -> bool:
@@ -158,7 +159,7 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
 
 def _port(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 65535:
-        raise argparse.ArgumentTypeError("refused %r: must be a number from 1 to 65535" % text)
+        raise argparse.ArgumentTypeError(f"refused {text!r}: must be a number from 1 to 65535")
     return int(text)
 
 

@@ -28,15 +28,15 @@ def main() -> None:
     except (BagError, FieldError) as error:
         _fail(str(error))
     except ModuleNotFoundError as error:
-        _fail("%s is not installed: apt install python3-%s" % (error.name, error.name))
+        _fail(f"{error.name} is not installed: apt install python3-{error.name}")
     except OSError as error:
-        _fail("%s: %s" % (arguments.output, error.strerror or error))
+        _fail(f"{arguments.output}: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit(130)  # as a shell puts it
 
 
 def _fail(text: str) -> None:
-    print("plot_bag: %s" % text, file=sys.stderr)
+    print(f"plot_bag: {text}", file=sys.stderr)
     sys.exit(2)
 
 
@@ -70,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _output(text: str) -> str:
     if _format(text) not in _FORMATS:
-        raise argparse.ArgumentTypeError("%r does not end in .png, .svg or .csv" % text)
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .png, .svg or .csv")
     return text
 
 
@@ -84,7 +84,7 @@ def _nanoseconds(text: str) -> int:
     except ValueError:
         seconds = math.nan
     if not 0.0 <= seconds < 1e9:
-        raise argparse.ArgumentTypeError("%r is no time in s from the begin of the bag" % text)
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in s from the begin of the bag")
     return round(seconds * 1e9)
 
 

@@ -126,12 +126,12 @@ def fields_of(names: Any) -> Tuple[str, ...]:
     :raises RequestError: if it is no such list
     """
     if not isinstance(names, list) or len(names) > TRACES:
-        raise RequestError("fields is a list of at most %d names" % TRACES)
+        raise RequestError(f"fields is a list of at most {TRACES} names")
     fields: List[str] = []
     for name in names:
         fields += [field for field in _fields(name, "fields") if field not in fields]
     if len(fields) > TRACES:
-        raise RequestError("these are more than %d fields" % TRACES)
+        raise RequestError(f"these are more than {TRACES} fields")
     return tuple(fields)
 
 
@@ -212,31 +212,31 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
 
 def _fields(name: Any, kind: str) -> List[str]:
     if not isinstance(name, str):
-        raise RequestError("%s: the name of a field is a text" % kind)
+        raise RequestError(f"{kind}: the name of a field is a text")
     try:
         return expand(name)
     except FieldError as error:
-        raise RequestError("%s: %s" % (kind, error)) from None
+        raise RequestError(f"{kind}: {error}") from None
 
 
 def _name(request: Dict[str, Any], kind: str, key: str) -> str:
     name = request.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
-        raise RequestError("%s: %s is a name" % (kind, key))
+        raise RequestError(f"{kind}: {key} is a name")
     return name
 
 
 def _word(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
     word = request.get(key)
     if not isinstance(word, str) or word not in words:
-        raise RequestError("%s: %s is one of %s" % (kind, key, ", ".join(words)))
+        raise RequestError(f"{kind}: {key} is one of {', '.join(words)}")
     return word
 
 
 def _number(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
     number = request.get(key)
     if isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise RequestError("%s: %s is a number" % (kind, key))
+        raise RequestError(f"{kind}: {key} is a number")
     if not low <= number <= high or not math.isfinite(number):
-        raise RequestError("%s: %s is a number from %g to %g" % (kind, key, low, high))
+        raise RequestError(f"{kind}: {key} is a number from {low:g} to {high:g}")
     return float(number)

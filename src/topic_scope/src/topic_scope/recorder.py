@@ -208,4 +208,4 @@ def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
 
 
 def _name(topic: str, path: fields.Path) -> str:
-    return "%s/%s" % (topic, fields.to_text(path))
+    return f"{topic}/{fields.to_text(path)}"

@@ -169,7 +169,7 @@ class Server:
                 found += [field for field in self._recorder.expand(name) if field not in found]
             except FieldError as error:
                 if page is not None:
-                    page.note({"type": "error", "text": "%s: %s" % (name, error)})
+                    page.note({"type": "error", "text": f"{name}: {error}"})
         return found[: protocol.TRACES]
 
     def _select(self, page: Page) -> None:

@@ -40,7 +40,7 @@ def call(
     :raises ValueError: if the data do not fit the kind
     """
     if kind == "SetBool" and data is None:
-        raise ValueError("%s takes true or false" % service)
+        raise ValueError(f"{service} takes true or false")
     arguments: List[Any] = [data] if kind == "SetBool" else []
 
     def told(result: Any) -> None:

@@ -58,7 +58,7 @@ class Tap:
         with self._lock:
             if self._bytes > WAITING:
                 rospy.logwarn_throttle(
-                    _WARN_EVERY_S, "%s comes too fast: messages are lost" % self.topic
+                    _WARN_EVERY_S, f"{self.topic} comes too fast: messages are lost"
                 )
                 return
             self._latest = max(self._clock.now(), self._latest + _TICK_S)

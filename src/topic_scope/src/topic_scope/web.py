@@ -49,8 +49,9 @@ def set_strict_headers(handler: tornado.web.RequestHandler) -> None:
     handler.set_header("Cache-Control", "no-cache")
     handler.set_header(
         "Content-Security-Policy",
-        "default-src 'self'; connect-src 'self' ws://%s; img-src 'self' data: blob:;"
-        " style-src 'self' 'unsafe-inline'; frame-ancestors 'none'" % _plain(handler.request.host),
+        f"default-src 'self'; connect-src 'self' ws://{_plain(handler.request.host)}; "
+        "img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; frame-ancestors "
+        "'none'",
     )
 
 

@@ -100,7 +100,7 @@ class Browser:
             found = self.driver.find_elements(By.CSS_SELECTOR, selector)
             return next((element for element in found if element.is_displayed()), None)
 
-        found: WebElement = wait_until(seen, lambda: "no %s on the page" % selector)
+        found: WebElement = wait_until(seen, lambda: f"no {selector} on the page")
         return found
 
     def text(self, selector: str) -> str:
@@ -117,7 +117,7 @@ class Browser:
 
     def choose(self, selector: str, value: str) -> None:
         """Choose an option of a list."""
-        self.find("%s option[value='%s']" % (selector, value)).click()
+        self.find(f"{selector} option[value='{value}']").click()
 
     def run(self, script: str, *arguments: Any) -> Any:
         """Run JavaScript in the page."""

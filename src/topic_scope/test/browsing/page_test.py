@@ -28,7 +28,7 @@ class PageTest(unittest.TestCase):
     def setUp(self) -> None:
         self.expected_errors = []
         self.browser.open(self.scope.url)
-        self.browser.wait_for("#legend tr[data-field='%s']" % PROCESSED)
+        self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
 
     def tearDown(self) -> None:
         errors = [

@@ -42,7 +42,7 @@ class ScopeProcess:
             except OSError:
                 return False
 
-        wait_until(answers, lambda: "no answer at %s" % self.url)
+        wait_until(answers, lambda: f"no answer at {self.url}")
 
     def stop(self) -> None:
         """End it."""

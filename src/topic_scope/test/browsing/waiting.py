@@ -29,5 +29,5 @@ def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], obje
         if answer:
             return answer
         if time.monotonic() > deadline:
-            raise AssertionError("after %g s: %s" % (TIMEOUT, what()))
+            raise AssertionError(f"after {TIMEOUT:g} s: {what()}")
         time.sleep(0.05)

@@ -41,7 +41,7 @@ class Page(PageTest):
 
     def cell(self, field: str, name: str) -> float:
         """Return a number of the table; NaN for a dash."""
-        text = self.browser.text("#legend tr[data-field='%s'] [data-cell='%s']" % (field, name))
+        text = self.browser.text(f"#legend tr[data-field='{field}'] [data-cell='{name}']")
         return math.nan if text == "–" else float(text.replace("−", "-"))
 
     def samples(self) -> List[Tuple[float, List[str]]]:
@@ -84,11 +84,11 @@ class Page(PageTest):
                         count[0] += 1
 
                 subscriber = rospy.Subscriber("/signal", signal_msg, record)
-                wait_until(lambda: count[0] > 300, lambda: "%d messages" % count[0])
+                wait_until(lambda: count[0] > 300, lambda: f"{count[0]} messages")
                 self.browser.keys(Keys.SPACE)
                 shown = self.samples()
                 more = count[0] + 20  # what the page has shown is in the bag by then
-                wait_until(lambda: count[0] > more, lambda: "%d messages" % count[0])
+                wait_until(lambda: count[0] > more, lambda: f"{count[0]} messages")
                 subscriber.unregister()
                 with lock:
                     pass
@@ -230,7 +230,7 @@ class Page(PageTest):
         self.browser.keys(Keys.ESCAPE)
         self.browser.choose("#window", "2")
         self.browser.choose("#trigger-mode", "normal")
-        self.browser.find("[aria-label='show %s']" % PROCESSED).click()
+        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
         self.expected_errors = ["WebSocket connection"]
         self.scope.stop()
         self.browser.wait_for("#banner")
@@ -247,7 +247,7 @@ class Page(PageTest):
             lambda: self.browser.text("#trigger-state"),
         )
         self.assertEqual(self.browser.value("#window"), "2")
-        self.assertFalse(self.browser.find("[aria-label='show %s']" % PROCESSED).is_selected())
+        self.assertFalse(self.browser.find(f"[aria-label='show {PROCESSED}']").is_selected())
         self.wait_moving()
 
 

@@ -38,7 +38,7 @@ class Modules(unittest.TestCase):
                     float(tick["label"].replace("−", "-")), tick["v"], delta=span * 1e-3
                 )
             self.assertEqual(len({tick["label"] for tick in ticks}), len(ticks), ticks)
-            step = "%.3e" % (ticks[1]["v"] - ticks[0]["v"])
+            step = f"{ticks[1]['v'] - ticks[0]['v']:.3e}"
             self.assertIn(step[:5], ("1.000", "2.000", "5.000"), ticks)
 
     def test_figures_have_five_digits(self) -> None:
@@ -275,7 +275,7 @@ def _random_graph(dice: random.Random) -> Any:
     groups = ["", "/a", "/a/b", "/a/b/c", "/ab", "/z"]
     items = [
         {
-            "id": "i%d" % number,
+            "id": f"i{number}",
             "group": dice.choice(groups),
             "width": dice.randint(40, 200),
             "height": dice.randint(30, 50),

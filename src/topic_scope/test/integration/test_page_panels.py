@@ -19,7 +19,7 @@ GENERATOR = "/signal_generator"
 
 
 def _row(name: str) -> str:
-    return ".panel[data-node='%s'] .parameter[data-name='%s']" % (GENERATOR, name)
+    return f".panel[data-node='{GENERATOR}'] .parameter[data-name='{name}']"
 
 
 class Panels(PageTest):
@@ -27,7 +27,7 @@ class Panels(PageTest):
 
     def setUp(self) -> None:
         for name, value in (("amplitude", 2.0), ("frequency", 6.28), ("waveform", "sine")):
-            rospy.set_param("%s/%s" % (GENERATOR, name), value)
+            rospy.set_param(f"{GENERATOR}/{name}", value)
         super().setUp()
         self.browser.wait_for(_row("frequency"))
         self.wait_value("frequency", 6.28)
@@ -47,7 +47,7 @@ class Panels(PageTest):
 
     def wait_parameter(self, name: str, value: object) -> None:
         """Wait until the parameter server has a value."""
-        key = "%s/%s" % (GENERATOR, name)
+        key = f"{GENERATOR}/{name}"
         wait_until(lambda: rospy.get_param(key) == value, lambda: rospy.get_param(key))
 
     def test_a_slider_changes_the_parameter_and_the_topic(self) -> None:
@@ -62,7 +62,7 @@ class Panels(PageTest):
                 rospy.wait_for_message("/signal", signal_msg, timeout=10.0).frequency - after
             )
             < 1e-6,
-            lambda: "the topic has another frequency than %g" % after,
+            lambda: f"the topic has another frequency than {after:g}",
         )
 
     def test_rosparam_set_moves_the_slider(self) -> None:
@@ -99,7 +99,7 @@ class Panels(PageTest):
         self.assertEqual(self.browser.text(_row("amplitude") + " .refusal"), "")
 
     def test_enable_and_reset(self) -> None:
-        panel = ".panel[data-node='%s'] " % GENERATOR
+        panel = f".panel[data-node='{GENERATOR}'] "
         self.browser.find(panel + "[aria-label$='enable: Disable']").click()
         wait_until(
             lambda: "stopped" in self.browser.text(panel + ".services"),

@@ -65,7 +65,7 @@ class PlotBag(unittest.TestCase):
                 for field in FIELDS:
                     if field.startswith(topic + "/"):
                         row[field] = repr(getattr(message, field[len(topic) + 1 :]))
-                row["time"] = "%d.%09d" % ((time - begin).secs, (time - begin).nsecs)
+                row["time"] = f"{(time - begin).secs}.{(time - begin).nsecs:09}"
                 rows.append(row)
         return rows
 

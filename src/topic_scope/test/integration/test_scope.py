@@ -27,7 +27,7 @@ class Signals(ScopeTest):
     def samples(self, *fields: str) -> List[Tuple[float, List[str]]]:
         """Return time and cells of each row of the CSV."""
         query = "&".join("field=" + field for field in fields)
-        status, text = fetch("%s/data.csv?%s" % (self.scope.url, query))
+        status, text = fetch(f"{self.scope.url}/data.csv?{query}")
         self.assertEqual(status, 200, text)
         head, *rows = csv.reader(io.StringIO(text))
         self.assertEqual(head, ["time", *fields])
@@ -156,7 +156,7 @@ class Signals(ScopeTest):
         self.assertEqual(
             names,
             ["/nowhere/levels[0]", "/nowhere/levels[1]"]
-            + ["/nowhere/inner[%d]/%s" % (n, name) for n in (0, 1) for name in ("stamp", "on")],
+            + [f"/nowhere/inner[{n}]/{name}" for n in (0, 1) for name in ("stamp", "on")],
         )
         page.send("select", fields=["/nowhere/levels[1]", "/nowhere/inner[1]/on"])
         selected = ["/nowhere/levels[1]", "/nowhere/inner[1]/on"]

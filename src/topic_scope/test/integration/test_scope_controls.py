@@ -35,7 +35,7 @@ class Controls(ScopeTest):
 
     def restore(self, name: str) -> None:
         """Put a parameter back with the end of the test."""
-        self.addCleanup(rospy.set_param, "%s/%s" % (NODE, name), rospy.get_param(NODE + "/" + name))
+        self.addCleanup(rospy.set_param, f"{NODE}/{name}", rospy.get_param(NODE + "/" + name))
 
     def test_a_panel_shows_what_the_node_says(self) -> None:
         self.panelled()

@@ -19,7 +19,7 @@ from wire.scope_test import ScopeTest
 
 from nodekit.testing.waiting import wait_until
 
-FIELDS = ["/signal/%s" % name for name in ("signal_y", "time_x", "amplitude", "frequency")]
+FIELDS = [f"/signal/{name}" for name in ("signal_y", "time_x", "amplitude", "frequency")]
 
 
 class Guards(ScopeTest):
@@ -71,12 +71,12 @@ class Guards(ScopeTest):
     def test_bad_exports_are_refused(self) -> None:
         for query in (
             "field=../x",
-            "field=" + "&field=".join("/a/x%d" % n for n in range(40)),
+            "field=" + "&field=".join(f"/a/x{n}" for n in range(40)),
             "field=/a/x&start=nan",
             "field=/a/x&end=soon",
             "field=" + "a" * 400,
         ):
-            self.assertEqual(fetch("%s/data.csv?%s" % (self.scope.url, query))[0], 400, query)
+            self.assertEqual(fetch(f"{self.scope.url}/data.csv?{query}")[0], 400, query)
 
     def test_garbage_is_answered_and_the_page_stays(self) -> None:
         page = self.page()
@@ -151,7 +151,7 @@ class Guards(ScopeTest):
 
     def memory(self) -> int:
         """Return how much memory the scope holds, bytes."""
-        with open("/proc/%d/statm" % self.scope.pid) as file:
+        with open(f"/proc/{self.scope.pid}/statm") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -178,7 +178,7 @@ class ReadOnly(ScopeTest):
 
     def test_is_reached_by_address_but_not_by_a_strange_name(self) -> None:
         port = urllib.parse.urlsplit(self.scope.url).port
-        address = "http://%s:%s/" % (socket.gethostbyname(socket.gethostname()), port)
+        address = f"http://{socket.gethostbyname(socket.gethostname())}:{port}/"
         self.assertEqual(fetch(address)[0], 200)
         self.assertEqual(fetch(address, {"Host": "example.com"})[0], 403)
 

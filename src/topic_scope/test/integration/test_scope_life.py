@@ -26,10 +26,10 @@ class Life(unittest.TestCase):
     """Each test has a master of its own."""
 
     def setUp(self) -> None:
-        self.master_uri = "http://localhost:%d" % free_port()
+        self.master_uri = f"http://localhost:{free_port()}"
         self.master = self.start_master()
         self.port = free_port()
-        self.url = "http://localhost:%d" % self.port
+        self.url = f"http://localhost:{self.port}"
 
     def start_master(self) -> "subprocess.Popen[str]":
         port = self.master_uri.rpartition(":")[2]
@@ -77,7 +77,7 @@ class Life(unittest.TestCase):
             except OSError:
                 return False
 
-        wait_until(is_served, lambda: "no page at %s" % self.url)
+        wait_until(is_served, lambda: f"no page at {self.url}")
         return scope
 
     def page(self, *fields: str) -> Client:
@@ -100,10 +100,10 @@ class Life(unittest.TestCase):
 
     def test_a_port_that_is_taken_is_told_with_what_to_do(self) -> None:
         self.start_scope()
-        second = self.start_node("topic_scope", "scope.py", "_port:=%d" % self.port)
+        second = self.start_node("topic_scope", "scope.py", f"_port:={self.port}")
         text = self.end_of(second)
         self.assertEqual(second.returncode, 1, text)
-        self.assertIn("port %d is taken" % self.port, text)
+        self.assertIn(f"port {self.port} is taken", text)
         self.assertIn("--port", text)
         self.assertNotIn("Traceback", text)
 
@@ -115,9 +115,9 @@ class Life(unittest.TestCase):
             scope = self.start_node("topic_scope", "scope.py", *command, "__ns:=other")
             line = next(line for line in scope.stdout or () if "is taken" in line)
             self.port = int(line.split()[-1])
-            self.assertIn("port %d is taken: the next free one is" % wanted, line)
+            self.assertIn(f"port {wanted} is taken: the next free one is", line)
             self.assertIn(self.port, range(wanted + 1, wanted + 100))
-            self.url = "http://localhost:%d" % self.port
+            self.url = f"http://localhost:{self.port}"
             self.assertEqual(fetch(self.url)[0], 200)
         self.end(scope)
         self.assertEqual(scope.returncode, 0)

@@ -29,7 +29,7 @@ def publish() -> None:
     from nodekit.messaging.publisher import Publisher
 
     rospy.init_node("load")
-    names = [rospy.resolve_name("load%d" % index) for index in range(TOPICS)]
+    names = [rospy.resolve_name(f"load{index}") for index in range(TOPICS)]
     publishers = [Publisher(name, Float32) for name in names]
     for publisher in publishers:
         publisher.open()
@@ -44,13 +44,13 @@ def publish() -> None:
 
 def seconds_of(pid: int) -> float:
     """Return the time that a process has used the processor, s."""
-    words = pathlib.Path("/proc/%d/stat" % pid).read_text().rpartition(")")[2].split()
+    words = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def megabytes_of(pid: int) -> float:
     """Return the memory that a process holds, MB."""
-    words = pathlib.Path("/proc/%d/statm" % pid).read_text().split()
+    words = pathlib.Path(f"/proc/{pid}/statm").read_text().split()
     return int(words[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
@@ -70,7 +70,7 @@ def measure(seconds: float) -> None:
     os.environ["ROS_MASTER_URI"] = "http://localhost:" + port
     master = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL)
     load = subprocess.Popen([sys.executable, __file__, "--publish"])
-    fields = ["/load%d/data" % index for index in range(TOPICS)]
+    fields = [f"/load{index}/data" for index in range(TOPICS)]
     scope = ScopeProcess(*fields)
     clients: List[Client] = []
     try:

@@ -50,7 +50,7 @@ def test_topic_alone_stands_for_all_its_numbers() -> None:
 
 
 def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -> None:
-    assert names("/robot/arm/data") == ["/robot/arm/data[%d]" % index for index in range(3)]
+    assert names("/robot/arm/data") == [f"/robot/arm/data[{index}]" for index in range(3)]
     assert names("/robot/arm/data[7]") == ["/robot/arm/data[7]"]
 
 
@@ -70,7 +70,7 @@ def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -
 def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) -> None:
     with pytest.raises(FieldError) as caught:
         names("/signal/signal_y", name)
-    assert str(caught.value).startswith("%s: %s" % (name, text))
+    assert str(caught.value).startswith(f"{name}: {text}")
 
 
 def test_bag_without_any_number() -> None:

@@ -53,7 +53,7 @@ def test_lines_legend_and_titles() -> None:
 
 
 def test_forty_lines_can_be_told_apart_and_the_title_stays_short() -> None:
-    (axes,) = draw([SINE._replace(name="/topic%d/data" % index) for index in range(40)]).axes
+    (axes,) = draw([SINE._replace(name=f"/topic{index}/data") for index in range(40)]).axes
     assert len({(line.get_color(), line.get_linestyle()) for line in axes.lines}) == 40
     assert len(axes.get_ylabel().splitlines()) == 2
 

@@ -86,8 +86,8 @@ def test_bag_whose_recording_was_cut_off(tmp_path: Path) -> None:
     bag.close()
     text = refusal(tmp_path / "cut.bag")
     assert text.endswith(
-        "has no index, as its recording was cut off; make one: "
-        "rosbag reindex %s" % (tmp_path / "cut.bag")
+        "has no index, as its recording was cut off; make one: rosbag reindex "
+        f"{tmp_path / 'cut.bag'}"
     )
 
 

@@ -201,7 +201,7 @@ def test_a_definition_that_makes_no_sense_is_refused(text: str) -> None:
 
 def test_a_definition_that_would_take_for_ever_is_refused() -> None:
     parts = ["a/T0 x"]
-    parts += ["MSG: a/T%d\na/T%d x\na/T%d y" % (n, n + 1, n + 1) for n in range(18)]
+    parts += [f"MSG: a/T{n}\na/T{n + 1} x\na/T{n + 1} y" for n in range(18)]
     parts += ["MSG: a/T18\nfloat32 x"]
     with pytest.raises(DefinitionError, match="too many"):
         parse("a/A", ("\n" + "=" * 80 + "\n").join(parts))

@@ -97,7 +97,7 @@ def test_values_are_judged_as_the_node_does(name: str, value: Any) -> None:
     except ParameterError as error:
         with pytest.raises(ParameterError) as caught:
             panel().judge(name, value)
-        assert str(caught.value) == str(error).replace(name, "%s/%s" % (NODE, name), 1)
+        assert str(caught.value) == str(error).replace(name, f"{NODE}/{name}", 1)
         return
     result = panel().judge(name, value)
     assert result == expected and type(result) is type(expected)

@@ -53,7 +53,7 @@ def test_csv(
     bag: str, monkeypatch: "pytest.MonkeyPatch", limits: List[str], times: List[int]
 ) -> None:
     call(monkeypatch, bag, "/x/data", "-o", "out.csv", *limits)
-    lines = ["%d.000000000,%r" % (time, 0.1 * time) for time in times]
+    lines = [f"{int(time)}.000000000,{0.1 * time!r}" for time in times]
     assert Path("out.csv").read_text().splitlines() == ["time,/x/data"] + lines
     assert sorted(os.listdir(".")) == ["out.csv", "x.bag"]
 

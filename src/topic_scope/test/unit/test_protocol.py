@@ -55,7 +55,7 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
     [
         {"type": "select", "fields": "/a/x"},
         {"type": "select", "fields": ["/a/x"] * 33},
-        {"type": "select", "fields": ["/a/" + ":".join("x%d" % n for n in range(40))]},
+        {"type": "select", "fields": ["/a/" + ":".join(f"x{n}" for n in range(40))]},
         {"type": "select", "fields": ["../../etc/passwd"]},
         {"type": "view", "window": 0, "width": 800},
         {"type": "view", "window": math.nan, "width": 800},

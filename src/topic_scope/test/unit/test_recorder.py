@@ -109,16 +109,16 @@ def test_the_number_of_traces_is_limited() -> None:
     taps = FakeTaps()
     made = recording(taps)
     for index in range(recorder.TRACES + 100):
-        made.want(["/a/data", "/b/data[%d]" % index], taps.time + index * 1e-3)
+        made.want(["/a/data", f"/b/data[{index}]"], taps.time + index * 1e-3)
     assert len(made._traces) == recorder.TRACES
-    assert made.topic_of("/a/data") and made.topic_of("/b/data[%d]" % (recorder.TRACES + 99))
+    assert made.topic_of("/a/data") and made.topic_of(f"/b/data[{recorder.TRACES + 99}]")
     assert not made.topic_of("/b/data[0]")
 
 
 def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
     taps = FakeTaps()
     made = recording(taps)
-    names = ["/b/data[%d]" % index for index in range(recorder.TRACES)]
+    names = [f"/b/data[{index}]" for index in range(recorder.TRACES)]
     made.want(names, taps.time)
     made.want(["/a/data"] + names[1:], taps.time + 1.0)
     assert len(made._traces) == recorder.TRACES
@@ -128,11 +128,11 @@ def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
 def test_the_number_of_fields_that_are_listed_is_limited() -> None:
     made = recording(FakeTaps())
     count = recorder.LISTED + 10
-    made.set_topics({"/n%05d" % number: "std_msgs/Float32" for number in range(count)})
+    made.set_topics({f"/n{number:05}": "std_msgs/Float32" for number in range(count)})
     listed = made.choices()
     assert [choice.field for choice in (listed[0], listed[-1])] == [
         "/n00000/data",
-        "/n%05d/data" % (recorder.LISTED - 1),
+        f"/n{recorder.LISTED - 1:05}/data",
     ]
     assert len(listed) == recorder.LISTED == 5000
 
@@ -140,7 +140,7 @@ def test_the_number_of_fields_that_are_listed_is_limited() -> None:
 def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() -> None:
     taps = FakeTaps()
     made = recording(taps)
-    made.set_topics({"/n%d" % number: "nowhere/Thing" for number in range(100)})
+    made.set_topics({f"/n{number}": "nowhere/Thing" for number in range(100)})
     made.want(["/n99/x"], taps.time)
     assert len(taps.wanted) == recorder.UNKNOWN + 1 == 51
     assert "/n99" in taps.wanted
@@ -150,7 +150,7 @@ def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited() -> None:
     longest = recorder._Longest()
     latest = 5
     longest._latest = lambda _path: latest
-    paths: List[fields.Path] = [fields.to_path("a[%d]/b" % n) for n in range(recorder._ARRAYS + 10)]
+    paths: List[fields.Path] = [fields.to_path(f"a[{n}]/b") for n in range(recorder._ARRAYS + 10)]
     assert [longest(path) for path in paths] == [5] * len(paths)
     latest = 2
     # The list of fields stands still, but for those beyond the limit.

@@ -97,7 +97,7 @@ class Client:
         """Return the first message that meets a condition, come already or yet to come."""
         return wait_until(
             lambda: [message for message in self.messages(kind) if condition(message)][:1],
-            lambda: "of %s came %s" % (kind, str(self.messages(kind)[-3:])[:2000]),
+            lambda: f"of {kind} came {str(self.messages(kind)[-3:])[:2000]}",
         )[0]
 
     def values(self, field: str) -> List[float]:
@@ -131,4 +131,4 @@ def fetch(url: str, headers: Optional[Dict[str, str]] = None) -> Tuple[int, str]
 
 
 def _refuse(constant: str) -> None:
-    raise ValueError("%s is no JSON" % constant)
+    raise ValueError(f"{constant} is no JSON")

@@ -44,6 +44,6 @@ class ScopeTest(unittest.TestCase):
         self.addCleanup(publisher.unregister)
         wait_until(
             publisher.get_num_connections,
-            lambda: "nobody listens to %s; errors: %s" % (topic, page.messages("error")),
+            lambda: f"nobody listens to {topic}; errors: {page.messages('error')}",
         )
         return publisher

@@ -24,7 +24,7 @@ class FleetParameters(ParameterSet):
     @rule("prefix")
     def _gives_legal_names(self) -> None:
         start = self.prefix[1:] if self.prefix.startswith(("/", "~")) else self.prefix
-        if not is_legal("/%s1" % start):
+        if not is_legal(f"/{start}1"):
             raise ValueError(MUST_BE_GLOBAL)
 
 
@@ -44,7 +44,7 @@ class Fleet:
         _allow_many_connections()
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         settings = node.parameters(FleetParameters).values
-        groups = ["%s%d" % (settings.prefix, number) for number in range(1, settings.count + 1)]
+        groups = [f"{settings.prefix}{number}" for number in range(1, settings.count + 1)]
         # The process first, so that it hears the generator's first sample.
         members = host_all(
             node,

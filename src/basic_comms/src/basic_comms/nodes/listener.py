@@ -18,7 +18,7 @@ class Listener:
 
     def _on_chatter(self, message: String) -> None:
         publisher = message._connection_header["callerid"]
-        self._log.line("I heard '%s' from %s" % (message.data, publisher))
+        self._log.line(f"I heard '{message.data}' from {publisher}")
 
 
 def main() -> None:

@@ -75,8 +75,8 @@ class Process:
     def _warn_of_restart(self, time_x: float) -> None:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
-            "%s: time_x went back or repeated itself (now %g s): the phase starts anew"
-            % (self._input, time_x),
+            f"{self._input}: time_x went back or repeated itself (now {time_x:g} s): "
+            "the phase starts anew",
         )
 
     def _warn_of_lateness(self) -> None:
@@ -84,20 +84,20 @@ class Process:
         name = self._input
         if lateness.is_late:
             rospy.logwarn_throttle(
-                _WARN_EVERY_S, "%s: samples are %.1f s late" % (name, lateness.worst)
+                _WARN_EVERY_S, f"{name}: samples are {lateness.worst:.1f} s late"
             )
         else:
             rospy.logwarn_throttle(
                 _WARN_EVERY_S,
-                "%s: samples are in time again; %d were late, by up to %.1f s"
-                % (name, lateness.count, lateness.worst),
+                f"{name}: samples are in time again; {lateness.count} were late, by up "
+                f"to {lateness.worst:.1f} s",
             )
 
     def _warn_of_rejection(self) -> None:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
-            "%s: %d samples dropped so far, because a field or the result is not finite"
-            % (self._input, self._conditioner.rejected),
+            f"{self._input}: {self._conditioner.rejected} samples dropped so far, "
+            "because a field or the result is not finite",
         )
 
 

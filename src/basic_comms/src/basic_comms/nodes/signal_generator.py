@@ -103,7 +103,7 @@ class SignalGenerator:
         changed = request.data != self._enabled
         self._enabled = self._wanted = request.data
         state = "enabled" if request.data else "stopped"
-        return SetBoolResponse(True, state if changed else "%s already" % state)
+        return SetBoolResponse(True, state if changed else f"{state} already")
 
     def _reset(self, _request: TriggerRequest) -> TriggerResponse:
         self._reset_wanted = True

@@ -48,7 +48,7 @@ class Talker:
 
     def _publish(self, _elapsed: float) -> None:
         message = message_text(self._texts, self._places, self._settings.values.message_scope)
-        text = "%s %s" % (message, rospy.get_time())
+        text = f"{message} {rospy.get_time()}"
         self._log.line(text)
         self._publisher.publish(text)
 

@@ -31,7 +31,7 @@ class Call(threading.Thread):
         super().__init__(daemon=True)
         self._service, self._kind, self._arguments = service, kind, arguments
         self._answer: Any = None
-        self._error: object = "no answer within %g s" % TIMEOUT_S
+        self._error: object = f"no answer within {TIMEOUT_S:g} s"
         self.deadline = time.monotonic() + TIMEOUT_S
         self.start()
 
@@ -92,5 +92,5 @@ def say_what_there_is(client: MasterClient, service: str, namespace: str, proble
     """
     everyone = owners(client, service)
     near = difflib.get_close_matches(namespace.rstrip("/"), everyone, n=1) or everyone
-    hint = "there is %s" % ", ".join(near) if near else "no such node is running"
-    print("%s; %s" % (problem, hint), file=sys.stderr)
+    hint = f"there is {', '.join(near)}" if near else "no such node is running"
+    print(f"{problem}; {hint}", file=sys.stderr)

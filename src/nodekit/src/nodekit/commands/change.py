@@ -35,9 +35,9 @@ def main() -> None:
     try:
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))
     except MasterUnreachable as error:
-        sys.exit("change: no master at %s" % error)
+        sys.exit(f"change: no master at {error}")
     except NoAnswer as error:
-        sys.exit("change: %s does not answer: %s" % (arguments.namespace, error))
+        sys.exit(f"change: {arguments.namespace} does not answer: {error}")
     except KeyboardInterrupt:
         pass
 
@@ -50,13 +50,13 @@ def _settings(words: List[str]) -> Dict[str, Any]:
 
 def _change(namespace: str, settings: Dict[str, Any]) -> int:
     client, node = master("change"), namespace.rstrip("/")
-    if client.lookup_service("%s/%s" % (node, SERVICE)) is None:
-        problem = "change: nothing at %s takes changes" % namespace
+    if client.lookup_service(f"{node}/{SERVICE}") is None:
+        problem = f"change: nothing at {namespace} takes changes"
         say_what_there_is(client, SERVICE, namespace, problem)
         return 1
-    answer = Call("%s/%s" % (node, SERVICE), SetParameters, yaml.safe_dump(settings)).answer()
+    answer = Call(f"{node}/{SERVICE}", SetParameters, yaml.safe_dump(settings)).answer()
     if not answer.success:
-        print("change: %s" % answer.message, file=sys.stderr)
+        print(f"change: {answer.message}", file=sys.stderr)
         return 1
     in_force = yaml.safe_load(answer.values)
     asked = {name: in_force[name] for name in settings}

@@ -33,7 +33,7 @@ def main() -> None:
     try:
         sys.exit(_describe(rosgraph.names.make_global_ns(arguments.namespace), arguments.yaml))
     except MasterUnreachable as error:
-        sys.exit("describe: no master at %s" % error)
+        sys.exit(f"describe: no master at {error}")
     except KeyboardInterrupt:
         pass
 
@@ -42,7 +42,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
     client = master("describe")
     names = owners(client, SERVICE, namespace)
     if not names:
-        problem = "describe: nothing at %s describes itself" % namespace
+        problem = f"describe: nothing at {namespace} describes itself"
         say_what_there_is(client, SERVICE, namespace, problem)
     parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
     answered = [_describe_together(part, wants_yaml) for part in parts]
@@ -51,7 +51,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, those that are slow to answer last; tell whether all have answered."""
-    calls = {name: Call("%s/%s" % (name, SERVICE), Trigger) for name in names}
+    calls = {name: Call(f"{name}/{SERVICE}", Trigger) for name in names}
     order = time.monotonic() + _ORDER_S
     late = {name for name, call in calls.items() if not call.is_done_by(order)}
     missing = 0
@@ -59,12 +59,12 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
         try:
             entries = yaml.safe_load(calls[name].answer().message)
         except NoAnswer as error:
-            print("describe: %s does not answer: %s" % (name, error), file=sys.stderr)
+            print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1
             continue
         if wants_yaml:
             text = yaml.safe_dump({name: entries}, sort_keys=False, allow_unicode=True)
         else:
-            text = "%s\n%s\n" % (name, as_table(entries))
+            text = f"{name}\n{as_table(entries)}\n"
         print(text, end="", flush=True)
     return not missing

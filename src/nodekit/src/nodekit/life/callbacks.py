@@ -82,7 +82,7 @@ class Answering(Callback):
         self.group.enter()
         try:
             if self.closed:
-                raise rospy.ServiceException("%s is closed" % self._what)
+                raise rospy.ServiceException(f"{self._what} is closed")
             return self.function(request)
         finally:
             self.group.leave()
@@ -138,7 +138,7 @@ class Receiving(Callback):
                 return
             if len(self._kept) + len(messages) > MOST_KEPT:
                 rospy.logwarn_throttle_identical(
-                    10.0, "%s does not keep up: messages are lost" % self._what
+                    10.0, f"{self._what} does not keep up: messages are lost"
                 )
             self._kept.extend(messages)
             self._bell.ring()

@@ -37,7 +37,7 @@ def judged(name: str, what: str = "name") -> str:
     :raises IllegalName: if it is not legal
     """
     if not is_legal(name):
-        raise IllegalName("%s '%s': %s" % (what, name, MUST_BE_GLOBAL))
+        raise IllegalName(f"{what} '{name}': {MUST_BE_GLOBAL}")
     return name
 
 
@@ -47,7 +47,7 @@ def judge_base_name(name: str) -> None:
     :raises IllegalName: if it is not legal
     """
     if _BASE.fullmatch(name) is None:
-        raise IllegalName("node name '%s': %s" % (name, _MUST_BE_BASE))
+        raise IllegalName(f"node name '{name}': {_MUST_BE_BASE}")
 
 
 def judge_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
@@ -62,5 +62,5 @@ def judge_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     try:
         namespace = get_ros_namespace(environ, argv)
     except ValueError as error:  # private
-        raise IllegalName("namespace: %s: %s" % (error, MUST_BE_GLOBAL)) from None
+        raise IllegalName(f"namespace: {error}: {MUST_BE_GLOBAL}") from None
     judged(namespace, "namespace")

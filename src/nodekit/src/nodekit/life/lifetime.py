@@ -46,7 +46,7 @@ class Lifetime(TopicMaker):
         :raises ValueError: if the rate is a number that no timer can keep
         """
         group = group or self._surroundings.group
-        what = "%s: %s" % (self.name, getattr(callback, "__qualname__", "a timer"))
+        what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
         timer = NodeTimer(get_scheduler(steady), group, rate, callback, catch_up, what)
         if callable(rate):
             self._surroundings.rates.add(timer)

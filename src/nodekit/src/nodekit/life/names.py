@@ -31,7 +31,7 @@ class Names(NamedTuple):
         :param name: base name of the node
         :raises IllegalName: if ROS does not allow that name
         """
-        node = "%s/%s" % (rospy.resolve_name(namespace).rstrip("/"), name)
+        node = f"{rospy.resolve_name(namespace).rstrip('/')}/{name}"
         return cls(judged(node, "node name"), True)
 
     def resolve(self, name: str) -> str:
@@ -43,5 +43,5 @@ class Names(NamedTuple):
         if self.is_hosted and not name.startswith("/"):
             private = name.startswith("~")
             namespace = self.node if private else self.node.rpartition("/")[0]
-            name = "%s/%s" % (namespace, name[1:] if private else name)
+            name = f"{namespace}/{name[1:] if private else name}"
         return judged(str(rospy.resolve_name(name)))

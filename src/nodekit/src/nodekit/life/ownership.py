@@ -36,7 +36,7 @@ class Owner:
         :raises RuntimeError: if the owner is closed
         """
         if self._closed:
-            raise RuntimeError("%s is closed and can make nothing" % self)
+            raise RuntimeError(f"{self} is closed and can make nothing")
         self._made.append(thing)
         return thing
 

@@ -20,7 +20,7 @@ class Change(Bell):
     def __init__(
         self, group: Group, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
-        super().__init__(group, self._tell, "%s: on_change" % live.namespace)
+        super().__init__(group, self._tell, f"{live.namespace}: on_change")
         self._live, self._on_change = live, on_change
         self._told = live.values
 

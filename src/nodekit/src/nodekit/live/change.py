@@ -37,9 +37,9 @@ def _change(live: LiveParameters[Any], text: str) -> Tuple[bool, str]:
     except ParameterError as error:
         return False, str(error)
     except MasterUnreachable as error:
-        return False, "the master does not answer (%s): nothing is changed" % error
+        return False, f"the master does not answer ({error}): nothing is changed"
     except ValueError as error:
-        return False, "no change of parameters: %s" % error
+        return False, f"no change of parameters: {error}"
     return True, ""
 
 
@@ -54,11 +54,11 @@ def _settings(text: str) -> Dict[str, Any]:
             raise ValueError("aliases (*name) are not taken")
         settings = yaml.safe_load(text)
     except (yaml.YAMLError, RecursionError) as error:
-        raise ValueError("no YAML: %s" % " ".join(str(error).split())) from None
+        raise ValueError(f"no YAML: {' '.join(str(error).split())}") from None
     if settings is None:
         return {}
     if not isinstance(settings, dict):
-        raise ValueError("%s is no mapping of names to values" % format_value(settings))
+        raise ValueError(f"{format_value(settings)} is no mapping of names to values")
     return {str(name): value for name, value in settings.items()}
 
 

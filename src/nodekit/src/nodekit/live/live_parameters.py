@@ -152,7 +152,7 @@ class LiveParameters(Generic[Snapshot]):
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
         """Return values by global name; an empty name is that of the namespace."""
-        return {("%s/%s" % (self.namespace, n)).rstrip("/"): value for n, value in values.items()}
+        return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
 
     def _tell(self) -> None:
         """Log what has happened, and ring the bells if values have changed: without the lock."""
@@ -171,7 +171,7 @@ class LiveParameters(Generic[Snapshot]):
             told = "in force is " + _settings(kept) if kept else "all values stay in force"
             rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
         for name, nearest in outcome.unknown.items():
-            hint = "; did you mean %s?" % nearest if nearest else ""
+            hint = f"; did you mean {nearest}?" if nearest else ""
             rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
         before = old.as_dict()
         for name, value in outcome.values.as_dict().items():
@@ -236,4 +236,4 @@ def _write(parameters: Sequence[LiveParameters[Any]], writes: Mapping[str, Any])
 
 
 def _settings(values: Mapping[str, Any]) -> str:
-    return ", ".join("%s=%s" % (name, format_value(value)) for name, value in values.items())
+    return ", ".join(f"{name}={format_value(value)}" for name, value in values.items())

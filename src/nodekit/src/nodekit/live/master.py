@@ -88,7 +88,7 @@ class _Transport(xmlrpc.client.Transport):
             except xmlrpc.client.Fault:
                 raise
             except Exception as error:  # of any kind: the parser takes for granted what it reads
-                raise xmlrpc.client.ResponseError("no XML-RPC (%s)" % error) from None
+                raise xmlrpc.client.ResponseError(f"no XML-RPC ({error})") from None
         return self._parsed
 
 
@@ -161,10 +161,10 @@ class MasterClient:
         try:
             yield
         except (TypeError, ValueError):
-            raise self._unreachable("no answer of a master: %.80r" % (answer,)) from None
+            raise self._unreachable(f"no answer of a master: {answer!r:.80}") from None
 
     def _unreachable(self, why: object) -> MasterUnreachable:
-        return MasterUnreachable("%s: %s" % (self._uri, why))
+        return MasterUnreachable(f"{self._uri}: {why}")
 
     def read(self, keys: Collection[str]) -> Reading:
         """Read keys of the parameter server, past every cache.

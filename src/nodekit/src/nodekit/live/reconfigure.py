@@ -119,7 +119,7 @@ def _description(kind: Type[ParameterSet]) -> "ConfigDescription":
 
 
 def _help(item: Parameter[Any]) -> str:
-    return "%s (%s)" % (item.help, item.unit) if item.unit else item.help
+    return f"{item.help} ({item.unit})" if item.unit else item.help
 
 
 def _edit_method(item: Parameter[Any]) -> str:

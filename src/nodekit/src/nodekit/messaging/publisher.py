@@ -89,7 +89,7 @@ class Publisher:
         if publisher is not None:
             publisher.publish(*args, **kwds)
         elif self._is_closed:
-            raise rospy.ROSException("publish() to a closed publisher of %s" % self.resolved_name)
+            raise rospy.ROSException(f"publish() to a closed publisher of {self.resolved_name}")
         elif self._latch:
             self._first = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
 

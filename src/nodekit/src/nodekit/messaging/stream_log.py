@@ -21,7 +21,7 @@ def shortened(text: str) -> str:
         return text
     start = LONGEST - _END
     left_out = len(text) - LONGEST
-    return "%s... (%d characters) ...%s" % (text[:start], left_out, text[-_END:])
+    return f"{text[:start]}... ({left_out} characters) ...{text[-_END:]}"
 
 
 class StreamLog:
@@ -56,4 +56,4 @@ class StreamLog:
         with self._lock:
             left_out, self._count = self._count - self._limit, 0
         if left_out > 0:
-            self._log("... and %d more in the last second" % left_out)
+            self._log(f"... and {left_out} more in the last second")

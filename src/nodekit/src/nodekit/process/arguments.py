@@ -46,7 +46,7 @@ def _judge_parameter(argument: str) -> None:
             # There and back: the parser of XML refuses characters that the writer lets pass.
             xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
     except Exception:  # of any kind: YAML and XML-RPC have many
-        raise ArgumentError("argument '%s': %s" % (argument, _VALUE)) from None
+        raise ArgumentError(f"argument '{argument}': {_VALUE}") from None
 
 
 def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
@@ -62,4 +62,4 @@ def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     except ValueError:  # a port that is none
         makes_sense = False
     if not makes_sense:
-        raise ArgumentError("%s '%s': %s" % (source, uri, _URI))
+        raise ArgumentError(f"{source} '{uri}': {_URI}")

@@ -60,7 +60,7 @@ def accepting_mismatch() -> str:
         code = getattr(method, "__code__", None)
         missing = names.difference(code.co_names if code is not None else ())
         if missing:
-            return "%s does without %s" % (method, ", ".join(sorted(missing)))
+            return f"{method} does without {', '.join(sorted(missing))}"
     return ""
 
 
@@ -108,8 +108,7 @@ class _Pending:
             (size,) = _LENGTH.unpack_from(self._data)
             if size > LONGEST_HEADER:
                 raise TransportInitError(
-                    "it announces a header of %d bytes, at most %d are read"
-                    % (size, LONGEST_HEADER)
+                    f"it announces a header of {size} bytes, at most {LONGEST_HEADER} are read"
                 )
             if need == _LENGTH.size + size:
                 header: Dict[str, str] = decode_ros_handshake_header(bytes(self._data))
@@ -213,7 +212,7 @@ class _Acceptor:
             pending.socket.settimeout(_ANSWER_S)
             with contextlib.suppress(OSError):
                 write_ros_handshake_header(pending.socket, {"error": error})
-            raise TransportInitError("%s %s" % (error, header))
+            raise TransportInitError(f"{error} {header}")
 
     def _send_away(self) -> None:
         """Hang up on who has had time enough."""
@@ -222,7 +221,7 @@ class _Acceptor:
             if left is None or left > 0.0:
                 break
             waited = time.monotonic() - pending.since
-            self._hang_up(pending, "it did not say within %.1f s what it wants" % waited)
+            self._hang_up(pending, f"it did not say within {waited:.1f} s what it wants")
 
     def _hang_up(self, pending: _Pending, why: object) -> None:
         self._forget(pending)

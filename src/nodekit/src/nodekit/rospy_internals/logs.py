@@ -47,7 +47,7 @@ def mend_logs() -> None:
             if name is not None:
                 return name
         except OSError as error:
-            sys.stderr.write("WARNING: cannot write a log file: %s\n" % error)
+            sys.stderr.write(f"WARNING: cannot write a log file: {error}\n")
         # Without any file rospy would leave the console out as well.
         kwds.update(filename="null", env={**os.environ, "ROS_LOG_DIR": os.path.dirname(os.devnull)})
         configure(*args, **kwds)
@@ -80,7 +80,7 @@ def _notice(error: OSError) -> None:
     if now >= _quiet_until:
         _quiet_until = now + _NOTICE_PERIOD_S
         try:
-            sys.stderr.write("WARNING: lines of the log are lost: %s\n" % error)
+            sys.stderr.write(f"WARNING: lines of the log are lost: {error}\n")
         except OSError:
             pass  # which cannot be written either
 

@@ -62,7 +62,7 @@ class Reader:
         try:
             data: bytes = self._socket.recv(self._size)
         except OSError as error:
-            raise TransportTerminated("unable to receive data from sender: %s" % error)
+            raise TransportTerminated(f"unable to receive data from sender: {error}")
         if not data:
             raise TransportTerminated("the sender has closed the connection")
         self._transport.stat_bytes += len(data)
@@ -87,7 +87,7 @@ class Reader:
             try:
                 message.deserialize(data[body:stop])
             except genpy.DeserializationError as error:
-                raise TransportException("cannot deserialize: %s" % error)
+                raise TransportException(f"cannot deserialize: {error}")
             message._connection_header = header
             messages.append(message)
             position = stop

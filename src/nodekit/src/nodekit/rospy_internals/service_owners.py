@@ -20,9 +20,9 @@ def with_owners(names: Sequence[str], request: Request) -> str:
     """
     state = request([("getSystemState",)])
     nodes = {name: ", ".join(found) for name, found in state[0][2][2]} if state else {}
-    texts = ["%s (%s)" % (name, nodes.get(name, "unknown")) for name in names[:_NAMED]]
+    texts = [f"{name} ({nodes.get(name, 'unknown')})" for name in names[:_NAMED]]
     more = len(names) - _NAMED
-    return ", ".join(texts) + (" and %d more" % more if more > 0 else "")
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
 
 
 def tell_of_others(services: Mapping[str, str], request: Request) -> None:

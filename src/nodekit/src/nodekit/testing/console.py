@@ -82,7 +82,7 @@ def find(expected: Sequence[str], output: str, start: int = 0) -> Optional[int]:
     for line in expected:
         if line == ANYTHING or not line.strip():
             continue
-        found = re.compile("^%s[ \t]*$" % _pattern(line), re.MULTILINE).search(output, start)
+        found = re.compile(f"^{_pattern(line)}[ \t]*$", re.MULTILINE).search(output, start)
         if not found:
             return None
         start = found.end()

@@ -75,7 +75,7 @@ class Graph:
 
     def environment(self, node: str) -> Dict[str, str]:
         """Return the environment variables that a running node was started with."""
-        with open("/proc/%d/environ" % self.pid(node)) as variables:
+        with open(f"/proc/{self.pid(node)}/environ") as variables:
             pairs = (text.partition("=") for text in variables.read().split("\0") if text)
             return {name: value for name, _, value in pairs}
 
@@ -106,7 +106,7 @@ class Graph:
         """
         wait_until(
             lambda: self.nodes(under) == set(names) and self.initialised(*names),
-            lambda: "nodes are %s, not %s" % (sorted(self.nodes(under)), sorted(names)),
+            lambda: f"nodes are {sorted(self.nodes(under))}, not {sorted(names)}",
         )
 
     def initialised(self, *names: str) -> bool:
@@ -125,7 +125,7 @@ class Graph:
         """
 
         def found() -> Dict[str, Any]:
-            paths = {name: "%s/%s" % (namespace, name) for name in expected}
+            paths = {name: f"{namespace}/{name}" for name in expected}
             present = self.parameters()
             return {
                 name: self.parameter(path)
@@ -135,7 +135,7 @@ class Graph:
 
         wait_until(
             lambda: found() == expected,
-            lambda: "in %s there is %s, not %s" % (namespace, found(), expected),
+            lambda: f"in {namespace} there is {found()}, not {expected}",
         )
 
     def wait_for_publishers(self, topic: str, *names: str) -> None:
@@ -143,8 +143,10 @@ class Graph:
         expected = set(names)
         wait_until(
             lambda: self.publishers(topic) == expected,
-            lambda: "%s is published by %s, not %s"
-            % (topic, sorted(self.publishers(topic)), sorted(expected)),
+            lambda: (
+                f"{topic} is published by {sorted(self.publishers(topic))}, not "
+                f"{sorted(expected)}"
+            ),
         )
 
     def wait_for_subscribers(self, topic: str, *names: str) -> None:
@@ -152,8 +154,10 @@ class Graph:
         expected = set(names)
         wait_until(
             lambda: self.subscribers(topic) == expected,
-            lambda: "%s is subscribed by %s, not %s"
-            % (topic, sorted(self.subscribers(topic)), sorted(expected)),
+            lambda: (
+                f"{topic} is subscribed by {sorted(self.subscribers(topic))}, not "
+                f"{sorted(expected)}"
+            ),
         )
 
     def _registered(self, part: int, topic: str) -> Set[str]:

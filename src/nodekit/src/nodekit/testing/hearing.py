@@ -43,7 +43,7 @@ class Ear:
         """
         return wait_until(
             lambda: [message for message in self.messages() if condition(message)][:1],
-            lambda: "heard on %s: %s" % (self._topic, self.messages()[-3:]),
+            lambda: f"heard on {self._topic}: {self.messages()[-3:]}",
             timeout,
         )[0]
 

@@ -57,7 +57,7 @@ class Launched:
         """Wait until all nodes have come to the end of init_node."""
         wait_until(
             lambda: self.graph.initialised(*self.nodes()),
-            lambda: "missing: %s" % sorted(self.nodes() - self.graph.nodes()),
+            lambda: f"missing: {sorted(self.nodes() - self.graph.nodes())}",
         )
 
     def ended(self) -> bool:
@@ -69,7 +69,7 @@ class Launched:
         processes = {}
         for process in list(self._parent.pm.procs):
             try:
-                with open("/proc/%d/cmdline" % process.pid) as line:
+                with open(f"/proc/{process.pid}/cmdline") as line:
                     words = [os.path.basename(word) for word in line.read().split("\0")]
             except OSError:
                 continue  # it has just ended
@@ -82,7 +82,7 @@ class Launched:
         """Wait until a node has a process with another id."""
         wait_until(
             lambda: self.processes().get(node, old).pid != old.pid,
-            lambda: "the processes are %s" % self.processes(),
+            lambda: f"the processes are {self.processes()}",
         )
 
     def machines(self) -> Dict[str, str]:
@@ -112,7 +112,7 @@ def launched(*commands: str) -> Iterator[Launched]:
         parent.shutdown()
         wait_until(
             lambda: not launch.nodes() & graph.nodes(),
-            lambda: "still there: %s" % sorted(launch.nodes() & graph.nodes()),
+            lambda: f"still there: {sorted(launch.nodes() & graph.nodes())}",
         )
         for name in graph.parameters() - parameters:
             if launch.owns_parameter(name):

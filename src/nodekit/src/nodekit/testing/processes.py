@@ -61,7 +61,7 @@ class Process:
 
     def wait_for_log(self, *words: str) -> None:
         """Wait for a line that contains all these words."""
-        wait_until(lambda: self.logged(*words), lambda: "%s in %s" % (words, self.logged()))
+        wait_until(lambda: self.logged(*words), lambda: f"{words} in {self.logged()}")
 
     def interrupt(self) -> int:
         """Press Ctrl-C; return the exit status."""
@@ -88,7 +88,7 @@ class Master:
         with socket.socket() as chooser:
             chooser.bind(("localhost", 0))
             self._port = chooser.getsockname()[1]
-        self.uri = "http://localhost:%d/" % self._port
+        self.uri = f"http://localhost:{self._port}/"
         self.start()
 
     def start(self) -> None:
@@ -126,8 +126,8 @@ def is_stopped(pid: int) -> bool:
     :param pid: its process id
     """
     states = []
-    for thread in os.listdir("/proc/%d/task" % pid):
-        with open("/proc/%d/task/%s/stat" % (pid, thread)) as stat:
+    for thread in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{thread}/stat") as stat:
             states.append(stat.read().rpartition(")")[2].split()[0])
     return set(states) == {"T"}
 
@@ -174,7 +174,7 @@ class Server:
         """Wait until the server holds a value."""
         wait_until(
             lambda: same(self.get(key), value),
-            lambda: "%s is %r, not %r" % (key, self.get(key), value),
+            lambda: f"{key} is {self.get(key)!r}, not {value!r}",
         )
 
 

@@ -36,7 +36,7 @@ class SlowMaster:
     @property
     def uri(self) -> str:
         """The URI for ROS_MASTER_URI."""
-        return "http://localhost:%d" % self._server.server_address[1]
+        return f"http://localhost:{self._server.server_address[1]}"
 
     def close(self) -> None:
         """Let everything go on, and stop answering."""

@@ -28,5 +28,5 @@ def wait_until(
         if answer:
             return answer
         if time.monotonic() > deadline:
-            raise AssertionError("after %g s: %s" % (timeout, what()))
+            raise AssertionError(f"after {timeout:g} s: {what()}")
         time.sleep(0.05)

@@ -116,7 +116,7 @@ class Timer:
             try:
                 self._callback(elapsed)
             except BaseException:  # one timer's defect must not end the others
-                rospy.logerr_throttle(5.0, "a timer failed:\n%s" % traceback.format_exc())
+                rospy.logerr_throttle(5.0, f"a timer failed:\n{traceback.format_exc()}")
 
 
 class Scheduler:

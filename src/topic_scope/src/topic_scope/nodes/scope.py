@@ -90,7 +90,7 @@ def main() -> None:
     chosen = wanted._replace(port=sockets[0].getsockname()[1])
     logging.getLogger("tornado").setLevel(logging.ERROR)
     # Two scopes are two nodes: their ports differ, so their names do.
-    name = "scope" if chosen.port == options.DEFAULT_PORT else "scope_%d" % chosen.port
+    name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 
     def start(_node: object) -> Scope:
         if chosen.port != wanted.port:
@@ -105,11 +105,11 @@ def _why_not(error: OSError, chosen: Options) -> str:
         last = chosen.ports[-1]
         free = last + 1 if last < 65535 else options.DEFAULT_PORT
         if chosen.next_port:
-            return "ports %d to %d are taken: use --port %d" % (chosen.port, last, free)
+            return f"ports {chosen.port} to {last} are taken: use --port {free}"
         return (
-            "port %d is taken, perhaps by another scope: close that, or use --port %d"
-            " (in a launch file port:=%d)" % (chosen.port, free, free)
+            f"port {chosen.port} is taken, perhaps by another scope: close that, or use "
+            f"--port {free} (in a launch file port:={free})"
         )
     if error.errno == errno.EACCES:
-        return "port %d is not for users: use --port %d" % (chosen.port, options.DEFAULT_PORT)
-    return "cannot serve at %s, port %d: %s" % (chosen.address, chosen.port, error.strerror)
+        return f"port {chosen.port} is not for users: use --port {options.DEFAULT_PORT}"
+    return f"cannot serve at {chosen.address}, port {chosen.port}: {error.strerror}"

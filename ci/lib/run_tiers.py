@@ -2,12 +2,13 @@
 
 import concurrent.futures
 import pathlib
+import queue
 import shutil
 import signal
 import sys
 import tempfile
 import time
-from typing import List
+from typing import List, Optional
 
 import tiers
 from steps import Outcome, Runner, Step
@@ -19,18 +20,31 @@ LINES_SHOWN = 200
 
 
 def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
-    """Run steps in their order, and report each when it ends."""
+    """Run steps in their order, and report each when it ends.
+
+    :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs any more
+    """
     outcomes = []
     runner = Runner()
+    # An exception raised by a signal could leave a lock of the pool locked for ever. This
+    # queue's put() may be called from a handler.
+    ended: "queue.SimpleQueue[Optional[concurrent.futures.Future[Outcome]]]" = queue.SimpleQueue()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: ended.put(None))
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        running: List["concurrent.futures.Future[Outcome]"] = []
+        running = [
+            pool.submit(runner.run, step, directory / f"{number:03}")
+            for number, step in enumerate(steps)
+        ]
         try:
-            for number, step in enumerate(steps):
-                running.append(pool.submit(runner.run, step, directory / ("%03d" % number)))
-            for future in concurrent.futures.as_completed(running):
-                outcome = future.result()
-                outcomes.append(outcome)
-                report(outcome)
+            for future in running:
+                future.add_done_callback(ended.put)
+            for _ in steps:
+                first = ended.get()
+                if first is None:
+                    raise KeyboardInterrupt
+                outcomes.append(first.result())
+                report(outcomes[-1])
         except BaseException:
             for future in running:
                 future.cancel()
@@ -42,16 +56,14 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
 def report(outcome: Outcome) -> None:
     """Print a line about a step, and the end of its output if it failed."""
     print(
-        "%-6s %s/%s: %s, %.1f s"
-        % (
-            "ok" if outcome.good else "FAILED",
-            outcome.step.tier,
-            outcome.step.name,
-            numbers(outcome.passed, outcome.failed, outcome.skipped),
-            outcome.seconds,
-        ),
+        f"{'ok' if outcome.good else 'FAILED':6} "
+        f"{outcome.step.tier}/{outcome.step.name}: "
+        f"{numbers(outcome.passed, outcome.failed, outcome.skipped)}, "
+        f"{outcome.seconds:.1f} s",
         flush=True,
     )
+    for failure in outcome.failures:
+        print(f"  failed: {failure}", flush=True)
     if not outcome.good:
         lines = outcome.log.splitlines()
         for line in lines[-LINES_SHOWN:]:
@@ -59,7 +71,7 @@ def report(outcome: Outcome) -> None:
 
 
 def numbers(passed: int, failed: int, skipped: int) -> str:
-    return "%d passed, %d failed, %d skipped" % (passed, failed, skipped)
+    return f"{passed} passed, {failed} failed, {skipped} skipped"
 
 
 def summarise(names: List[str], outcomes: List[Outcome], seconds: float) -> bool:
@@ -78,10 +90,10 @@ def summarise(names: List[str], outcomes: List[Outcome], seconds: float) -> bool
             sum(outcome.failed for outcome in mine) if mine else 1,
             sum(outcome.skipped for outcome in mine),
         ]
-        seconds_of_tier = "%.1f" % sum(outcome.seconds for outcome in mine)
+        seconds_of_tier = f"{sum(outcome.seconds for outcome in mine):.1f}"
         print(row % (name, *tally, seconds_of_tier) + ("" if mine else "  no test ran"))
         total = [one + other for one, other in zip(total, tally)]
-    print("%.0f s in all, %d steps at a time\n" % (seconds, AT_A_TIME))
+    print(f"{seconds:.0f} s in all, {AT_A_TIME} steps at a time\n")
     print(numbers(*total))
     return total[1] == 0 and total[2] == 0
 

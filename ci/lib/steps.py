@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import time
-from typing import Dict, List, Set, Tuple
+from typing import Dict, List, Sequence, Set, Tuple
 from xml.etree import ElementTree
 
 # How long a command may take to clean up behind itself after the time is up, s.
@@ -39,6 +39,7 @@ class Outcome:
     skipped: int
     seconds: float
     log: str
+    failures: Sequence[str] = ()  # each failed case and the first line of why
 
     @property
     def good(self) -> bool:
@@ -91,15 +92,16 @@ def judge(
     step: Step, status: int, results: pathlib.Path, seconds: float, log: pathlib.Path
 ) -> Outcome:
     """Count a step's tests; what ends badly or tests nothing has at least one failure."""
-    passed, failed, skipped = count(results) if step.writes_junit else (int(status == 0), 0, 0)
+    passed, failures, skipped = count(results) if step.writes_junit else (int(status == 0), [], 0)
+    failed = len(failures)
     text = log.read_text(errors="replace")
     if status != 0 and failed == 0:
         failed = 1
-        text += "\nended with status %d\n" % status
+        text += f"\nended with status {status}\n"
     if passed + failed + skipped == 0:
         failed = 1
         text += "\nno test ran\n"
-    return Outcome(step, passed, failed, skipped, seconds, text)
+    return Outcome(step, passed, failed, skipped, seconds, text, failures)
 
 
 def environment(directory: pathlib.Path) -> Dict[str, str]:
@@ -109,7 +111,7 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
         port = probe.getsockname()[1]
     return dict(
         os.environ,
-        ROS_MASTER_URI="http://localhost:%d" % port,
+        ROS_MASTER_URI=f"http://localhost:{port}",
         ROS_HOME=str(directory / "ros"),
         ROS_LOG_DIR=str(directory / "ros" / "log"),
         TMPDIR=str(directory / "tmp"),
@@ -143,26 +145,30 @@ def end_leftovers(directory: pathlib.Path) -> None:
             continue  # ended meanwhile, or somebody else's
 
 
-def count(results: pathlib.Path) -> Tuple[int, int, int]:
+def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
     """Count the test cases in the JUnit files below a directory.
 
     rostest writes a file for each test node and one about running them; the latter's cases
     are counted only where a node failed to report.
 
-    :returns: how many passed, failed and were skipped
+    :returns: how many passed, what failed, and how many were skipped
     """
-    passed = failed = skipped = 0
+    passed = skipped = 0
+    failures: List[str] = []
     for path in sorted(results.rglob("*.xml")):
         try:
             cases = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
         except ElementTree.ParseError:
-            failed += 1
+            failures.append(f"{path.name} is no JUnit file")
             continue
         for case in cases:
-            if case.find("failure") is not None or case.find("error") is not None:
-                failed += 1
+            defects = case.findall("failure") + case.findall("error")
+            if defects:
+                said = defects[0].get("message") or defects[0].text or ""
+                lines = [line.strip() for line in said.splitlines() if line.strip()]
+                failures.append(": ".join([case.get("name", "a test"), *lines[:1]]))
             elif case.find("skipped") is not None:
                 skipped += 1
             elif not path.name.startswith("rostest-"):
                 passed += 1
-    return passed, failed, skipped
+    return passed, failures, skipped

@@ -11,8 +11,8 @@ import run_tiers
 from steps import Outcome, Runner, Step
 
 PASSED = "<testcase name='a'/>"
-FAILED = "<testcase name='b'><failure/></testcase>"
-BROKEN = "<testcase name='c'><error/></testcase>"
+FAILED = "<testcase name='b'><failure>\n1 is not 2\nat line 3</failure></testcase>"
+BROKEN = "<testcase name='c'><error message='no such file'/></testcase>"
 SKIPPED = "<testcase name='d'><skipped/></testcase>"
 
 
@@ -27,7 +27,7 @@ def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> Outco
         'echo "<testsuite>%s</testsuite>" > {results}/%s.xml' % (cases, name.replace("_", "-"))
         for name, cases in files.items()
     )
-    return run(directory, "sh", "-c", "%s; exit %d" % (script or ":", status), writes_junit=True)
+    return run(directory, "sh", "-c", f"{script or ':'}; exit {status}", writes_junit=True)
 
 
 def tally(outcome: Outcome) -> tuple:
@@ -44,6 +44,7 @@ def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
 def test_cases_are_counted_by_their_end(tmp_path: pathlib.Path) -> None:
     outcome = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
     assert tally(outcome) == (3, 2, 1, False)
+    assert outcome.failures == ["b: 1 is not 2", "c: no such file"]
 
 
 def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:
@@ -89,7 +90,7 @@ def wait_until_gone(pid: int) -> None:
     """Return only if the process lives on."""
     for _ in range(500):
         os.kill(pid, 0)
-        with open("/proc/%d/stat" % pid) as stat:
+        with open(f"/proc/{pid}/stat") as stat:
             if stat.read().split()[2] == "Z":  # dead, and nobody's to reap here
                 raise ProcessLookupError(pid)
         threading.Event().wait(0.01)
@@ -118,7 +119,7 @@ def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
 
 
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
-    command = ["sh", "-c", "echo $$ > '%s'; exec sleep 300" % (tmp_path / "pid")]
+    command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (
         "import sys, tiers, run_tiers; from steps import Step;"
         "tiers.TIERS['x'] = lambda: [Step('x', 'x', %r)] * 9; sys.exit(run_tiers.main(['x']))"

@@ -44,7 +44,7 @@ class Controls:
         self._panels: Dict[str, Panel] = {}
         self._followings: Dict[str, Following] = {}
         self._failed: Dict[str, float] = {}
-        self._settings = Settings(self._background, _change, self._tell_values)
+        self._settings = Settings(self._background, _change, self._tell_values, self._look_again)
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""
@@ -87,7 +87,7 @@ class Controls:
         if isinstance(result, Exception):
             self._failed[node] = time.monotonic() + RETRY_S
             if isinstance(result, DescriptionError):
-                rospy.logwarn_throttle(60.0, "no panel for %s: %s" % (node, result))
+                rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
             return
         self._panels[node], self._followings[node] = result
         self._tell(self.message())
@@ -96,6 +96,11 @@ class Controls:
         panel = self._panels.get(node)
         if panel is not None and isinstance(raw, dict):
             self._tell_values(panel, panel.follow(raw))
+
+    def _look_again(self, node: str) -> None:
+        following = self._followings.get(node)
+        if following is not None:
+            following.tell_again()
 
     def _tell_values(self, panel: Panel, names: List[str]) -> None:
         for name in names:
@@ -112,7 +117,7 @@ class Controls:
         """
         panel = self._panels.get(node)
         if panel is None or name not in panel.entries:
-            raise ValueError("there is no parameter %s/%s" % (node, name))
+            raise ValueError(f"there is no parameter {node}/{name}")
         self._settings.set(panel, name, value, answer)
 
     def call(self, service: str, data: Any, answer: Answer) -> None:
@@ -127,7 +132,7 @@ class Controls:
             if service in panel.services:
                 services.call(self._background, service, panel.services[service], data, answer)
                 return
-        raise ValueError("there is no service %s to call" % service)
+        raise ValueError(f"there is no service {service} to call")
 
 
 def _change(node: str, values: Mapping[str, Any]) -> Changed:
@@ -136,7 +141,7 @@ def _change(node: str, values: Mapping[str, Any]) -> Changed:
     :raises NoAnswer: if it does not answer in good time
     """
     text = yaml.safe_dump(dict(values))
-    answer = Call("%s/%s" % (node, change.SERVICE), SetParameters, text).answer()
+    answer = Call(f"{node}/{change.SERVICE}", SetParameters, text).answer()
     return Changed(answer.success, answer.message, yaml.safe_load(answer.values))
 
 

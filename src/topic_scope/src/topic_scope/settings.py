@@ -50,6 +50,7 @@ class Settings:
     :param background: where to wait for nodes
     :param change: has a node change parameters by name; raises an exception if it does not answer
     :param tell: tells all pages of parameters that have changed
+    :param look_again: has the panel of a node follow what is on the parameter server now
     """
 
     def __init__(
@@ -57,8 +58,10 @@ class Settings:
         background: Background,
         change: Callable[[str, Mapping[str, Any]], Changed],
         tell: Callable[[Panel, List[str]], None],
+        look_again: Callable[[str], None],
     ) -> None:
         self._background, self._change, self._tell = background, change, tell
+        self._look_again = look_again
         #: By node and parameter: what is still to be sent, the newest of each parameter; and what
         #: was refused, perhaps because other values were still to come.
         self._waiting: Dict[str, Dict[str, Asked]] = {}
@@ -108,9 +111,10 @@ class Settings:
     def _on_answer(self, node: str, asked: Mapping[str, Asked], result: Any) -> None:
         self._send(node)
         if isinstance(result, Exception):
-            result = Changed(False, "%s does not answer: %s" % (node, result), {})
+            result = Changed(False, f"{node} does not answer: {result}", {})
         panel = next(iter(asked.values())).panel
         self._tell(panel, panel.follow(result.values))
+        self._look_again(panel.node)  # somebody else's change may be newer than this answer
         refused = self._refused.setdefault(node, {})
         if result.success:
             for name in [name for name in refused if refused[name] == result.values.get(name)]:

@@ -64,12 +64,14 @@ class World:
     def __init__(self) -> None:
         self.node = Reconciler(Gauge)
         self.is_silent = False
+        #: What somebody else changes before the answer to a change arrives.
+        self.overtaking: Dict[str, Any] = {}
         self.sent: List[Mapping[str, Any]] = []
         self.answers: List[Dict[str, Any]] = []
         self.told: List[Tuple[str, Any]] = []
         self.background = SlowBackground()
         self.panel = Panel(NODE, as_yaml(describe(self.node.values)), {})
-        self.settings = Settings(self.background, self.change, self.tell)
+        self.settings = Settings(self.background, self.change, self.tell, self.look_again)
 
     def change(self, node: str, values: Mapping[str, Any]) -> Changed:
         assert node == NODE
@@ -80,7 +82,14 @@ class World:
             self.node.adopt(self.node.judge(values), 0.0)
         except ParameterError as error:
             return Changed(False, str(error), self.values())
-        return Changed(True, "", self.values())
+        answer = Changed(True, "", self.values())
+        self.node.adopt(self.node.judge(self.overtaking), 0.0)
+        self.look_again(NODE)
+        return answer
+
+    def look_again(self, node: str) -> None:
+        assert node == NODE
+        self.tell(self.panel, self.panel.follow(self.values()))
 
     def values(self) -> Dict[str, Any]:
         return {name: to_wire(value) for name, value in self.node.values.as_dict().items()}
@@ -113,6 +122,13 @@ def test_good_value_is_sent_and_told(world: World) -> None:
     assert world.sent == [{"low": 5.0}]
     assert world.told == [("low", 5.0)]
     assert world.answers == []
+
+
+def test_answer_that_was_overtaken_by_a_newer_change_is_not_the_last_word(world: World) -> None:
+    world.overtaking = {"low": 2.0}
+    world.set("low", 5)
+    assert world.told[-1] == ("low", 2.0)
+    assert world.panel.values["low"] == 2.0
 
 
 def test_value_out_of_range_is_not_sent(world: World) -> None:

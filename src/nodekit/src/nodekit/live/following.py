@@ -40,6 +40,14 @@ class Following:
         self._told = _value(self._held)
         return self._told
 
+    def tell_again(self) -> None:
+        """Have the callback told soon what there is, also where that is what it was told last.
+
+        For those who learn of the value in a second way, and cannot tell which news is older.
+        """
+        self._told = _UNKNOWN
+        self._watcher.tell([self._follower])
+
     def close(self) -> None:
         """Follow the key no longer."""
         self._watcher.close(self._follower)

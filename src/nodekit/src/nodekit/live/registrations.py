@@ -10,6 +10,7 @@ from typing import List, Optional, Set
 import rospy
 
 from nodekit.live.master import MasterClient, Reading
+from nodekit.live.turns import Turns
 from nodekit.rospy_internals import registration
 from nodekit.rospy_internals.service_owners import with_owners
 
@@ -33,7 +34,7 @@ class Registrations:
         #: Whether the master took nothing at all: it will not know this node, restarted or not.
         self._is_refused = False
         self._taken: Set[str] = set()
-        self._turn_from = 0
+        self._turns = Turns(LOOKUPS)
 
     def begin(self, reading: Reading) -> None:
         """Note which master it is."""
@@ -67,7 +68,7 @@ class Registrations:
         :raises MasterUnreachable: if the master does not answer
         """
         services = registration.services()
-        turn = self._next_turn(sorted(services))
+        turn = self._turns.next(sorted(services))
         if not turn:
             return
         free: List[str] = []
@@ -88,10 +89,3 @@ class Registrations:
             registration.register_services(free, self._client.request)
             self._taken.difference_update(free)
             rospy.loginfo("offered by nobody, registered again: service %s", ", ".join(free))
-
-    def _next_turn(self, names: List[str]) -> List[str]:
-        turn = names[self._turn_from :][:LOOKUPS]
-        self._turn_from += LOOKUPS
-        if self._turn_from >= len(names):
-            self._turn_from = 0
-        return turn

@@ -17,6 +17,7 @@ import rospy
 from nodekit.live.followers import Entry, Follower, Followers
 from nodekit.live.master import MasterClient, MasterUnreachable, Reading
 from nodekit.live.registrations import Registrations
+from nodekit.live.turns import Turns
 from nodekit.parameters.kinds import is_same
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals import parameters, shutdown
@@ -48,7 +49,7 @@ class Watcher:
         self._followers = Followers(client)
         self._registrations = Registrations(client)
         self._ahead: Dict[str, Any] = {}
-        self._turn_from = 0
+        self._turns = Turns(RECONCILE_KEYS)
         self._bell = threading.Event()
         self._reachable = True
         self._logged: Dict[str, float] = {}
@@ -101,6 +102,10 @@ class Watcher:
         :raises MasterUnreachable: if the master does not answer
         """
         self.subscribe([one for one in followers if one not in self._followers.entries])
+        self.tell(followers)
+
+    def tell(self, followers: Sequence[Follower]) -> None:
+        """Tell each follower soon what there is, whether it is news or not."""
         for entry in map(self._followers.entries.get, followers):
             if entry is not None:
                 entry.due = True
@@ -134,7 +139,7 @@ class Watcher:
             is_due = time.monotonic() >= next_turn
             if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
-            turn = self._next_turn() if is_due else []
+            turn = self._turns.next(list(self._followers.entries.values())) if is_due else []
             try:
                 self._look(turn)
                 if is_due and not self._followers.ended:
@@ -145,15 +150,6 @@ class Watcher:
                 self._log_defect("the parameters are not followed")
             else:
                 self._note_reachable(True)
-
-    def _next_turn(self) -> List[Entry]:
-        """Return whose keys are read this second, whatever the master notifies."""
-        entries = list(self._followers.entries.values())
-        turn = entries[self._turn_from :][:RECONCILE_KEYS]
-        self._turn_from += RECONCILE_KEYS
-        if self._turn_from >= len(entries):
-            self._turn_from = 0
-        return turn
 
     def _note_reachable(self, reachable: bool, error: Optional[Exception] = None) -> None:
         if reachable != self._reachable and not self._followers.ended:
@@ -210,7 +206,7 @@ class Watcher:
             except MasterUnreachable as error:
                 unreachable = error
             except BaseException:  # also what ends a thread: this one is everybody's
-                self._log_defect("%s is not followed" % entry.key)
+                self._log_defect(f"{entry.key} is not followed")
         if unreachable is not None:
             raise unreachable
 
@@ -222,7 +218,7 @@ class Watcher:
                 if entry.is_news(reading.values[entry.key]):
                     found.append(entry)
             except BaseException:
-                self._log_defect("%s is not followed" % entry.key)
+                self._log_defect(f"{entry.key} is not followed")
         return found
 
     def _log_defect(self, what: str) -> None:

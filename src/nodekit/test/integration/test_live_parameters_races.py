@@ -35,7 +35,7 @@ class MasterWithMoments(MasterClient):
 
     before_write: Optional[Callable[[], None]] = None
     after_read: Optional[Callable[[], None]] = None
-    forgotten = False
+    restart: Optional[Callable[[], None]] = None
 
     def write(self, values: Mapping[str, Any]) -> None:
         moment, self.before_write = self.before_write, None
@@ -44,9 +44,11 @@ class MasterWithMoments(MasterClient):
         super().write(values)
 
     def read(self, keys: Collection[str]) -> Reading:
+        restart, self.restart = self.restart, None
+        if restart is not None:
+            restart()
         reading = super().read(keys)
-        if self.forgotten:
-            self.forgotten = False
+        if restart is not None:
             reading = reading._replace(knows_node=False)
         moment, self.after_read = self.after_read, None
         if moment is not None:
@@ -91,7 +93,7 @@ class Races(unittest.TestCase):
         cls.watcher = Watcher(cls.server)
 
     def setUp(self) -> None:
-        self.key = "/races/%d" % next(self.numbers)
+        self.key = f"/races/{next(self.numbers)}"
         self.level = self.key + "/level"
         self.server.before_write = self.server.after_read = None
         self.warnings = Warnings()
@@ -127,7 +129,7 @@ class Races(unittest.TestCase):
         for count in (expected.count + 1, expected.count):
             wait_until(
                 lambda: live.values == expected and self.told() == to_wire_dict(expected),
-                lambda: "%s, not %s; on the server %s" % (live.values, expected, self.told()),
+                lambda: f"{live.values}, not {expected}; on the server {self.told()}",
             )
             # What is still under way now has come to its end when this change has.
             expected = expected.replace(count=count)
@@ -216,7 +218,7 @@ class Races(unittest.TestCase):
             live = self.make()
             self.user.set(self.key + "/low", 20.0)
             open_all([live])
-            self.user.set("%s/%s" % (self.key, key), value)
+            self.user.set(f"{self.key}/{key}", value)
             self.assert_ends_with(live, **{key: value, **expected})
             self.assertEqual(len(self.warnings.texts), 0 if expected else 1)
 
@@ -379,8 +381,7 @@ class Races(unittest.TestCase):
     def test_values_are_kept_though_writing_them_to_a_new_master_fails_at_first(self) -> None:
         live = self.start(level=2.0, title="kept", marks=[])
         self.server.before_write = fail
-        self.server.forgotten = True
-        self.user.delete(self.key)
+        self.restart_master(self.key)
         self.assert_ends_with(live, level=2.0, title="kept", marks=[])
 
     def test_same_bad_value_once_more_is_refused_once_more(self) -> None:
@@ -409,7 +410,7 @@ class Races(unittest.TestCase):
             self.user.set(self.level, good)
             wait_until(
                 lambda: live.values.level == good and self.user.get(self.level) == good,
-                lambda: "%s, on the server %s" % (live.values.level, self.user.get(self.level)),
+                lambda: f"{live.values.level}, on the server {self.user.get(self.level)}",
             )
         self.assert_ends_with(live, level=34.0)
 
@@ -421,7 +422,7 @@ class Races(unittest.TestCase):
             self.user.set(self.level, -good)
             wait_until(
                 lambda: live.values.level == good and self.user.get(self.level) == good,
-                lambda: "%s, on the server %s" % (live.values.level, self.user.get(self.level)),
+                lambda: f"{live.values.level}, on the server {self.user.get(self.level)}",
             )
         self.assert_ends_with(live, level=29.0)
 
@@ -457,7 +458,7 @@ class Races(unittest.TestCase):
         rival = threading.Thread(target=insist)
         rival.start()
         try:
-            wait_until(lambda: answers[0] >= 6, lambda: "%d answers" % answers[0])
+            wait_until(lambda: answers[0] >= 6, lambda: f"{answers[0]} answers")
             self.user.set(self.key + "/title", "through")
             wait_until(lambda: live.values.title == "through", lambda: str(live.values))
         finally:
@@ -536,13 +537,25 @@ class Races(unittest.TestCase):
         for value in ("second", 3, ["4"]):
             self.user.set(key, value)
             wait_until(lambda: heard[-1:] == [value], lambda: str(heard))
-        self.server.forgotten = True  # the master was restarted: nobody has set it anew
-        self.user.delete(key)
+        self.restart_master(key)
         self.assert_stays(lambda: heard == ["second", 3, ["4"]])
         self.user.set(key, "fifth")
         wait_until(lambda: heard[-1] == "fifth", lambda: str(heard))
+        follower.tell_again()
+        wait_until(lambda: heard[-2:] == ["fifth", "fifth"], lambda: str(heard))
         self.user.delete(key)
         wait_until(lambda: heard[-1] is None, lambda: str(heard))
+
+    def restart_master(self, key: str) -> None:
+        """Let a read be the first of a new master, which has no value and no subscription."""
+
+        def lose() -> None:
+            self.server.unsubscribe({key})
+            self.user.delete(key)
+
+        self.server.restart = lose
+        self.watcher.ring()
+        wait_until(lambda: self.server.restart is None, lambda: "the server is not read")
 
     def assert_stays(self, condition: Callable[[], bool]) -> None:
         """Check that a condition holds for as long as two reads of the server take."""
@@ -552,7 +565,7 @@ class Races(unittest.TestCase):
             time.sleep(0.05)
 
     def test_many_are_opened_in_a_few_requests(self) -> None:
-        keys = ["%s/%d" % (self.key, number) for number in range(40)]
+        keys = [f"{self.key}/{number}" for number in range(40)]
         self.user.set(keys[3] + "/level", 3.0)
         with mock.patch.object(
             self.server, "_request_part", wraps=self.server._request_part
@@ -589,7 +602,7 @@ class Races(unittest.TestCase):
             self.user.set(ROSOUT_PARAMETER, value)
             wait_until(
                 lambda: cache.get(ROSOUT_PARAMETER) is value,
-                lambda: "%s is not in the cache" % value,
+                lambda: f"{value} is not in the cache",
             )
 
     def test_defect_of_one_follower_harms_no_other(self) -> None:

@@ -1,16 +1,16 @@
 """Do what a page of the documentation tells its reader to do."""
 
 import os
-import signal
 import socket
-import subprocess
 import tempfile
 import time
 from pathlib import Path
 from types import TracebackType
 from typing import Callable, Dict, List, Optional, Type
 
-from nodekit.testing.console import INTERRUPT, Step, find, is_all, plain, steps_of
+from helpers.job import Job
+
+from nodekit.testing.console import INTERRUPT, Step, find, is_all, steps_of
 
 #: The root of the workspace, where a reader is.
 WORKSPACE = Path(__file__).resolve().parents[4]
@@ -18,56 +18,6 @@ WORKSPACE = Path(__file__).resolve().parents[4]
 
 class PageError(AssertionError):
     """Something on the page is not as it says."""
-
-
-class _Job:
-    """A command that runs in a shell and leaves its output in a file."""
-
-    def __init__(self, command: str, environment: Dict[str, str], output: Path) -> None:
-        self._output = output
-        #: Index in the output up to which it has been compared.
-        self.seen = 0
-        with output.open("wb") as file:
-            self._process = subprocess.Popen(
-                ["bash", "-c", command],
-                cwd=WORKSPACE,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-            )
-
-    @property
-    def status(self) -> Optional[int]:
-        """Exit status, None while it runs."""
-        return self._process.poll()
-
-    def output(self) -> str:
-        """Return what it has printed so far."""
-        return plain(self._output.read_text(errors="replace"))
-
-    def ended_by(self, deadline: float) -> bool:
-        """Wait for its end.
-
-        :param deadline: on the monotonic clock, s
-        :returns: whether it has ended
-        """
-        try:
-            self._process.wait(max(0.0, deadline - time.monotonic()))
-        except subprocess.TimeoutExpired:
-            return False
-        return True
-
-    def interrupt(self) -> None:
-        """Press Ctrl-C."""
-        os.killpg(self._process.pid, signal.SIGINT)
-
-    def kill(self) -> None:
-        """End it at once, if it runs."""
-        if self.status is None:
-            os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
 
 
 class Reader:
@@ -80,7 +30,7 @@ class Reader:
     def __init__(self, timeout: float = 40.0) -> None:
         self._timeout = timeout
         self._home = tempfile.TemporaryDirectory()
-        self._port, self._scope_port = _free_ports(2)
+        self._port, self._scope_port = free_ports(2)
         self._environment = dict(
             os.environ,
             HOME=self._home.name,
@@ -88,8 +38,8 @@ class Reader:
             ROS_MASTER_URI=f"http://localhost:{self._port}",
             TERM="dumb",
         )
-        self._terminals: Dict[str, _Job] = {}
-        self._jobs: List[_Job] = []
+        self._terminals: Dict[str, Job] = {}
+        self._jobs: List[Job] = []
 
     def __enter__(self) -> "Reader":
         return self
@@ -129,7 +79,7 @@ class Reader:
         if step.typed is None or step.typed == INTERRUPT:
             raise _wrong(step, "there is nothing to type outside of a terminal", "")
         deadline = time.monotonic() + self._timeout
-        tried: Optional[_Job] = None
+        tried: Optional[Job] = None
         while tried is None or time.monotonic() < deadline:
             job = self._start(step.typed)
             if not job.ended_by(deadline):
@@ -162,7 +112,7 @@ class Reader:
             raise _wrong(step, f"{terminal} does not end", job.output())
         self._wait_for(step, job, lambda: find(step.expected, job.output(), job.seen))
 
-    def _wait_for(self, step: Step, job: _Job, condition: Callable[[], Optional[int]]) -> None:
+    def _wait_for(self, step: Step, job: Job, condition: Callable[[], Optional[int]]) -> None:
         deadline = time.monotonic() + self._timeout
         while True:
             last_chance = job.status is not None or time.monotonic() > deadline
@@ -174,23 +124,24 @@ class Reader:
                 raise _wrong(step, f"status {job.status}", job.output()[job.seen :])
             time.sleep(0.05)
 
-    def _job(self, step: Step, terminal: str) -> _Job:
+    def _job(self, step: Step, terminal: str) -> Job:
         if terminal not in self._terminals:
             raise _wrong(step, f"nothing was started in {terminal}", "")
         return self._terminals[terminal]
 
-    def _start(self, command: str) -> _Job:
+    def _start(self, command: str) -> Job:
         if command.split()[0] == "roscore":  # alone among the tools it ignores ROS_MASTER_URI
             command += f" -p {self._port}"
         if "topic_scope scope.py" in command:  # beside one that somebody may have open
             command += f" --port {self._scope_port}"
         output = Path(self._home.name, f"output{len(self._jobs)}")
-        job = _Job(command, self._environment, output)
+        job = Job(command, WORKSPACE, self._environment, output)
         self._jobs.append(job)
         return job
 
 
-def _free_ports(count: int) -> List[int]:
+def free_ports(count: int) -> List[int]:
+    """Find ports of localhost that nobody serves at."""
     probes = [socket.socket() for _ in range(count)]
     for probe in probes:
         probe.bind(("localhost", 0))

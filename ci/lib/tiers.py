@@ -113,7 +113,7 @@ def integration() -> List[Step]:
                 str(test),
             ],
             writes_junit=True,
-            time_limit=min(declared_time(test) + 60.0, 600.0),
+            time_limit=declared_time(test) + 60.0,
         )
         for package in packages()
         for test in sorted((package / "test" / "integration").glob("*.test"))

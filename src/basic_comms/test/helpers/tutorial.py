@@ -25,10 +25,12 @@ class Reader:
 
     :param timeout: how long to wait for what the page shows, s; generous, as
         everything goes on at once when it is there
+    :param limit: how long a page may take in all, s
     """
 
-    def __init__(self, timeout: float = 40.0) -> None:
+    def __init__(self, timeout: float = 40.0, limit: float = 300.0) -> None:
         self._timeout = timeout
+        self._limit = limit
         self._home = tempfile.TemporaryDirectory()
         self._port, self._scope_port = free_ports(2)
         self._environment = dict(
@@ -65,7 +67,10 @@ class Reader:
         :raises PageError: if one does not show what the page says
         """
         steps = steps_of(page)
+        end = time.monotonic() + self._limit
         for step in steps:
+            if time.monotonic() > end:
+                raise _wrong(step, f"the page takes longer than {self._limit:g} s", "")
             if step.terminal is None:
                 self._run(step)
             elif step.typed == INTERRUPT:

@@ -67,6 +67,12 @@ def test_a_command_that_does_not_end_is_wrong() -> None:
     assert_wrong(CONSOLE % "$ exec sleep 60", "status -9")
 
 
+def test_a_page_that_takes_too_long_is_wrong() -> None:
+    reason = "line 3: echo b\nthe page takes longer than 0.1 s"
+    with Reader(limit=0.1) as reader, pytest.raises(PageError, match=reason):
+        reader.follow(CONSOLE % "$ sleep 0.2\n$ echo b\nb")
+
+
 def test_a_line_that_a_terminal_never_prints_is_wrong() -> None:
     assert_wrong(TERMINAL % "$ echo a; exec sleep 60\nb", re.escape("line 4: echo a"))
     assert_wrong(TERMINAL % "$ echo a\nb", "status 0")

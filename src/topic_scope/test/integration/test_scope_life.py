@@ -2,9 +2,11 @@
 """How the scope starts and ends, and what it does when the master does not stay."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
+import tempfile
 import unittest
 import xmlrpc.client
 from typing import Any, Dict, List
@@ -68,8 +70,9 @@ class Life(unittest.TestCase):
     def start_node(self, package: str, name: str, *arguments: str) -> "subprocess.Popen[str]":
         return self.start(roslib.packages.find_node(package, name)[0], *arguments)
 
-    def start_scope(self, *arguments: str) -> "subprocess.Popen[str]":
-        scope = self.start_node("topic_scope", "scope.py", "--port", str(self.port), *arguments)
+    def start_scope(self, *arguments: str, **variables: str) -> "subprocess.Popen[str]":
+        node = roslib.packages.find_node("topic_scope", "scope.py")[0]
+        scope = self.start(node, "--port", str(self.port), *arguments, **variables)
 
         def is_served() -> bool:
             try:
@@ -86,6 +89,16 @@ class Life(unittest.TestCase):
         client.wait_for("hello")
         client.send("select", fields=list(fields))
         return client
+
+    def test_starts_no_program_that_ctrl_c_would_end_too(self) -> None:
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        rospack = os.path.join(folder, "rospack")
+        with open(rospack, "w") as file:
+            file.write("#!/bin/sh\nkill -INT $$\n")
+        os.chmod(rospack, 0o755)
+        scope = self.start_scope(PATH=folder + os.pathsep + os.environ["PATH"])
+        self.assertNotIn("Traceback", self.end(scope))
 
     def test_says_where_it_is_and_ends_cleanly(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):

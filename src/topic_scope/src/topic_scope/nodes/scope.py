@@ -11,7 +11,7 @@ import traceback
 import webbrowser
 from typing import List
 
-import roslib.packages
+import rospkg
 import rospy
 import tornado.httpserver
 import tornado.ioloop
@@ -56,7 +56,8 @@ class Scope:
         try:
             asyncio.set_event_loop(asyncio.new_event_loop())
             loop = tornado.ioloop.IOLoop.current()
-            folder = os.path.join(roslib.packages.get_pkg_dir("topic_scope"), "www")
+            # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
+            folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
             names = ["localhost", self._options.address, socket.gethostname(), socket.getfqdn()]
             layouts = Layouts()
             taps = Taps(Clock())

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""What the documentation shows without its output, in blocks of the language sh, can be typed."""
+
+import signal
+import unittest
+from concurrent.futures import Future, ProcessPoolExecutor
+from typing import Callable, Dict, List
+
+import rostest
+from helpers.page_commands import Line, Typist, lines_of
+from helpers.tutorial import WORKSPACE, PageError
+
+PAGES = {
+    str(page.relative_to(WORKSPACE)): page.read_text()
+    for page in [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
+}
+
+#: They wait for nodes most of the time.
+PAGES_AT_A_TIME = 3
+
+#: What a reader of the page has at that point, as lines to be typed.
+BEFORE: Dict[str, List[str]] = {
+    "docs/nodes/plot_bag.md": [
+        "roslaunch basic_comms cw1.launch signal_rate:=100",
+        "rosbag record -O FILE.bag --duration=0.5 /signal /proc_signal",
+    ],
+    "docs/nodes/signal_generator.md": ["echo 'amplitude: 2.5' > my_settings.yaml"],
+    "docs/parameters.md": [
+        "roslaunch $(rospack find basic_comms)/launch/{cw1,groups}.launch count:=1"
+    ],
+}
+
+_TWO_HOSTS = "needs a second host: ci/two-hosts does it"
+_NETWORK = "needs a network of its own, thus root: ci/two-hosts does it"
+_TIER = "is a step of ci/test itself"
+
+#: Beginnings of lines that are not typed here, and why.
+NOT_TYPED = {
+    "README.md": {"./ci/test": _TIER},
+    "docs/benchmark.md": {"./ci/bench": "takes up to ten minutes of a quiet machine"},
+    "docs/development.md": {"./ci/exec python3 -m": _TIER, "./ci/exec rostest": _TIER},
+    "docs/security.md": {
+        "sudo iptables": _NETWORK,
+        "unshare": _NETWORK,
+        "nsenter": _NETWORK,
+        "ssh": _TWO_HOSTS,
+    },
+    "docs/tutorials/other_packages.md": {
+        line: "builds for a minute: test_own_workspace.py of ci/test does it"
+        for line in ("cp -r", "cd ~/my_ws", "source devel", "roslaunch")
+    },
+    "docs/tutorials/test_your_node.md": {
+        "catkin_make run_tests_PACKAGE": "is for a package of the reader's own",
+        "catkin_test_results": "is for a package of the reader's own",
+    },
+    "docs/two_hosts.md": {
+        line: _TWO_HOSTS for line in ("export", "./ci/exec roslaunch", "ssh-", "ssh ")
+    },
+}
+
+
+class Pages(unittest.TestCase):
+    """One more test for each page with a line to type is added below."""
+
+    def test_what_is_not_typed_is_still_there(self) -> None:
+        for page, starts in NOT_TYPED.items():
+            lines = [line.command for line in lines_of(PAGES[page])]
+            for start in starts:
+                self.assertTrue(any(line.startswith(start) for line in lines), f"{page}: {start}")
+
+    def test_no_block_for_a_shell_is_overlooked(self) -> None:
+        for page, text in PAGES.items():
+            for language in ("bash", "shell", "zsh", "shell-session"):
+                self.assertEqual(lines_of(text, language), [], page)
+
+
+class WrongLines(unittest.TestCase):
+    """A line that does not do what it says is noticed."""
+
+    def assert_wrong(self, reason: str, *commands: str) -> None:
+        with self.assertRaisesRegex(AssertionError, reason), Typist(timeout=2.0) as typist:
+            for command in commands:
+                typist.type(command)
+
+    def test_a_command_that_fails_or_does_not_end(self) -> None:
+        self.assert_wrong("status 1", "false")
+        self.assert_wrong("status 0", "true # refused")
+        self.assert_wrong("status 0:\nsuccess: False", "echo success: False")
+        self.assert_wrong("does not end", "exec sleep 60")
+        self.assert_wrong("status 0", "rosrun basic_comms talker.py --help; true")
+
+
+def typed_lines(page: str) -> List[Line]:
+    """List the lines of a page that are typed."""
+    not_typed = tuple(NOT_TYPED.get(page, {}))
+    lines = lines_of(PAGES[page])
+    return [line for line in lines if not line.command.startswith(not_typed)]
+
+
+def type_page(page: str) -> None:
+    """Do all that a page says."""
+    with Typist() as typist:
+        for command in BEFORE.get(page, []):
+            typist.type(command)
+        for line in typed_lines(page):
+            try:
+                typist.type(line.command)
+            except Exception as error:
+                raise PageError(f"{page}:{line.number}: {line.command}\n{error}") from None
+
+
+def _types(result: "Future[None]") -> Callable[[unittest.TestCase], None]:
+    return lambda self: result.result()
+
+
+if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with ProcessPoolExecutor(PAGES_AT_A_TIME) as pool:
+        for name in filter(typed_lines, PAGES):
+            test_name = "test_" + name.replace("/", "_").replace(".md", "")
+            setattr(Pages, test_name, _types(pool.submit(type_page, name)))
+        rostest.rosrun("basic_comms", "page_commands", Pages)

@@ -74,22 +74,6 @@ class Pages(unittest.TestCase):
                 self.assertEqual(lines_of(text, language), [], page)
 
 
-class WrongLines(unittest.TestCase):
-    """A line that does not do what it says is noticed."""
-
-    def assert_wrong(self, reason: str, *commands: str) -> None:
-        with self.assertRaisesRegex(AssertionError, reason), Typist(timeout=2.0) as typist:
-            for command in commands:
-                typist.type(command)
-
-    def test_a_command_that_fails_or_does_not_end(self) -> None:
-        self.assert_wrong("status 1", "false")
-        self.assert_wrong("status 0", "true # refused")
-        self.assert_wrong("status 0:\nsuccess: False", "echo success: False")
-        self.assert_wrong("does not end", "exec sleep 60")
-        self.assert_wrong("status 0", "rosrun basic_comms talker.py --help; true")
-
-
 def typed_lines(page: str) -> List[Line]:
     """List the lines of a page that are typed."""
     not_typed = tuple(NOT_TYPED.get(page, {}))

@@ -5,7 +5,7 @@ from typing import Callable, List
 
 from context import Bench, Figures
 from nodekit.life.callbacks import Callback
-from nodekit.life.groups import Group
+from nodekit.execution.groups import Group
 
 CALLS = 100_000
 

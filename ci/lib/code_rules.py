@@ -26,15 +26,16 @@ SIBLINGS: Dict[str, Set[str]] = {
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
-        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live", "life"),
-        *("node", "process", "entry_point", "commands", "testing"),
+        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live"),
+        *("execution", "life", "node", "executors", "process", "entry_point", "commands"),
+        "testing",
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
     *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
-    *("nodekit.life.groups", "nodekit.messaging.finite"),
+    *("nodekit.execution", "nodekit.messaging.finite"),
     *("basic_comms.signals", "basic_comms.chatter"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}

@@ -9,7 +9,7 @@ import importlib
 from typing import TYPE_CHECKING, Any, Dict
 
 if TYPE_CHECKING:  # the same once more, for type checkers and editors
-    from nodekit.life.groups import Group as Group
+    from nodekit.execution.groups import Group as Group
     from nodekit.life.lifetime import Lifetime as Lifetime
     from nodekit.live.live_parameters import LiveParameters as LiveParameters
     from nodekit.live.master import MasterUnreachable as MasterUnreachable
@@ -32,7 +32,7 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.process.run import run as run
 
 _HOMES: Dict[str, str] = {
-    "Group": "life.groups",
+    "Group": "execution.groups",
     "Lifetime": "life.lifetime",
     "LiveParameters": "live.live_parameters",
     "MasterUnreachable": "live.master",

@@ -1,12 +1,10 @@
 """The front door: what a node's class is given, and makes everything through."""
 
-from typing import Callable, Optional
+from typing import Any, Callable, Optional
 
-from nodekit.life.groups import Group
 from nodekit.life.lifetime import Lifetime
 from nodekit.life.names import Names
 from nodekit.life.opening import Opener
-from nodekit.life.timers import RateFollowers
 from nodekit.life.topics import Surroundings
 
 
@@ -23,10 +21,10 @@ class Node(Lifetime):
     """
 
     def __init__(self, names: Optional[Names] = None, opener: Optional[Opener] = None) -> None:
-        super().__init__(
-            Surroundings(names or Names.of_process(), opener or Opener(), Group(), RateFollowers())
-        )
+        super().__init__(Surroundings(names or Names.of_process(), opener or Opener()))
         self._guest: object = None
+        #: The executor that makes its calls, if any; set by that.
+        self.executor: Any = None
 
     def start(self) -> None:
         """Open all that was made, here and by nodes that this one hosts, with a few requests.

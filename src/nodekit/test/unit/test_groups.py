@@ -7,7 +7,7 @@ from typing import Any, Callable, List
 import pytest
 
 from nodekit.life.callbacks import Bell, Callback, Receiving
-from nodekit.life.groups import Group, ReentrantGroup
+from nodekit.execution.groups import Group, ReentrantGroup
 
 TIMEOUT_S = 10.0
 

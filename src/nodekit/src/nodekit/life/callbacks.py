@@ -3,16 +3,22 @@
 import time
 import traceback
 from collections import deque
-from typing import Any, Callable, Deque, List
+from concurrent.futures import Future
+from typing import Any, Callable, Deque, List, Optional, Tuple
 
 import rospy
 
-from nodekit.life.groups import Group
+from nodekit.execution.groups import Group, Outside
+from nodekit.execution.line import Line, Source
 
 #: A callback's failures are logged at most this often, s.
 LOG_PERIOD_S = 5.0
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
+#: Messages that wait for an executor, where the user does not say how many; the newest ones.
+DEPTH = 10
+#: Calls of a service that wait for an executor: each has a thread and a connection already.
+MOST_CALLS = 1000
 
 
 class Callback:
@@ -21,16 +27,44 @@ class Callback:
     :param group: its group
     :param function: the function
     :param what: names it in the log
+
+    :ivar failures: how often it has raised something
+    :ivar source: what an executor makes its calls of, None without one
     """
+
+    #: What it is, in reports.
+    kind = "callback"
 
     def __init__(self, group: Group, function: Callable[..., Any], what: str) -> None:
         self.group = group
         self.function = function
         self.closed = False
-        #: How often it has raised something.
         self.failures = 0
-        self._what = what
+        self.source: Optional[Source] = None
+        self.what = what
         self._quiet_until = 0.0
+
+    def attach(self, line: Optional[Line]) -> None:
+        """Have the calls made by an executor, or none; what waits by then stays with the old one.
+
+        :param line: the executor's
+        """
+        is_attached = line is not None and not isinstance(self.group, Outside)
+        self.source = self._source(line) if line is not None and is_attached else None
+
+    def _source(self, line: Line) -> Source:
+        return Source(line, self.group, MOST_KEPT, lambda works: works[0](), lambda work: None)
+
+    def offer(self, work: Callable[[], None]) -> None:
+        """Have something done in the group without waiting.
+
+        :param work: what to do; raises nothing
+        """
+        source = self.source
+        if source is None:
+            self.group.offer(work)
+        else:
+            source.put(work)
 
     def call(self, *arguments: Any) -> None:
         """Call the function when it is its turn; what it raises is logged and harms nothing else.
@@ -65,11 +99,16 @@ class Callback:
         if now >= self._quiet_until and not rospy.is_shutdown():
             self._quiet_until = now + LOG_PERIOD_S
             text = "%s failed, %d times by now:\n%s"
-            rospy.logerr(text, self._what, self.failures, traceback.format_exc())
+            rospy.logerr(text, self.what, self.failures, traceback.format_exc())
 
 
 class Answering(Callback):
     """A function whose result, or exception, somebody waits for."""
+
+    kind = "service"
+
+    def _source(self, line: Line) -> Source:
+        return Source(line, self.group, MOST_CALLS, self._answer_waiting, self._refuse)
 
     def answer(self, request: Any) -> Any:
         """Call the function when it is its turn.
@@ -79,13 +118,32 @@ class Answering(Callback):
         :raises rospy.ServiceException: if it is closed
         :raises Exception: whatever the function raises
         """
+        source = self.source
+        if source is not None:
+            answer: "Future[Any]" = Future()
+            source.put((request, answer))
+            return answer.result()
         self.group.enter()
         try:
-            if self.closed:
-                raise rospy.ServiceException(f"{self._what} is closed")
-            return self.function(request)
+            return self._answer_inside(request)
         finally:
             self.group.leave()
+
+    def _answer_inside(self, request: Any) -> Any:
+        if self.closed:
+            raise rospy.ServiceException(f"{self.what} is closed")
+        return self.function(request)
+
+    def _answer_waiting(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
+        ((request, answer),) = calls
+        try:
+            answer.set_result(self._answer_inside(request))
+        except BaseException as error:
+            answer.set_exception(error)
+
+    def _refuse(self, call: "Tuple[Any, Future[Any]]") -> None:
+        text = f"{self.what}: too many calls wait, or its executor is shut down"
+        call[1].set_exception(rospy.ServiceException(text))
 
 
 class Bell(Callback):
@@ -102,7 +160,7 @@ class Bell(Callback):
         """Have the function called, after all that is new by now was noted."""
         if not self._rung:
             self._rung = True
-            self.group.offer(self._answer)
+            self.offer(self._answer)
 
     def _answer(self) -> None:
         self._rung = False  # before: what comes from now on may be missed by this call
@@ -113,15 +171,28 @@ class Receiving(Callback):
     """A function that messages are handed to, one by one or all that came together.
 
     :param batches: whether it takes lists
+    :param depth: messages that wait for an executor; the newest ones
     """
 
+    kind = "subscription"
+
     def __init__(
-        self, group: Group, function: Callable[[Any], Any], what: str, batches: bool
+        self,
+        group: Group,
+        function: Callable[[Any], Any],
+        what: str,
+        batches: bool,
+        depth: int = DEPTH,
     ) -> None:
         super().__init__(group, function, what)
-        self._batches = batches
+        self._batches, self._depth = batches, depth
         self._kept: Deque[Any] = deque(maxlen=MOST_KEPT)
         self._bell = Bell(group, self._receive_kept, what)
+
+    def _source(self, line: Line) -> Source:
+        return Source(
+            line, self.group, self._depth, self._hand_over, lambda message: None, self._batches
+        )
 
     def receive(self, messages: List[Any], may_wait: bool) -> None:
         """Hand messages over.
@@ -131,14 +202,18 @@ class Receiving(Callback):
             these in a callback of its own must not: two nodes of one process would wait for each
             other.
         """
-        if not may_wait:
+        source = self.source
+        if source is not None:
+            for message in messages:
+                source.put(message)
+        elif not may_wait:
             if not self._kept and self.group.try_enter():
                 self._hand_over(messages)
                 self.group.leave()
                 return
             if len(self._kept) + len(messages) > MOST_KEPT:
                 rospy.logwarn_throttle_identical(
-                    10.0, f"{self._what} does not keep up: messages are lost"
+                    10.0, f"{self.what} does not keep up: messages are lost"
                 )
             self._kept.extend(messages)
             self._bell.ring()

@@ -5,7 +5,7 @@ from typing import Any, Callable, Collection, Optional, Type
 
 from std_srvs.srv import Trigger
 
-from nodekit.life.groups import Group, ReentrantGroup
+from nodekit.execution.groups import Group, Outside, ReentrantGroup
 from nodekit.life.telling import Change, Followed
 from nodekit.life.timers import NodeTimer, Rate
 from nodekit.life.topics import TopicMaker
@@ -76,7 +76,7 @@ class Lifetime(TopicMaker):
         self._open(Service(self.resolve("~describe"), Trigger, description_handler(live)))
         self._open(Service(self.resolve("~change"), SetParameters, change_handler(live)))
         if reconfigure.AVAILABLE:
-            service = partial(self.service, group=self.group(exclusive=False))
+            service = partial(self.service, group=Outside())
             self.own(reconfigure.ReconfigureInterface(live, self.publisher, service))
         return self._open(live)
 
@@ -100,16 +100,33 @@ class Lifetime(TopicMaker):
         """
         log = StreamLog(per_second)
         # By the machine's clock: /clock may stand still while messages come.
-        self.every(1.0, log.end_second, steady=True, group=self.group(exclusive=False))
+        self.every(1.0, log.end_second, steady=True, group=Outside())
         return log
 
-    def group(self, exclusive: bool = True) -> Group:
+    def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
         """Make a callback group.
 
         :param exclusive: whether its callbacks exclude each other
+        :param urgent: whether an executor makes its calls before those of all other groups
         """
-        return Group() if exclusive else ReentrantGroup()
+        return Group(urgent) if exclusive else ReentrantGroup(urgent)
 
     def lifetime(self) -> "Lifetime":
         """Return a maker of its own, whose ``close`` ends only what was made through it."""
-        return self.own(Lifetime(self._surroundings))
+        return self.own(Part(self))
+
+
+class Part(Lifetime):
+    """A part of what a node makes.
+
+    :param whole: what it is closed with
+    """
+
+    def __init__(self, whole: Lifetime) -> None:
+        super().__init__(whole._surroundings)
+        self._whole = whole
+
+    def close(self) -> None:
+        """Close what was made through this; see :meth:`.Owner.close`."""
+        super().close()
+        self._whole.disown(self)

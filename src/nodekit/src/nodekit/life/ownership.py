@@ -7,7 +7,7 @@ from typing import Any, List, Set, TypeVar
 import rospy
 
 from nodekit.life.callbacks import Callback
-from nodekit.life.groups import Group
+from nodekit.execution.groups import Group
 from nodekit.life.opening import Opener
 from nodekit.rospy_internals import registration
 
@@ -39,6 +39,13 @@ class Owner:
             raise RuntimeError(f"{self} is closed and can make nothing")
         self._made.append(thing)
         return thing
+
+    def disown(self, thing: object) -> None:
+        """Forget something that was closed.
+
+        :param thing: what :meth:`own` was given
+        """
+        self._made = [other for other in self._made if other is not thing]
 
     def close(self) -> None:
         """Close all that was made, the latest first; without effect a second time.

@@ -3,7 +3,7 @@
 from typing import Any, Callable
 
 from nodekit.life.callbacks import Bell
-from nodekit.life.groups import Group
+from nodekit.execution.groups import Group
 from nodekit.live.following import Following
 from nodekit.live.live_parameters import LiveParameters
 from nodekit.live.watcher import Watcher
@@ -16,6 +16,8 @@ class Change(Bell):
     :param live: the parameters
     :param on_change: called with the new and the old values
     """
+
+    kind = "on_change"
 
     def __init__(
         self, group: Group, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
@@ -43,6 +45,8 @@ class Followed(Bell):
     :param watcher: reads the server
     :param callback: called with the value, None where it is not set
     """
+
+    kind = "follow"
 
     def __init__(
         self, group: Group, key: str, watcher: Watcher, callback: Callable[[Any], Any]

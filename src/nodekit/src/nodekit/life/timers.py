@@ -5,7 +5,7 @@ from typing import Any, Callable, Iterable, List, Union
 import rospy
 
 from nodekit.life.callbacks import Callback
-from nodekit.life.groups import Group
+from nodekit.execution.groups import Group
 from nodekit.timing.scheduler import Scheduler, Timer
 
 #: A rate in Hz, or a function that returns it.
@@ -15,8 +15,8 @@ Rate = Union[float, Callable[[], float]]
 class NodeTimer(Callback):
     """A function that is called at a rate, in a group.
 
-    Where the group is taken when a call is due, the thread that leaves it makes the call; a tick
-    that comes meanwhile is left out, and counted.
+    Where the group is taken when a call is due, the thread that leaves it makes the call, or the
+    executor when it can; a tick that comes meanwhile is left out, and counted.
 
     :param scheduler: who says when a call is due
     :param group: the function's group
@@ -26,6 +26,8 @@ class NodeTimer(Callback):
     :param what: names it in the log
     :raises ValueError: if the rate is a number that no timer can keep
     """
+
+    kind = "timer"
 
     def __init__(
         self,
@@ -38,7 +40,7 @@ class NodeTimer(Callback):
     ) -> None:
         super().__init__(group, callback, what)
         first = 0.0 if callable(rate) else rate
-        self._timer = Timer(scheduler, self.call_inside, first, catch_up, group.offer)
+        self._timer = Timer(scheduler, self.call_inside, first, catch_up, self.offer)
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
@@ -62,7 +64,7 @@ class NodeTimer(Callback):
             try:
                 self._timer.set_rate(self._rate())
             except Exception as error:
-                rospy.logerr("%s keeps its rate: %s: %s", self._what, type(error).__name__, error)
+                rospy.logerr("%s keeps its rate: %s: %s", self.what, type(error).__name__, error)
 
     def close(self) -> None:
         """Make no call any more."""

@@ -1,14 +1,15 @@
 """The topics and services of a node."""
 
-from typing import Any, Callable, List, NamedTuple, Optional
+from typing import Any, Callable, Iterator, List, Optional
 
 import rospy
 
-from nodekit.life.callbacks import Answering, Receiving
-from nodekit.life.groups import Group
+from nodekit.execution.line import Line
+from nodekit.life.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
+from nodekit.execution.groups import Group
 from nodekit.life.names import Names
 from nodekit.life.opening import Opener
-from nodekit.life.ownership import Owner
+from nodekit.life.ownership import Owner, Thing
 from nodekit.life.timers import RateFollowers
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
@@ -19,19 +20,23 @@ from nodekit.messaging.subscription import Latest, Subscription
 _WARN_EVERY_S = 10.0
 
 
-class Surroundings(NamedTuple):
+class Surroundings:
     """What all lifetimes of a node have in common.
 
     :param names: where its names are
     :param opener: opens what they make
-    :param group: the group of callbacks that are given none
-    :param rates: timers whose rates follow the node's parameters
+
+    :ivar group: the group of callbacks that are given none
+    :ivar rates: timers whose rates follow the node's parameters
+    :ivar line: the executor's that makes their calls, None without one
     """
 
-    names: Names
-    opener: Opener
-    group: Group
-    rates: RateFollowers
+    __slots__ = ("names", "opener", "group", "rates", "line")
+
+    def __init__(self, names: Names, opener: Opener) -> None:
+        self.names, self.opener = names, opener
+        self.group, self.rates = Group(), RateFollowers()
+        self.line: Optional[Line] = None
 
 
 class TopicMaker(Owner):
@@ -54,6 +59,29 @@ class TopicMaker(Owner):
 
     def __str__(self) -> str:
         return self.name
+
+    def own(self, thing: Thing) -> Thing:
+        """Close something with the rest; see :meth:`.Owner.own`."""
+        if isinstance(thing, Callback):
+            thing.attach(self._surroundings.line)
+        return super().own(thing)
+
+    def attach(self, line: Optional[Line]) -> None:
+        """Have an executor make the calls of this node from now on, or rospy's threads.
+
+        :param line: the executor's, None for none
+        """
+        self._surroundings.line = line
+        for callback in self.callbacks():
+            callback.attach(line)
+
+    def callbacks(self) -> Iterator[Callback]:
+        """Return the callbacks of this node, but not those of nodes that it hosts."""
+        for thing in list(self._made):
+            if isinstance(thing, Callback):
+                yield thing
+            elif isinstance(thing, TopicMaker) and thing._surroundings is self._surroundings:
+                yield from thing.callbacks()
 
     def publisher(
         self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
@@ -81,8 +109,9 @@ class TopicMaker(Owner):
         :param name: topic
         :param data_class: message class
         :param callback: called with each message
-        :param queue_size: not used: while the callback is busy, messages wait with the sender;
-            taken because rospy's users give it
+        :param queue_size: with an executor, how many messages wait for it, :data:`.DEPTH` by
+            default, the newest ones. Not used without one: while the callback is busy, messages
+            wait with the sender
         :param finite: leave out, with a warning, messages that have NaN or infinity in a field
         :param group: the callback's group; the node's own by default
         """
@@ -98,7 +127,8 @@ class TopicMaker(Owner):
                     _WARN_EVERY_S, text % (resolved, " ".join(str(message).split()))
                 )
 
-        return self._hear(name, data_class, only_finite if finite else callback, False, group)
+        depth = queue_size or DEPTH
+        return self._hear(name, data_class, only_finite if finite else callback, depth, group)
 
     def subscribe_batches(
         self,
@@ -117,7 +147,7 @@ class TopicMaker(Owner):
         :param callback: called with a list of messages, oldest first
         :param group: the callback's group; the node's own by default
         """
-        return self._hear(name, data_class, callback, True, group)
+        return self._hear(name, data_class, callback, MOST_KEPT, group, batches=True)
 
     def latest(self, name: str, data_class: type) -> Latest:
         """Keep the latest message of a topic.
@@ -153,11 +183,13 @@ class TopicMaker(Owner):
         name: str,
         data_class: type,
         callback: Callable[[Any], Any],
-        batches: bool,
+        depth: int,
         group: Optional[Group],
+        batches: bool = False,
     ) -> Subscription:
         resolved = self.resolve(name)
-        receiving = Receiving(group or self._surroundings.group, callback, resolved, batches)
+        group = group or self._surroundings.group
+        receiving = Receiving(group, callback, resolved, batches, depth)
         return self._open(Subscription(resolved, data_class, self.own(receiving).receive))
 
     def resolve(self, name: str) -> str:

@@ -6,14 +6,15 @@ which they came, so that a node's class needs no lock of its own.
 
 A group is not a lock. It is left to a thread that waits for it (a message, a call of a service) or
 to work that was left with it (a tick, a change of parameters), which the leaving thread does
-itself: so the threads that serve a whole process never wait for one node's callback.
+itself: so the threads that serve a whole process never wait for one node's callback. Or it is kept
+for somebody who asked to be let in, an executor, which then finds a thread for it.
 """
 
 import threading
 import time
 from collections import deque
 from types import TracebackType
-from typing import Callable, Deque, Dict, Optional, Type, Union
+from typing import Callable, Deque, Dict, NamedTuple, Optional, Type, Union
 
 #: Work that may be left with a group; raises nothing.
 Work = Callable[[], None]
@@ -28,18 +29,30 @@ class _Waiting:
         self.turn.acquire()
 
 
+class _Asking(NamedTuple):
+    """Somebody who is not kept waiting.
+
+    :param admitted: called when it is their turn
+    """
+
+    admitted: Work
+
+
 class Group:
     """One callback at a time, in the order of arrival; the group of rclpy's name.
 
     A thread that is inside enters again without waiting.
+
+    :param urgent: whether an executor makes its callbacks before those of other groups
     """
 
-    def __init__(self) -> None:
+    def __init__(self, urgent: bool = False) -> None:
+        self.urgent = urgent
         # Who has it is inside. It is handed on locked, so that nobody comes in between.
         self._inside = threading.Lock()
         self._holder = 0  # of which thread the group is, 0 if it is free
         self._depth = 0  # how often that thread has entered again
-        self._queue: Deque[Union[_Waiting, Work]] = deque()
+        self._queue: Deque[Union[_Waiting, _Asking, Work]] = deque()
 
     def try_enter(self) -> bool:
         """Enter if the group is free; not again, where the calling thread is inside.
@@ -101,18 +114,40 @@ class Group:
         finally:
             self.leave()
 
+    def admit(self, admitted: Work) -> None:
+        """Have the group kept for the caller, now or later.
+
+        :param admitted: called once it is, in whatever thread; must be quick. Some thread is then
+            to call :meth:`adopt` and :meth:`leave`.
+        """
+        self._queue.append(_Asking(admitted))
+        self._serve_if_free()
+
+    def adopt(self) -> None:
+        """Be inside with the calling thread, after the group was kept for it."""
+        self._holder = threading.get_ident()
+
+    @property
+    def is_mine(self) -> bool:
+        """Whether the calling thread is inside, and all others must wait for it."""
+        return self._holder == threading.get_ident()
+
     def _serve_if_free(self) -> None:
         """Serve the queue, which has got something at the moment when the last one left."""
         if self.try_enter():
             self.leave()
 
     def _hand_on(self) -> bool:
-        """Do what is queued, up to a thread that waits; tell whether it has the group now."""
+        """Do what is queued, up to somebody who wants in; tell whether they have the group now."""
         while self._queue:
             following = self._queue.popleft()
             if isinstance(following, _Waiting):
                 self._holder = following.thread
                 following.turn.release()
+                return True
+            if isinstance(following, _Asking):
+                self._holder = 0
+                following.admitted()
                 return True
             following()
         return False
@@ -123,6 +158,8 @@ class Group:
         :param timeout: longest wait, s
         :returns: whether it has ended
         """
+        if not self._holder:  # it is free, or kept for a callback that has not begun
+            return True
         if not self.enter(timeout):
             return False
         self.leave()
@@ -144,8 +181,8 @@ class Group:
 class ReentrantGroup(Group):
     """Any number of callbacks at a time, as rospy itself has it."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, urgent: bool = False) -> None:
+        super().__init__(urgent)
         self._depths: Dict[int, int] = {}  # how often each thread is inside
         self._left = threading.Condition()
 
@@ -180,6 +217,19 @@ class ReentrantGroup(Group):
         finally:
             self.leave()
 
+    def admit(self, admitted: Work) -> None:
+        """Call back at once; see :meth:`Group.admit`."""
+        admitted()
+
+    def adopt(self) -> None:
+        """Go in."""
+        self.enter()
+
+    @property
+    def is_mine(self) -> bool:
+        """False: nobody waits for anybody."""
+        return False
+
     def wait_until_left(self, timeout: float) -> bool:
         """Wait for all callbacks that are under way now; see :meth:`Group.wait_until_left`.
 
@@ -193,3 +243,7 @@ class ReentrantGroup(Group):
                 if not self._left.wait(deadline - time.monotonic()):
                     return False
         return True
+
+
+class Outside(ReentrantGroup):
+    """For what a toolkit does for a node, and not the node's own class: no executor makes it."""

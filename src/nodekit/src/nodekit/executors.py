@@ -1,0 +1,132 @@
+"""Executors: how many threads make the calls of which nodes.
+
+Without one, rospy's threads make them: a thread for each connection, one for all timers. That is
+quick and loses nothing, but a callback that takes its time holds up whoever shares its thread. An
+executor has threads of its own, so timers and services may take long; what comes quicker than it is
+handled is dropped, the oldest first, as ROS 2 does it.
+"""
+
+import itertools
+import os
+import threading
+from typing import Any, Dict, List, Optional
+
+import rospy
+import yaml
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit.execution.groups import Outside
+from nodekit.execution.line import Line
+from nodekit.life.callbacks import Callback
+from nodekit.life.lifetime import Lifetime
+from nodekit.life.timers import NodeTimer
+from nodekit.node import Node
+
+#: Base name of the service that tells of a node's callbacks.
+SERVICE = "executor"
+
+_numbers = itertools.count(1)
+
+
+class _Executor:
+    """Makes the calls of the nodes that are added to it, until it is shut down.
+
+    :param threads: how many calls are made at once, at most
+    :raises ValueError: if that is less than 1
+    """
+
+    def __init__(self, threads: int) -> None:
+        if threads < 1:
+            raise ValueError(f"threads: refused {threads!r}: must be a whole number from 1 on")
+        self._line = Line()
+        self._reports: Dict[Node, Lifetime] = {}
+        number = next(_numbers)
+        for count in range(1, threads + 1):
+            name = f"executor-{number}-{count}"
+            threading.Thread(target=self._work, name=name, daemon=True).start()
+        rospy.on_shutdown(lambda: self.shutdown(0.0))
+
+    def add_node(self, node: Node) -> None:
+        """Make the calls of a node from now on: its timers, subscriptions, services, changes.
+
+        A node that was with another executor leaves that. Nodes that it hosts are added apart.
+
+        :param node: started or not
+        """
+        if node.executor is self:
+            return
+        if node.executor is not None:
+            node.executor.remove_node(node)
+        node.executor = self
+        node.attach(self._line)
+        report = self._reports[node] = node.lifetime()
+        report.service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=Outside())
+
+    def remove_node(self, node: Node) -> None:
+        """Make no calls of a node from now on; rospy's threads make them again.
+
+        What waits by then is still called.
+
+        :param node: one that was added
+        """
+        if node.executor is self:
+            node.executor = None
+            node.attach(None)
+            self._reports.pop(node).close()
+
+    def shutdown(self, timeout: float = 1.0) -> bool:
+        """Make the calls that wait, and no more; what cannot be done in time is dropped.
+
+        :param timeout: longest wait for that, s
+        :returns: whether all calls were made
+        """
+        return self._line.close(timeout)
+
+    def _work(self) -> None:
+        while True:
+            turn = self._line.take()
+            if turn is None:
+                return
+            self._line.serve(turn)
+
+
+class SingleThreadedExecutor(_Executor):
+    """Makes one call after the other, whatever their groups."""
+
+    def __init__(self) -> None:
+        super().__init__(1)
+
+
+class MultiThreadedExecutor(_Executor):
+    """Makes calls at once, as far as their groups allow.
+
+    :param threads: how many, at most; by default as many as the machine has cores, but two
+    :raises ValueError: if that is less than 1
+    """
+
+    def __init__(self, threads: Optional[int] = None) -> None:
+        super().__init__(max(2, os.cpu_count() or 1) if threads is None else threads)
+
+
+def _tell_of(node: Node) -> TriggerResponse:
+    entries = [entry for entry in map(_entry, node.callbacks()) if entry is not None]
+    return TriggerResponse(True, yaml.safe_dump(entries, sort_keys=False))
+
+
+def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
+    """Return what is told of a callback; None if no executor makes its calls."""
+    source = callback.source
+    if source is None:
+        return None
+    return {
+        "name": callback.what,
+        "kind": callback.kind,
+        "waiting": source.waiting,
+        "running": source.running,
+        "made": source.made,
+        "dropped": source.dropped,
+        "skipped": callback.skipped if isinstance(callback, NodeTimer) else 0,
+        "failed": callback.failures,
+        "longest": round(source.longest, 6),
+        "longest_wait": round(source.longest_wait, 6),
+    }

@@ -1,0 +1,223 @@
+"""Whose turn it is with an executor: the line against a model, and its rules one by one."""
+
+import itertools
+import random
+from collections import deque
+from typing import Any, Deque, Dict, List, Optional, Tuple
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from nodekit.execution.groups import Group, ReentrantGroup
+from nodekit.execution.line import Line, Source, Turn
+
+WORKERS = 3
+DEPTH = 3
+
+
+class Modelled:
+    """A source, and what a model that is as simple as can be says of it."""
+
+    def __init__(self, line: Line, group: Group, together: bool = False) -> None:
+        self.group, self.together = group, together
+        self.run: List[Any] = []
+        self.dropped: List[Any] = []
+        self.source = Source(line, group, DEPTH, self.run.extend, self.dropped.append, together)
+        self.waiting: List[Any] = []
+        self.expected_run: List[Any] = []
+        self.expected_dropped: List[Any] = []
+        self.asks = False
+
+
+class World:
+    """A line with workers, driven step by step by one thread; each step is checked."""
+
+    def __init__(self) -> None:
+        self.line = Line()
+        shared, urgent, free = Group(), Group(urgent=True), ReentrantGroup()
+        self.sources = [
+            Modelled(self.line, shared),
+            Modelled(self.line, shared, together=True),
+            Modelled(self.line, Group()),
+            Modelled(self.line, urgent),
+            Modelled(self.line, free),
+        ]
+        self.things = itertools.count()
+        self.turns: List[Tuple[Modelled, Turn]] = []
+        self.standing: Deque[Modelled] = deque()
+        self.asking: Dict[Group, Deque[Modelled]] = {}
+        self.kept: List[Group] = []
+
+    def ask(self, one: Modelled) -> None:
+        if one.asks or not one.waiting:
+            return
+        one.asks = True
+        if isinstance(one.group, ReentrantGroup):
+            self.standing.append(one)
+        elif one.group in self.kept:
+            self.asking.setdefault(one.group, deque()).append(one)
+        else:
+            self.kept.append(one.group)
+            self.standing.append(one)
+
+    def put(self, number: int) -> None:
+        one = self.sources[number % len(self.sources)]
+        thing = next(self.things)
+        one.source.put(thing)
+        if len(one.waiting) == DEPTH:
+            one.expected_dropped.append(one.waiting.pop(0))
+        one.waiting.append(thing)
+        self.ask(one)
+
+    def take(self) -> None:
+        if len(self.turns) == WORKERS:
+            return
+        turn = self.line.take(wait=False)
+        urgent = [one for one in self.standing if one.group.urgent]
+        expected = (urgent or list(self.standing) or [None])[0]
+        assert (turn and turn.source) is (expected and expected.source)
+        if turn is None or expected is None:
+            return
+        self.standing.remove(expected)
+        count = len(expected.waiting) if expected.together else 1
+        assert turn.things == expected.waiting[:count]
+        del expected.waiting[:count]
+        expected.asks = False
+        self.ask(expected)
+        self.turns.append((expected, turn))
+
+    def finish(self, number: int) -> None:
+        if not self.turns:
+            return
+        one, turn = self.turns.pop(number % len(self.turns))
+        self.line.serve(turn)
+        one.expected_run += turn.things
+        if isinstance(one.group, ReentrantGroup):
+            return
+        others = self.asking.get(one.group)
+        if others:
+            self.standing.append(others.popleft())
+        else:
+            self.kept.remove(one.group)
+
+    def check(self) -> None:
+        for one in self.sources:
+            assert one.run == one.expected_run
+            assert one.dropped == one.expected_dropped
+            assert one.source.waiting == len(one.waiting)
+            assert one.source.dropped == len(one.dropped)
+
+    def go(self, steps: List[int]) -> None:
+        for step in steps:
+            what, number = step % 3, step // 3
+            if what == 0:
+                self.put(number)
+            elif what == 1:
+                self.take()
+            else:
+                self.finish(number)
+            self.check()
+
+    def end(self) -> None:
+        """Bring all that waits to its end: nothing may be left standing."""
+        while self.turns or self.standing:
+            self.take()
+            self.finish(0)
+        self.check()
+        assert not any(one.waiting for one in self.sources)
+        assert self.line.close(0.0)
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.lists(st.integers(0, 29), max_size=60))
+def test_line_is_as_the_model_says(steps: List[int]) -> None:
+    world = World()
+    world.go(steps)
+    world.end()
+
+
+def test_ten_thousand_schedules() -> None:
+    chance = random.Random(15)
+    for _ in range(10_000):
+        world = World()
+        world.go([chance.randrange(30) for _ in range(12)])
+        world.end()
+
+
+def served(line: Line) -> Optional[Source]:
+    """Have the next call made; return whose it was."""
+    turn = line.take(wait=False)
+    if turn is None:
+        return None
+    line.serve(turn)
+    return turn.source
+
+
+def make(line: Line, group: Optional[Group] = None, depth: int = 10) -> Source:
+    return Source(line, group or Group(), depth, lambda things: None, lambda thing: None)
+
+
+def test_ten_slow_messages_do_not_keep_a_timer_from_its_turns() -> None:
+    line = Line()
+    slow, timer = make(line), make(line)
+    for number in range(10):
+        slow.put(number)
+    order = []
+    for _ in range(10):
+        timer.put("tick")
+        order += [served(line), served(line)]
+    assert order == [slow, timer] * 10
+
+
+def test_source_in_a_reentrant_group_overlaps_itself_and_lets_others_in_between() -> None:
+    line = Line()
+    group = ReentrantGroup()
+    one, other = make(line, group), make(line, group)
+    for number in range(3):
+        one.put(number)
+    other.put(0)
+    turns = [line.take(wait=False) for _ in range(4)]
+    assert [turn and turn.source for turn in turns] == [one, other, one, one]
+    assert one.running == 3
+
+
+def test_group_that_somebody_else_is_in_keeps_only_its_own_sources_out() -> None:
+    line = Line()
+    group = Group()
+    kept_out, free = make(line, group), make(line)
+    with group:
+        kept_out.put(1)
+        free.put(1)
+        assert served(line) is free
+        assert line.take(wait=False) is None
+    assert served(line) is kept_out
+    assert not group._inside.locked()
+
+
+def test_closed_line_gives_up_what_is_left_and_frees_the_groups() -> None:
+    line = Line()
+    group = Group()
+    given_up: List[int] = []
+    sources = [Source(line, group, 10, lambda things: None, given_up.append) for _ in range(3)]
+    for source in sources:
+        source.put(1)
+        source.put(2)
+    under_way = line.take(wait=False)
+    assert under_way is not None
+    assert not line.close(0.0)
+    line.serve(under_way)
+    assert sorted(given_up) == [1, 1, 1, 2, 2, 2]
+    assert group.try_enter()
+    group.leave()
+    sources[0].put(3)
+    assert given_up[-1] == 3 and sources[0].dropped == 1
+    assert line.take() is None
+
+
+def test_line_tells_how_long_calls_take_and_wait() -> None:
+    line = Line()
+    source = make(line)
+    source.put(1)
+    served(line)
+    assert source.made == 1 and source.running == 0
+    assert 0.0 < source.longest_wait < 10.0 and 0.0 <= source.longest < 10.0

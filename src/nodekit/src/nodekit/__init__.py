@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, Dict
 
 if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.execution.groups import Group as Group
+    from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
+    from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
+    from nodekit.life.clients import CallCancelled as CallCancelled
+    from nodekit.life.clients import CallFuture as CallFuture
+    from nodekit.life.clients import Client as Client
+    from nodekit.life.clients import NestedCall as NestedCall
     from nodekit.life.lifetime import Lifetime as Lifetime
+    from nodekit.life.server import CallError as CallError
+    from nodekit.life.server import CallTimeout as CallTimeout
     from nodekit.live.live_parameters import LiveParameters as LiveParameters
     from nodekit.live.master import MasterUnreachable as MasterUnreachable
     from nodekit.messaging.publisher import Publisher as Publisher
@@ -33,7 +41,15 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
 
 _HOMES: Dict[str, str] = {
     "Group": "execution.groups",
+    "MultiThreadedExecutor": "executors",
+    "SingleThreadedExecutor": "executors",
+    "CallCancelled": "life.clients",
+    "CallFuture": "life.clients",
+    "Client": "life.clients",
+    "NestedCall": "life.clients",
     "Lifetime": "life.lifetime",
+    "CallError": "life.server",
+    "CallTimeout": "life.server",
     "LiveParameters": "live.live_parameters",
     "MasterUnreachable": "live.master",
     "Publisher": "messaging.publisher",

@@ -83,6 +83,7 @@ class _Executor:
         return self._line.close(timeout)
 
     def _work(self) -> None:
+        self._line.workers.add(threading.get_ident())
         while True:
             turn = self._line.take()
             if turn is None:

@@ -11,7 +11,7 @@ import threading
 import time
 from collections import deque
 from functools import partial
-from typing import Any, Callable, Deque, List, NamedTuple, Optional
+from typing import Any, Callable, Deque, List, NamedTuple, Optional, Set
 
 from nodekit.execution.groups import Group
 
@@ -112,7 +112,13 @@ class Line:
         self._urgent: Deque[Source] = deque()
         self._usual: Deque[Source] = deque()
         self._unfinished = 0  # how much waits or is under way
+        #: Threads that take from it.
+        self.workers: Set[int] = set()
         self._is_closed = self._is_over = False
+
+    def is_served_by_caller_alone(self) -> bool:
+        """Tell whether all that waits has to wait for the calling thread."""
+        return self.workers == {threading.get_ident()}
 
     def put(self, source: Source, thing: Any) -> None:
         """Have a call made for something, unless the line is closed.

@@ -1,18 +1,16 @@
 """A user's function as nodekit calls it: in its group, guarded, and no more once it is closed."""
 
-import time
-import traceback
 from collections import deque
 from concurrent.futures import Future
 from typing import Any, Callable, Deque, List, Optional, Tuple
+from weakref import WeakValueDictionary
 
 import rospy
 
 from nodekit.execution.groups import Group, Outside
 from nodekit.execution.line import Line, Source
+from nodekit.messaging.failures import Failures
 
-#: A callback's failures are logged at most this often, s.
-LOG_PERIOD_S = 5.0
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
 #: Messages that wait for an executor, where the user does not say how many; the newest ones.
@@ -28,7 +26,7 @@ class Callback:
     :param function: the function
     :param what: names it in the log
 
-    :ivar failures: how often it has raised something
+    :ivar failures: what it has raised
     :ivar source: what an executor makes its calls of, None without one
     """
 
@@ -39,10 +37,9 @@ class Callback:
         self.group = group
         self.function = function
         self.closed = False
-        self.failures = 0
+        self.failures = Failures()
         self.source: Optional[Source] = None
         self.what = what
-        self._quiet_until = 0.0
 
     def attach(self, line: Optional[Line]) -> None:
         """Have the calls made by an executor, or none; what waits by then stays with the old one.
@@ -87,25 +84,28 @@ class Callback:
         try:
             self.function(*arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
-            self.failures += 1
-            self._log_failure()
+            self.failures.note(self.what)
 
     def close(self) -> None:
         """Begin no call any more; one that is under way goes on."""
         self.closed = True
-
-    def _log_failure(self) -> None:
-        now = time.monotonic()
-        if now >= self._quiet_until and not rospy.is_shutdown():
-            self._quiet_until = now + LOG_PERIOD_S
-            text = "%s failed, %d times by now:\n%s"
-            rospy.logerr(text, self.what, self.failures, traceback.format_exc())
 
 
 class Answering(Callback):
     """A function whose result, or exception, somebody waits for."""
 
     kind = "service"
+    #: Those of this process by the name of their service.
+    offered: "WeakValueDictionary[str, Answering]" = WeakValueDictionary()
+
+    def __init__(self, group: Group, function: Callable[[Any], Any], what: str) -> None:
+        super().__init__(group, function, what)
+        self.offered[what] = self
+
+    def waits_for_caller(self) -> bool:
+        """Tell whether a call now would have to wait for the calling thread."""
+        is_its_thread = self.source is not None and self.source.line.is_served_by_caller_alone()
+        return not self.closed and (self.group.is_mine or is_its_thread)
 
     def _source(self, line: Line) -> Source:
         return Source(line, self.group, MOST_CALLS, self._answer_waiting, self._refuse)
@@ -115,8 +115,7 @@ class Answering(Callback):
 
         :param request: what to call it with
         :returns: what it returns
-        :raises rospy.ServiceException: if it is closed
-        :raises Exception: whatever the function raises
+        :raises rospy.ServiceException: if it is closed, or the function raises something
         """
         source = self.source
         if source is not None:
@@ -132,7 +131,13 @@ class Answering(Callback):
     def _answer_inside(self, request: Any) -> Any:
         if self.closed:
             raise rospy.ServiceException(f"{self.what} is closed")
-        return self.function(request)
+        try:
+            return self.function(request)
+        except rospy.ServiceException:
+            raise
+        except BaseException as error:  # SystemExit too: the client would wait for its answer
+            self.failures.note(self.what)
+            raise rospy.ServiceException(str(error) or repr(error)) from error
 
     def _answer_waiting(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
         ((request, answer),) = calls

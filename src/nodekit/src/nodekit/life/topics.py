@@ -7,6 +7,7 @@ import rospy
 from nodekit.execution.line import Line
 from nodekit.life.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
 from nodekit.execution.groups import Group
+from nodekit.life.clients import Client
 from nodekit.life.names import Names
 from nodekit.life.opening import Opener
 from nodekit.life.ownership import Owner, Thing
@@ -177,6 +178,18 @@ class TopicMaker(Owner):
         resolved = self.resolve(name)
         callback = self.own(Answering(group or self._surroundings.group, handler, resolved))
         return self._open(Service(resolved, service_class, callback.answer))
+
+    def client(self, name: str, service_class: type, group: Optional[Group] = None) -> Client:
+        """Call a service.
+
+        :param name: name
+        :param service_class: its type
+        :param group: of callbacks that are told of answers; the node's own by default
+        """
+        resolved = self.resolve(name)
+        group = group or self._surroundings.group
+        done = self.own(Callback(group, lambda function, future: function(future), resolved))
+        return self.own(Client(resolved, service_class, done))
 
     def _hear(
         self,

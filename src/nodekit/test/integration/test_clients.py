@@ -1,0 +1,250 @@
+#!/usr/bin/env python3
+"""Clients of services on a real master: stock servers that answer, hang, fail and die."""
+
+import itertools
+import os
+import signal
+import socket
+import threading
+import time
+import unittest
+from typing import Any, List
+
+import rosgraph
+import rospy
+import rostest
+from roscpp.srv import GetLoggers, GetLoggersRequest
+from std_srvs.srv import SetBool, SetBoolRequest, Trigger, TriggerRequest, TriggerResponse
+
+from nodekit import (
+    CallCancelled,
+    CallError,
+    CallFuture,
+    CallTimeout,
+    MultiThreadedExecutor,
+    NestedCall,
+    SingleThreadedExecutor,
+)
+from nodekit.life.clients import MOST_CALLS
+from nodekit.life.names import Names
+from nodekit.node import Node
+from nodekit.process.run import register
+from nodekit.testing.processes import Process, is_stopped
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+SERVER = os.path.join(os.path.dirname(__file__), "..", "helpers", "slow_server.py")
+
+
+class Clients(unittest.TestCase):
+    """Each test has a namespace of its own."""
+
+    numbers = itertools.count()
+
+    def setUp(self) -> None:
+        self.space = f"/clients{next(self.numbers)}"
+        self.node = Node(Names.hosted(self.space, "client"))
+        self.addCleanup(self.node.close)
+        self.node.start()
+
+    def server(self) -> Process:
+        """Start a server in this test's namespace, and wait until it can be called."""
+        server = Process(SERVER, [f"__ns:={self.space}"])
+        self.addCleanup(server.end)
+        self.assertTrue(self.node.client("fails", Trigger).wait_for_service(TIMEOUT_S))
+        return server
+
+    def test_answers_of_stock_rospy(self) -> None:
+        self.server()
+        client = self.node.client("echo", SetBool)
+        for wanted in (True, False):
+            self.assertEqual(client.call(SetBoolRequest(wanted)).success, wanted)
+        with self.assertRaisesRegex(CallError, "answers with an error: .*on purpose"):
+            self.node.client("fails", Trigger).call(TriggerRequest())
+
+    def test_answers_of_roscpp(self) -> None:
+        client = self.node.client("/relay/get_loggers", GetLoggers)
+        self.assertTrue(client.wait_for_service(TIMEOUT_S))
+        self.assertTrue(client.call(GetLoggersRequest()).loggers)
+
+    def test_a_hundred_calls_at_once_never_swap_answers(self) -> None:
+        self.server()
+        client = self.node.client("echo", SetBool)
+        wanted = [number % 3 == 0 for number in range(100)]
+        futures = [client.call_async(SetBoolRequest(data), TIMEOUT_S) for data in wanted]
+        self.assertEqual([future.result().success for future in futures], wanted)
+        wait_until(lambda: not client.under_way, lambda: str(client.under_way))
+
+    def test_done_is_told_in_the_group(self) -> None:
+        self.server()
+        group = self.node.group()
+        client = self.node.client("echo", SetBool, group=group)
+        told: List[Any] = []
+        with group:
+            future = client.call_async(SetBoolRequest(True))
+            future.add_done_callback(lambda done: told.append(done.result().message))
+            self.assertEqual(future.result().message, "quick")
+            self.assertEqual(told, [])
+        wait_until(lambda: told == ["quick"], lambda: str(told))
+        future.add_done_callback(lambda done: told.append("late"))
+        wait_until(lambda: told == ["quick", "late"], lambda: str(told))
+
+    def test_hanging_server_costs_the_time_out_and_its_late_answer_is_dropped(self) -> None:
+        server = self.server()
+        client = self.node.client("slow", Trigger)
+        told: List[CallFuture] = []
+        future = client.call_async(TriggerRequest(), 0.3)
+        future.add_done_callback(told.append)
+        began = time.monotonic()
+        with self.assertRaisesRegex(CallTimeout, f"{self.space}/slow has not answered in time"):
+            client.call(TriggerRequest(), timeout=0.3)
+        self.assertLess(time.monotonic() - began, TIMEOUT_S / 2)
+        wait_until(future.done, lambda: "not done")
+        assert server.popen.stdin is not None
+        server.popen.stdin.write("answer\n")
+        self.assertEqual(client.call(TriggerRequest()).message, "at last")
+        with self.assertRaises(CallTimeout):
+            future.result()
+        wait_until(lambda: told == [future], lambda: str(told))
+        self.assertEqual(client.under_way, set())
+
+    def test_cancelled_call_says_so_and_hangs_up(self) -> None:
+        self.server()
+        client = self.node.client("slow", Trigger)
+        future = client.call_async(TriggerRequest(), TIMEOUT_S)
+        self.assertFalse(future.done())
+        self.assertTrue(future.cancel())
+        with self.assertRaisesRegex(CallCancelled, f"the call of {self.space}/slow was cancelled"):
+            future.result()
+        wait_until(lambda: not client.under_way, lambda: "its thread still waits")
+        self.assertTrue(future.cancelled() and future.done())
+
+    def test_closing_ends_what_is_under_way(self) -> None:
+        self.server()
+        part = self.node.lifetime()
+        client = part.client("slow", Trigger)
+        future = client.call_async(TriggerRequest(), TIMEOUT_S)
+        part.close()
+        with self.assertRaises(CallCancelled):
+            future.result()
+        with self.assertRaisesRegex(CallCancelled, "its client is closed"):
+            client.call(TriggerRequest())
+
+    def test_calls_under_way_are_bounded(self) -> None:
+        self.server()
+        client = self.node.client("slow", Trigger)
+        for _ in range(MOST_CALLS):
+            client.call_async(TriggerRequest(), TIMEOUT_S)
+        with self.assertRaisesRegex(CallError, f"{MOST_CALLS} calls are under way already"):
+            client.call_async(TriggerRequest())
+        client.close()
+
+    def test_server_that_is_killed_stopped_and_started_again(self) -> None:
+        server = self.server()
+        client = self.node.client("slow", Trigger)
+        future = client.call_async(TriggerRequest(), TIMEOUT_S)
+        wait_until(lambda: self.connections(server) > 0, lambda: "not connected")
+        server.end()
+        with self.assertRaisesRegex(CallError, f"{self.space}/slow cannot be called: "):
+            future.result()
+        # It stays registered with the master: the connection is refused.
+        with self.assertRaisesRegex(CallError, "cannot be called: .*refused"):
+            client.call(TriggerRequest())
+        self.assertFalse(client.wait_for_service(0.3))
+        again = self.server()
+        quick = self.node.client("echo", SetBool)
+        self.assertTrue(quick.call(SetBoolRequest(True)).success)
+        again.popen.send_signal(signal.SIGSTOP)
+        wait_until(lambda: is_stopped(again.popen.pid), lambda: "it goes on")
+        with self.assertRaises(CallTimeout):
+            quick.call(SetBoolRequest(True), timeout=0.3)
+        self.assertFalse(quick.wait_for_service(0.3))
+        again.popen.send_signal(signal.SIGCONT)
+        self.assertTrue(quick.call(SetBoolRequest(True), TIMEOUT_S).success)
+
+    def connections(self, server: Process) -> int:
+        """Return how many sockets a process has."""
+        directory = f"/proc/{server.popen.pid}/fd"
+        links = [os.path.realpath(f"{directory}/{name}") for name in os.listdir(directory)]
+        return len([link for link in links if "socket" in link])
+
+    def test_no_service_and_none_that_is_one(self) -> None:
+        client = self.node.client("nowhere", Trigger)
+        with self.assertRaisesRegex(CallError, f"{self.space}/nowhere cannot be called: nobody"):
+            client.call(TriggerRequest())
+        began = time.monotonic()
+        self.assertFalse(client.wait_for_service(0.2))
+        self.assertLess(time.monotonic() - began, TIMEOUT_S / 2)
+        with socket.socket() as silent:
+            silent.bind(("localhost", 0))
+            silent.listen(1)
+            uri = f"rosrpc://localhost:{silent.getsockname()[1]}"
+            master = rosgraph.Master(self.space + "/liar")
+            master.registerService(self.space + "/nowhere", uri, "http://localhost:1/")
+            self.addCleanup(master.unregisterService, self.space + "/nowhere", uri)
+            with self.assertRaises(CallTimeout):
+                client.call(TriggerRequest(), timeout=0.2)
+
+    def test_wrong_types_and_values_are_refused_in_words(self) -> None:
+        self.server()
+        with self.assertRaisesRegex(CallError, "answers with an error: .*md5"):
+            self.node.client("echo", Trigger).call(TriggerRequest())
+        client = self.node.client("echo", SetBool)
+        with self.assertRaisesRegex(CallError, "refused True: must be a SetBoolRequest"):
+            client.call(True)
+        with self.assertRaisesRegex(CallError, "request is refused: "):
+            client.call(SetBoolRequest("text"))
+        for timeout in (0.0, -1.0, float("inf"), float("nan")):
+            with self.assertRaisesRegex(ValueError, f"refused {timeout} s: must be"):
+                client.call(SetBoolRequest(True), timeout=timeout)
+
+    def served(self, executor: Any, same_group: bool) -> List[Any]:
+        """Call a service of this process from a callback of its node; return what came of it."""
+        outcome: List[Any] = []
+        if executor is not None:
+            executor.add_node(self.node)
+            self.addCleanup(executor.shutdown)
+        group = None if same_group else self.node.group()
+        self.node.service("own", Trigger, lambda request: TriggerResponse(True, "hello"), group)
+        client = self.node.client("own", Trigger)
+
+        def ask(request: Any) -> TriggerResponse:
+            for call in (
+                lambda: client.call(TriggerRequest(), timeout=TIMEOUT_S).message,
+                lambda: client.call_async(TriggerRequest(), timeout=TIMEOUT_S).result().message,
+            ):
+                try:
+                    outcome.append(call())
+                except CallError as error:
+                    outcome.append(type(error))
+            return TriggerResponse(True, "")
+
+        self.node.service("ask", Trigger, ask)
+        rospy.ServiceProxy(self.space + "/ask", Trigger)()
+        return outcome
+
+    def test_nested_call_to_the_own_group_is_refused(self) -> None:
+        self.assertEqual(self.served(None, same_group=True), [NestedCall] * 2)
+
+    def test_nested_call_to_the_own_group_is_refused_in_an_executor(self) -> None:
+        self.assertEqual(self.served(MultiThreadedExecutor(3), same_group=True), [NestedCall] * 2)
+
+    def test_nested_call_to_the_only_thread_is_refused(self) -> None:
+        self.assertEqual(self.served(SingleThreadedExecutor(), same_group=False), [NestedCall] * 2)
+
+    def test_nested_call_to_another_group_is_answered(self) -> None:
+        self.assertEqual(self.served(None, same_group=False), ["hello"] * 2)
+
+    def test_nested_call_to_another_thread_is_answered(self) -> None:
+        self.assertEqual(self.served(MultiThreadedExecutor(3), same_group=False), ["hello"] * 2)
+
+    def test_answer_that_its_type_cannot_hold_is_an_error_for_the_client(self) -> None:
+        self.node.service("bad", Trigger, lambda request: TriggerResponse(True, 5))
+        client = self.node.client("bad", Trigger)
+        for _ in range(2):
+            with self.assertRaisesRegex(CallError, "answers with an error"):
+                client.call(TriggerRequest(), timeout=TIMEOUT_S)
+
+
+if __name__ == "__main__":
+    register("test_clients")
+    rostest.rosrun("nodekit", "clients", "test_clients")

@@ -1,0 +1,317 @@
+"""Executors with real threads: what overlaps, what is counted, what a failure and an end leave."""
+
+import itertools
+import threading
+import time
+from typing import Any, Callable, Iterator, List, Optional, Type
+
+import pytest
+import rospy
+
+from nodekit.execution.groups import Group, ReentrantGroup
+from nodekit.execution.line import Line
+from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
+from nodekit.life.callbacks import Answering, Bell, Callback, Receiving
+from nodekit.life.timers import NodeTimer
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from nodekit.timing.clocks import MonotonicClock
+from nodekit.timing.scheduler import Scheduler
+
+#: How long a callback is held where nothing else may begin, s.
+HELD_S = 0.03
+KINDS = ("timer", "subscription", "service", "on_change")
+GROUPS = ("one exclusive", "two exclusive", "one reentrant")
+
+
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[Scheduler]:
+    made = Scheduler(MonotonicClock())
+    yield made
+    made.close()
+
+
+def executor(name: str) -> Optional[_Executor]:
+    makers = {"single": SingleThreadedExecutor, "multi": lambda: MultiThreadedExecutor(4)}
+    return makers[name]() if name in makers else None
+
+
+def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
+    thread = threading.Thread(target=function, args=arguments, daemon=True)
+    thread.start()
+    return thread
+
+
+def make(
+    kind: str, group: Group, function: Callable[[], Any], line: Optional[Line], clock: Scheduler
+) -> Callable[[], Any]:
+    """Return what has a callback called once, as what it is for would do it."""
+    callback: Callback
+    if kind == "timer":
+        timer = NodeTimer(clock, group, 0.001, lambda elapsed: function(), 0.0, kind)
+        timer.attach(line)
+        return lambda: NodeTimer.start_together([timer])
+    if kind == "subscription":
+        callback = receiving = Receiving(group, lambda message: function(), kind, batches=False)
+        callback.attach(line)
+        return lambda: in_thread(receiving.receive, ["message"], True)
+    if kind == "service":
+        callback = answering = Answering(group, lambda request: function(), f"/{id(function)}")
+        callback.attach(line)
+        return lambda: in_thread(answering.answer, "request")
+    callback = bell = Bell(group, function, kind)
+    callback.attach(line)
+    return lambda: in_thread(bell.ring)
+
+
+def overlap(one: str, other: str, groups: str, name: str) -> bool:
+    """Say what the documentation says."""
+    if name == "single" or groups == "one exclusive":
+        return False
+    return name == "multi" or (one, other) != ("timer", "timer")
+
+
+@pytest.mark.parametrize("name", ["none", "single", "multi"])
+@pytest.mark.parametrize("groups", GROUPS)
+@pytest.mark.parametrize(
+    "one, other", list(itertools.combinations_with_replacement(KINDS, 2)), ids=str
+)
+def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, name: str) -> None:
+    made = executor(name)
+    line = made._line if made is not None else None
+    first_group: Group = ReentrantGroup() if groups == "one reentrant" else Group()
+    second_group = Group() if groups == "two exclusive" else first_group
+    begun, may_end, second_begun = threading.Event(), threading.Event(), threading.Event()
+    order: List[str] = []
+
+    def first() -> None:
+        order.append("first begins")
+        begun.set()
+        may_end.wait(TIMEOUT_S)
+        order.append("first ends")
+
+    def second() -> None:
+        order.append("second begins")
+        second_begun.set()
+
+    make(one, first_group, first, line, scheduler)()
+    assert begun.wait(TIMEOUT_S)
+    make(other, second_group, second, line, scheduler)()
+    if overlap(one, other, groups, name):
+        assert second_begun.wait(TIMEOUT_S), order
+        may_end.set()
+        return
+    assert not second_begun.wait(HELD_S), order
+    may_end.set()
+    assert second_begun.wait(TIMEOUT_S), order
+    assert order == ["first begins", "first ends", "second begins"]
+
+
+def receiving(
+    made: _Executor, function: Callable[[Any], Any], group: Optional[Group] = None, depth: int = 10
+) -> Receiving:
+    callback = Receiving(group or Group(), function, "topic", False, depth)
+    callback.attach(made._line)
+    return callback
+
+
+def test_callback_in_a_reentrant_group_overlaps_itself_up_to_all_threads() -> None:
+    made, inside, most = MultiThreadedExecutor(3), [0], [0]
+    all_in = threading.Barrier(3)
+
+    def callback(message: Any) -> None:
+        inside[0] += 1
+        most[0] = max(most[0], inside[0])
+        all_in.wait(TIMEOUT_S)
+        inside[0] -= 1
+
+    receiving(made, callback, ReentrantGroup()).receive(list(range(6)), True)
+    assert made.shutdown(TIMEOUT_S)
+    assert most[0] == 3
+
+
+def test_timer_goes_on_while_ten_slow_messages_wait(scheduler: Scheduler) -> None:
+    made = MultiThreadedExecutor(2)
+    may_end, ticks = threading.Event(), threading.Semaphore(0)
+    slow = receiving(made, lambda message: may_end.wait(TIMEOUT_S), depth=11)
+    slow.receive(list(range(11)), True)
+    timer = NodeTimer(scheduler, Group(), 100.0, lambda elapsed: ticks.release(), 0.0, "timer")
+    timer.attach(made._line)
+    NodeTimer.start_together([timer])
+    assert all(ticks.acquire(timeout=TIMEOUT_S) for _ in range(5))
+    assert slow.source is not None and slow.source.waiting == 10
+    timer.close()
+    may_end.set()
+    assert made.shutdown(TIMEOUT_S)
+
+
+def test_urgent_group_goes_first() -> None:
+    made, order = SingleThreadedExecutor(), []  # type: Any
+    begun, may_end = threading.Event(), threading.Event()
+
+    def hold(message: Any) -> None:
+        begun.set()
+        may_end.wait(TIMEOUT_S)
+
+    receiving(made, hold).receive(["hold"], True)
+    assert begun.wait(TIMEOUT_S)
+    receiving(made, order.append).receive([1, 2, 3], True)
+    receiving(made, order.append, Group(urgent=True)).receive(["stop"], True)
+    may_end.set()
+    assert made.shutdown(TIMEOUT_S)
+    assert order == ["stop", 1, 2, 3]
+
+
+def test_newest_messages_are_kept_and_the_rest_is_counted() -> None:
+    made, heard = SingleThreadedExecutor(), []  # type: Any
+    callback = receiving(made, heard.append, depth=3)
+    with callback.group:
+        callback.receive(list(range(10)), True)
+        assert callback.source is not None
+        assert (callback.source.waiting, callback.source.dropped) == (3, 7)
+    assert made.shutdown(TIMEOUT_S)
+    assert heard == [7, 8, 9]
+
+
+def test_batch_takes_all_that_waits() -> None:
+    made, heard = SingleThreadedExecutor(), []  # type: Any
+    callback = Receiving(Group(), heard.append, "topic", True, 100)
+    callback.attach(made._line)
+    with callback.group:
+        callback.receive([1, 2], True)
+        callback.receive([3], True)
+    assert made.shutdown(TIMEOUT_S)
+    assert heard == [[1, 2, 3]]
+
+
+def test_missed_periods_are_skipped_and_counted(scheduler: Scheduler) -> None:
+    made = SingleThreadedExecutor()
+    begun, may_end, calls = threading.Event(), threading.Event(), []
+
+    def tick(elapsed: float) -> None:
+        calls.append(elapsed)
+        begun.set()
+        may_end.wait(TIMEOUT_S)
+
+    timer = NodeTimer(scheduler, Group(), 200.0, tick, 0.0, "timer")
+    timer.attach(made._line)
+    NodeTimer.start_together([timer])
+    assert begun.wait(TIMEOUT_S)
+    wait_until(lambda: timer.skipped >= 5, lambda: str(timer.skipped))
+    assert len(calls) == 1
+    may_end.set()
+    wait_until(lambda: len(calls) > 2, lambda: str(calls))
+    timer.close()
+
+
+@pytest.mark.parametrize("error", [ValueError, SystemExit, KeyboardInterrupt])
+def test_failure_harms_nothing_else(error: Type[BaseException]) -> None:
+    made, heard = SingleThreadedExecutor(), []  # type: Any
+
+    def fail(message: Any) -> None:
+        raise error("on purpose")
+
+    failing = receiving(made, fail)
+    failing.receive([1, 2], True)
+    failing.group.wait_until_left(TIMEOUT_S)
+    receiving(made, heard.append).receive(["after"], True)
+    assert made.shutdown(TIMEOUT_S)
+    assert heard == ["after"] and failing.failures == 2
+
+
+def test_service_answers_with_the_error() -> None:
+    made = SingleThreadedExecutor()
+
+    def fail(request: Any) -> None:
+        raise ValueError("on purpose")
+
+    answering = Answering(Group(), fail, "/fails")
+    answering.attach(made._line)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="on purpose"):
+            answering.answer("request")
+
+
+def test_removed_while_running_what_waits_is_still_called_and_the_rest_directly() -> None:
+    made, threads = SingleThreadedExecutor(), []  # type: Any
+    begun, may_end = threading.Event(), threading.Event()
+
+    def callback(message: Any) -> None:
+        threads.append((message, threading.current_thread().name))
+        begun.set()
+        may_end.wait(TIMEOUT_S)
+
+    one = receiving(made, callback)
+    one.receive([1, 2], True)
+    assert begun.wait(TIMEOUT_S)
+    one.attach(None)
+    direct = in_thread(one.receive, [3], True)
+    may_end.set()
+    direct.join(TIMEOUT_S)
+    assert made.shutdown(TIMEOUT_S)
+    assert sorted(message for message, _ in threads) == [1, 2, 3]
+    assert all((name == direct.name) == (message == 3) for message, name in threads)
+
+
+def test_shutdown_tells_that_calls_were_dropped() -> None:
+    made = MultiThreadedExecutor(2)
+    begun, may_end = threading.Event(), threading.Event()
+    heard: List[Any] = []
+
+    def hold(message: Any) -> None:
+        heard.append(message)
+        begun.set()
+        may_end.wait(TIMEOUT_S)
+
+    callback = receiving(made, hold)
+    callback.receive([1, 2, 3], True)
+    answering = Answering(callback.group, lambda request: None, "/waits")
+    answering.attach(made._line)
+    errors: List[str] = []
+
+    def call() -> None:
+        try:
+            answering.answer("request")
+        except rospy.ServiceException as error:
+            errors.append(str(error))
+
+    assert begun.wait(TIMEOUT_S)
+    caller = in_thread(call)
+    wait_until(lambda: bool(answering.source and answering.source.waiting), lambda: "no call")
+    began = time.monotonic()
+    assert not made.shutdown(0.05)
+    assert time.monotonic() - began < TIMEOUT_S / 2
+    may_end.set()
+    caller.join(TIMEOUT_S)
+    assert errors and "/waits" in errors[0] and "shut down" in errors[0]
+    assert heard == [1]
+    with pytest.raises(rospy.ServiceException, match="shut down"):
+        answering.answer("request")
+    assert callback.group.enter(TIMEOUT_S)
+
+
+def test_close_waits_for_what_is_under_way_but_not_for_what_only_waits() -> None:
+    made, began = SingleThreadedExecutor(), threading.Event()
+    may_end = threading.Event()
+
+    def hold(message: Any) -> None:
+        began.set()
+        may_end.wait(TIMEOUT_S)
+
+    receiving(made, hold).receive([1], True)
+    assert began.wait(TIMEOUT_S)
+    heard: List[Any] = []
+    waiting = receiving(made, heard.append)
+    waiting.receive([1], True)
+    waiting.close()
+    start = time.monotonic()
+    assert waiting.group.wait_until_left(TIMEOUT_S)
+    assert time.monotonic() - start < TIMEOUT_S / 2
+    may_end.set()
+    assert made.shutdown(TIMEOUT_S)
+    assert heard == []
+
+
+@pytest.mark.parametrize("threads", [0, -1])
+def test_number_of_threads_is_judged(threads: int) -> None:
+    with pytest.raises(ValueError, match=f"refused {threads}: must be"):
+        MultiThreadedExecutor(threads)

@@ -127,7 +127,7 @@ def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
         "made": source.made,
         "dropped": source.dropped,
         "skipped": callback.skipped if isinstance(callback, NodeTimer) else 0,
-        "failed": callback.failures,
+        "failed": callback.failures.count,
         "longest": round(source.longest, 6),
         "longest_wait": round(source.longest_wait, 6),
     }

@@ -215,7 +215,7 @@ def test_failure_harms_nothing_else(error: Type[BaseException]) -> None:
     failing.group.wait_until_left(TIMEOUT_S)
     receiving(made, heard.append).receive(["after"], True)
     assert made.shutdown(TIMEOUT_S)
-    assert heard == ["after"] and failing.failures == 2
+    assert heard == ["after"] and failing.failures.count == 2
 
 
 def test_service_answers_with_the_error() -> None:
@@ -227,8 +227,9 @@ def test_service_answers_with_the_error() -> None:
     answering = Answering(Group(), fail, "/fails")
     answering.attach(made._line)
     for _ in range(2):
-        with pytest.raises(ValueError, match="on purpose"):
+        with pytest.raises(rospy.ServiceException, match="on purpose"):
             answering.answer("request")
+    assert answering.failures.count == 2
 
 
 def test_removed_while_running_what_waits_is_still_called_and_the_rest_directly() -> None:

@@ -77,7 +77,7 @@ class EnableSequence(unittest.TestCase):
     def test_set_point_first(self) -> None:
         self.start_set_point()
         for _ in range(2):
-            self.wait_for_line(f"waiting for {self.space}/EnableProcess: service")
+            self.wait_for_line(f"waiting for the motor: {self.space}/EnableProcess cannot be called: ")
             self.log.forget()
         self.assertEqual(self.inputs.messages(), [])
         self.start("dc_motor.py", "motor_sys")
@@ -113,7 +113,7 @@ class EnableSequence(unittest.TestCase):
         self.wait_for_line("the motor is gone")
         wait_until(lambda: self.inputs.messages()[-1].data == 0.0, lambda: "there is no last 0")
         self.assert_both_are_silent()
-        self.wait_for_line(f"waiting for {self.space}/EnableProcess: ")
+        self.wait_for_line(f"waiting for the motor: {self.space}/EnableProcess ")
         self.states.forget()
         self.start("dc_motor.py", "motor_sys")
         self.wait_for_state("enabled")
@@ -152,7 +152,7 @@ class EnableSequence(unittest.TestCase):
         self.start_set_point()
         self.inputs.wait_for(lambda heard: True)
         self.assertEqual(len(calls), 5)
-        self.wait_for_line(f"waiting for {self.space}/EnableProcess: call 4")
+        self.wait_for_line("waiting for the motor: call 4")
         # A pause counts from the answer, so however slow the machine is, it cannot look shorter.
         for pause, before, after in zip((0.2, 0.4, 0.8, 1.0), calls, calls[1:]):
             self.assertGreater(after - before, pause)
@@ -170,7 +170,7 @@ class EnableSequence(unittest.TestCase):
 
     def test_set_point_that_waits_ends_cleanly(self) -> None:
         set_point = self.start_set_point()
-        self.wait_for_line(f"waiting for {self.space}/EnableProcess: service")
+        self.wait_for_line(f"waiting for the motor: {self.space}/EnableProcess cannot be called: ")
         self.assertEqual(self.end(set_point, signal.SIGINT), 0)
 
 

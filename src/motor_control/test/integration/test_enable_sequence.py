@@ -77,7 +77,9 @@ class EnableSequence(unittest.TestCase):
     def test_set_point_first(self) -> None:
         self.start_set_point()
         for _ in range(2):
-            self.wait_for_line(f"waiting for the motor: {self.space}/EnableProcess cannot be called: ")
+            self.wait_for_line(
+                f"waiting for the motor: {self.space}/EnableProcess cannot be called: "
+            )
             self.log.forget()
         self.assertEqual(self.inputs.messages(), [])
         self.start("dc_motor.py", "motor_sys")

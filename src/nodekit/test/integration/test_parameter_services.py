@@ -180,10 +180,10 @@ class ParameterServices(ParameterCase):
         )
         self.assertLess(time.monotonic() - begin, 5.0)
         self.assertEqual(done.returncode, 1)
-        lines = done.stdout.splitlines()
+        lines, name = done.stdout.splitlines(), self.node.name
         self.assertEqual(lines[0], self.nodes[1].name, "the other has to wait for the first")
         self.assertEqual(
-            lines[-1], f"describe: {self.node.name} does not answer: no answer within 2 s"
+            lines[-1], f"describe: {name} does not answer: {name}/describe: no answer within 2 s"
         )
         hung = command("change", self.node.name, "level", "2")
         self.assertEqual(hung.returncode, 1)

@@ -8,7 +8,7 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import Call
+from nodekit.commands.calling import ask
 from nodekit.live import change, describe
 from nodekit.live.following import Following, open_all
 from nodekit.live.watcher import get_watcher
@@ -138,12 +138,12 @@ class Controls:
 def _change(node: str, values: Mapping[str, Any]) -> Changed:
     """Have a node change parameters.
 
-    :raises NoAnswer: if it does not answer in good time
+    :raises CallError: if it does not answer in good time
     """
     text = yaml.safe_dump(dict(values))
-    answer = Call(f"{node}/{change.SERVICE}", SetParameters, text).answer()
+    answer = ask(f"{node}/{change.SERVICE}", SetParameters, text).result()
     return Changed(answer.success, answer.message, yaml.safe_load(answer.values))
 
 
 def _describe(node: str) -> str:
-    return str(Call(node + _END, Trigger).answer().message)
+    return str(ask(node + _END, Trigger).result().message)

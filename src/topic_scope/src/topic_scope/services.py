@@ -2,12 +2,14 @@
 
 from typing import Any, Callable, Dict, List
 
-import rospy
 import rosservice
 from std_srvs.srv import SetBool, Trigger
 
+from nodekit.commands.calling import ask
 from topic_scope.background import Background
 
+#: Longest wait for an answer, s: some do their work first, as a robot that drives home.
+_ANSWER_S = 60.0
 _CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
 
 
@@ -49,6 +51,8 @@ def call(
         text = str(result) if failed else result.message
         answer({"type": "called", "service": service, "success": success, "message": text})
 
-    proxy = rospy.ServiceProxy(service, _CLASSES[kind])
-    if not background.run(("call", service), lambda: proxy(*arguments), told):
+    def work() -> Any:
+        return ask(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
+
+    if not background.run(("call", service), work, told):
         told(RuntimeError("an earlier call has not been answered yet"))

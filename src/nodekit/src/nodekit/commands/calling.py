@@ -2,63 +2,30 @@
 
 import difflib
 import sys
-import threading
-import time
 from typing import Any, List
 
 import rosgraph
-import rospy
 
+from nodekit.execution.groups import Outside
+from nodekit.life.callbacks import Callback
+from nodekit.life.clients import CallFuture, Client
 from nodekit.live.master import MasterClient
 
 #: Longest wait for an answer, s.
 TIMEOUT_S = 2.0
 
 
-class NoAnswer(Exception):
-    """A service that does not answer; the text says why."""
-
-
-class Call(threading.Thread):
-    """A call under way, in a thread of its own: rospy's has no time-out.
+def ask(service: str, kind: Any, *arguments: Any, timeout: float = TIMEOUT_S) -> CallFuture:
+    """Call a service, not from a node's class.
 
     :param service: global name of the service
     :param kind: its type
     :param arguments: of the request
+    :param timeout: longest time to the answer, s
+    :returns: the answer, which comes later
     """
-
-    def __init__(self, service: str, kind: type, *arguments: Any) -> None:
-        super().__init__(daemon=True)
-        self._service, self._kind, self._arguments = service, kind, arguments
-        self._answer: Any = None
-        self._error: object = f"no answer within {TIMEOUT_S:g} s"
-        self.deadline = time.monotonic() + TIMEOUT_S
-        self.start()
-
-    def run(self) -> None:
-        """Call the service."""
-        try:
-            self._answer = rospy.ServiceProxy(self._service, self._kind)(*self._arguments)
-        except Exception as error:  # of any kind: it is told in the other thread
-            self._error = error
-
-    def is_done_by(self, deadline: float) -> bool:
-        """Wait for the end of the call; tell whether it was reached.
-
-        :param deadline: s on the monotonic clock
-        """
-        self.join(max(0.0, deadline - time.monotonic()))
-        return not self.is_alive()
-
-    def answer(self) -> Any:
-        """Return the answer.
-
-        :raises NoAnswer: if there is none in good time
-        """
-        self.is_done_by(self.deadline)
-        if self._answer is None:
-            raise NoAnswer(str(self._error))
-        return self._answer
+    client = Client(service, kind, Callback(Outside(), lambda function, call: None, service))
+    return client.call_async(kind._request_class(*arguments), timeout)
 
 
 def master(caller: str) -> MasterClient:

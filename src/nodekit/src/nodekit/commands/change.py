@@ -8,7 +8,8 @@ import rosgraph
 import rospy
 import yaml
 
-from nodekit.commands.calling import Call, NoAnswer, master, say_what_there_is
+from nodekit.commands.calling import ask, master, say_what_there_is
+from nodekit.life.server import CallError
 from nodekit.live.change import SERVICE
 from nodekit.live.master import MasterUnreachable
 from nodekit_msgs.srv import SetParameters
@@ -36,7 +37,7 @@ def main() -> None:
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))
     except MasterUnreachable as error:
         sys.exit(f"change: no master at {error}")
-    except NoAnswer as error:
+    except CallError as error:
         sys.exit(f"change: {arguments.namespace} does not answer: {error}")
     except KeyboardInterrupt:
         pass
@@ -54,7 +55,7 @@ def _change(namespace: str, settings: Dict[str, Any]) -> int:
         problem = f"change: nothing at {namespace} takes changes"
         say_what_there_is(client, SERVICE, namespace, problem)
         return 1
-    answer = Call(f"{node}/{SERVICE}", SetParameters, yaml.safe_dump(settings)).answer()
+    answer = ask(f"{node}/{SERVICE}", SetParameters, yaml.safe_dump(settings)).result()
     if not answer.success:
         print(f"change: {answer.message}", file=sys.stderr)
         return 1

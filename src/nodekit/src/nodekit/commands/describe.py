@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-import time
+from concurrent import futures
 from typing import List
 
 import rosgraph
@@ -10,7 +10,8 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import Call, NoAnswer, master, owners, say_what_there_is
+from nodekit.commands.calling import ask, master, owners, say_what_there_is
+from nodekit.life.server import CallError
 from nodekit.live.describe import SERVICE
 from nodekit.live.master import MasterUnreachable
 from nodekit.parameters.schema import as_table
@@ -51,14 +52,13 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, those that are slow to answer last; tell whether all have answered."""
-    calls = {name: Call(f"{name}/{SERVICE}", Trigger) for name in names}
-    order = time.monotonic() + _ORDER_S
-    late = {name for name, call in calls.items() if not call.is_done_by(order)}
+    calls = {name: ask(f"{name}/{SERVICE}", Trigger) for name in names}
+    _, late = futures.wait(calls.values(), _ORDER_S)
     missing = 0
-    for name in sorted(names, key=lambda name: (name in late, name)):
+    for name in sorted(names, key=lambda name: (calls[name] in late, name)):
         try:
-            entries = yaml.safe_load(calls[name].answer().message)
-        except NoAnswer as error:
+            entries = yaml.safe_load(calls[name].result().message)
+        except CallError as error:
             print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1
             continue

@@ -36,13 +36,13 @@ class CallFuture(concurrent.futures.Future):
     """The answer to a call, which comes later, but by the deadline.
 
     :param client: whose
-    :param deadline: s on the monotonic clock
+    :param timeout: longest time to it, s
     """
 
-    def __init__(self, client: "Client", deadline: float) -> None:
+    def __init__(self, client: "Client", timeout: float) -> None:
         super().__init__()
-        self._client, self._deadline = client, deadline
-        self._call = ServiceCall(deadline)
+        self._client = client
+        self._call = ServiceCall(timeout)
 
     def result(self, timeout: Optional[float] = None) -> Any:
         """Wait for the answer.
@@ -55,13 +55,15 @@ class CallFuture(concurrent.futures.Future):
         """
         if not self.done():
             self._client.refuse_nested()
-        left = max(0.0, self._deadline - time.monotonic())
+        left = max(0.0, self._call.deadline - time.monotonic())
+        wait = left if timeout is None else min(timeout, left)
         try:
-            return super().result(left if timeout is None else min(timeout, left))
+            return super().result(wait)
         except concurrent.futures.CancelledError:
             raise CallCancelled(f"the call of {self._client.name} was cancelled") from None
         except concurrent.futures.TimeoutError:
-            raise CallTimeout(f"{self._client.name} has not answered in time") from None
+            waited = self._call.timeout if wait == left else wait
+            raise CallTimeout(f"{self._client.name}: no answer within {waited:g} s") from None
 
     def cancel(self) -> bool:
         """Wait for the answer no longer; the server learns of it only if it looks.
@@ -141,7 +143,7 @@ class Client:
         if len(self.under_way) >= MOST_CALLS:
             raise CallError(f"{self.name} is not called: {MOST_CALLS} calls are under way already")
         content = self.server.serialised(request)
-        future = CallFuture(self, time.monotonic() + timeout)
+        future = CallFuture(self, timeout)
         self.under_way.add(future)
         threading.Thread(
             target=future.run, args=(content,), name=f"call of {self.name}", daemon=True
@@ -158,7 +160,7 @@ class Client:
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
             with contextlib.suppress(CallError):
-                self.server.look(ServiceCall(time.monotonic() + min(left, _TELL_EVERY_S)))
+                self.server.look(ServiceCall(min(left, _TELL_EVERY_S)))
                 return True
             if time.monotonic() >= told + _TELL_EVERY_S:
                 told = time.monotonic()

@@ -80,7 +80,7 @@ class Server:
         except CallFailed as error:
             raise CallError(f"{self.name} answers with an error: {error}") from None
         except socket.timeout:
-            raise CallTimeout(f"{self.name} has not answered in time") from None
+            raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
         except (OSError, MasterUnreachable) as error:
             raise CallError(f"{self.name} cannot be called: {error}") from None
 

@@ -25,11 +25,14 @@ class CallFailed(Exception):
 class ServiceCall:
     """A call that can be cancelled at any moment, from any thread.
 
-    :param deadline: s on the monotonic clock
+    :param timeout: longest time from now to the answer, s
+
+    :ivar deadline: the end of that time, s on the monotonic clock
     """
 
-    def __init__(self, deadline: float) -> None:
-        self._deadline = deadline
+    def __init__(self, timeout: float) -> None:
+        self.timeout = timeout
+        self.deadline = time.monotonic() + timeout
         self._lock = threading.Lock()
         self._socket: Optional[socket.socket] = None
         self._is_cancelled = False
@@ -83,7 +86,7 @@ class ServiceCall:
 
         :raises socket.timeout: if that time is over
         """
-        left = self._deadline - time.monotonic()
+        left = self.deadline - time.monotonic()
         if left <= 0.0:
             raise socket.timeout("timed out")
         return left

@@ -3,6 +3,7 @@
 from typing import Callable, List, NamedTuple
 
 import callbacks
+import executors
 import groups
 import latency
 import live
@@ -99,6 +100,13 @@ MEASUREMENTS = [
     ),
     Measurement(
         "callback", "a callback in its group", [stacks.OURS], callbacks.uncontended, repeats=1
+    ),
+    Measurement(
+        "executor",
+        "a call by an executor",
+        [stacks.OURS, stacks.RCLPY],
+        executors.call,
+        repeats=1,
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),

@@ -148,6 +148,8 @@ GOALS: List[Goal] = [
     _against("executor", "CPU of a call, one thread", 0.1, "single_us", " us", OURS, RCLPY),
     _against("executor", "CPU of a call, two threads", 0.1, "multi_us", " us", OURS, RCLPY),
     _itself("executor", "to an idle thread of an executor", 100.0, "hop_us", " us"),
+    _itself("overlap", "scenarios as they should be", 6.0, "agree", "", at_most=False),
+    _itself("overlap", "the same, rclpy", 6.0, "agree", "", subject=RCLPY, at_most=False),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

@@ -7,6 +7,7 @@ import executors
 import groups
 import latency
 import live
+import overlap
 import startup
 import stacks
 import throughput
@@ -106,6 +107,13 @@ MEASUREMENTS = [
         "a call by an executor",
         [stacks.OURS, stacks.RCLPY],
         executors.call,
+        repeats=1,
+    ),
+    Measurement(
+        "overlap",
+        "which callbacks overlap in executors",
+        [stacks.OURS, stacks.RCLPY],
+        overlap.agreement,
         repeats=1,
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),

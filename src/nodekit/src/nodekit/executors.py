@@ -9,7 +9,7 @@ handled is dropped, the oldest first, as ROS 2 does it.
 import itertools
 import os
 import threading
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Optional
 
 import rospy
 import yaml

@@ -5,7 +5,6 @@ import itertools
 import os
 import signal
 import socket
-import threading
 import time
 import unittest
 from typing import Any, List

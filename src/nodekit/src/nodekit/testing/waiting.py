@@ -7,6 +7,9 @@ Value = TypeVar("Value")
 
 #: Long enough for a loaded machine, s: a condition that holds is seen at once all the same.
 TIMEOUT_S = 30.0
+#: First and longest pause before it is asked again, s: what holds at once is seen at once, and what
+#: takes long is not slowed down by the questions.
+_SHORTEST_S, _LONGEST_S = 0.001, 0.05
 
 
 def wait_until(
@@ -22,11 +25,12 @@ def wait_until(
     :returns: the truthy answer
     :raises AssertionError: when the time is over
     """
-    deadline = time.monotonic() + timeout
+    deadline, pause = time.monotonic() + timeout, _SHORTEST_S
     while True:
         answer = condition()
         if answer:
             return answer
         if time.monotonic() > deadline:
             raise AssertionError(f"after {timeout:g} s: {what()}")
-        time.sleep(0.05)
+        time.sleep(pause)
+        pause = min(2.0 * pause, _LONGEST_S)

@@ -1,18 +1,16 @@
-"""Wait for a condition instead of sleeping and hoping."""
+"""Wait for a condition on a page that replaces its elements meanwhile."""
 
-import time
 from typing import Callable, Optional, TypeVar
 
 from selenium.common.exceptions import StaleElementReferenceException
 
-Value = TypeVar("Value")
+from nodekit.testing import waiting
 
-#: Long enough for a loaded machine, s: a condition that holds is seen at once all the same.
-TIMEOUT = 30.0
+Value = TypeVar("Value")
 
 
 def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], object]) -> Value:
-    """Poll until a condition holds.
+    """Poll until a condition holds, as :func:`nodekit.testing.waiting.wait_until` does.
 
     :param condition: asked again and again; holds when its answer is truthy. An element that the
         page has replaced meanwhile only means to ask again.
@@ -20,14 +18,11 @@ def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], obje
     :returns: the truthy answer
     :raises AssertionError: when the time is over
     """
-    deadline = time.monotonic() + TIMEOUT
-    while True:
+
+    def answer() -> Optional[Value]:
         try:
-            answer = condition()
+            return condition()
         except StaleElementReferenceException:
-            answer = None
-        if answer:
-            return answer
-        if time.monotonic() > deadline:
-            raise AssertionError(f"after {TIMEOUT:g} s: {what()}")
-        time.sleep(0.05)
+            return None
+
+    return waiting.wait_until(answer, lambda: str(what()))

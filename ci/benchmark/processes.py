@@ -7,8 +7,7 @@ import signal
 import socket
 import subprocess
 import time
-from types import TracebackType
-from typing import Dict, Iterable, Iterator, List, Optional, Type
+from typing import Dict, Iterable, Iterator, List, Optional
 
 from observers import wait_until
 from peers import HERE, SCRIPTS
@@ -60,12 +59,7 @@ class Session:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._end_all()
 
     def _wait_for_master(self) -> None:

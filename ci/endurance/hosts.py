@@ -5,8 +5,7 @@ import os
 import pathlib
 import signal
 import subprocess
-from types import TracebackType
-from typing import Callable, Dict, List, Optional, Type
+from typing import Callable, Dict, List, Optional
 
 from steps import end_leftovers
 
@@ -49,12 +48,7 @@ class Hosts:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._end_all()
 
     def _end_all(self) -> None:

@@ -5,8 +5,7 @@ import pathlib
 import statistics
 import threading
 import time
-from types import TracebackType
-from typing import Dict, List, NamedTuple, Optional, Sequence, Type
+from typing import Dict, List, NamedTuple, Sequence
 
 
 class Usage(NamedTuple):
@@ -66,12 +65,7 @@ class Sampler:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._done.set()
         self._thread.join()
 

@@ -1,8 +1,7 @@
 """Read the messages of a bag, and say in words what is wrong with one."""
 
 import os
-from types import TracebackType
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Type
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional
 
 import genpy
 import rosbag
@@ -63,12 +62,7 @@ class BagReader:
     def __enter__(self) -> "BagReader":
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self._bag.close()
 
     @property

@@ -13,8 +13,7 @@ for somebody who asked to be let in, an executor, which then finds a thread for 
 import threading
 import time
 from collections import deque
-from types import TracebackType
-from typing import Callable, Deque, Dict, NamedTuple, Optional, Type, Union
+from typing import Callable, Deque, Dict, NamedTuple, Union
 
 #: Work that may be left with a group; raises nothing.
 Work = Callable[[], None]
@@ -169,12 +168,7 @@ class Group:
         self.enter()
         return self
 
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        trace: Optional[TracebackType],
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.leave()
 
 

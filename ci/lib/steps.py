@@ -109,7 +109,7 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
     with socket.socket() as probe:
         probe.bind(("localhost", 0))
         port = probe.getsockname()[1]
-    return dict(
+    variables = dict(
         os.environ,
         ROS_MASTER_URI=f"http://localhost:{port}",
         ROS_HOME=str(directory / "ros"),
@@ -117,6 +117,9 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
         TMPDIR=str(directory / "tmp"),
         HYPOTHESIS_STORAGE_DIRECTORY=str(directory / "hypothesis"),
     )
+    # Or else each of hundreds of nodes compiles the workspace's modules anew.
+    variables.pop("PYTHONDONTWRITEBYTECODE", None)
+    return variables
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:

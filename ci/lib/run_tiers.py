@@ -1,4 +1,4 @@
-"""Run the tiers of tests named on the command line, two steps at a time, and sum up."""
+"""Run the tiers of tests named on the command line, three steps at a time, and sum up."""
 
 import concurrent.futures
 import pathlib
@@ -13,8 +13,8 @@ from typing import List, Optional
 import tiers
 from steps import Outcome, Runner, Step
 
-# Most integration tests wait most of the time.
-AT_A_TIME = 2
+# More than most machines' cores: most integration tests wait most of the time.
+AT_A_TIME = 3
 # Of the output of a failed step.
 LINES_SHOWN = 200
 

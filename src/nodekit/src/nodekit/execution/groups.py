@@ -66,7 +66,7 @@ class Group:
     def enter(self, timeout: float = -1.0) -> bool:
         """Wait until it is the calling thread's turn.
 
-        :param timeout: longest wait, s; below 0 for ever
+        :param timeout: longest wait, s; -1 for ever
         :returns: whether it is; False only where the time is over
         """
         if self.try_enter():

@@ -33,7 +33,7 @@ _LENGTH = struct.Struct("<I")
 
 @functools.lru_cache(maxsize=None)
 def publisher_mismatch() -> str:
-    """Compare rospy's publishers with what this section takes for granted.
+    """Compare rospy's publishers with what this module takes for granted.
 
     :returns: what is different; empty if nothing is
     """

@@ -11,7 +11,7 @@ import rostest
 import yaml
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
-from std_srvs.srv import Trigger
+from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit.live.change import change_handler
 from nodekit.live.live_parameters import LiveParameters, open_all
@@ -167,6 +167,17 @@ class ParameterServices(ParameterCase):
         wrong = command("describe", self.node.name + "s")
         self.assertEqual((wrong.returncode, wrong.stdout), (1, ""))
         self.assertIn(self.node.name, wrong.stderr)
+
+    def test_service_of_the_same_name_keeps_no_other_from_being_described(self) -> None:
+        for text in ("hello", "[1, 2]", "[{name: x}]", "{"):
+            answer = TriggerResponse(True, text)
+            service = rospy.Service(LAB + "/a/describe", Trigger, lambda _, answer=answer: answer)
+            done = command("describe", LAB)
+            service.shutdown()
+            sentence = f"describe: {LAB}/a/describe does not describe parameters\n"
+            self.assertEqual((done.returncode, done.stderr), (1, sentence))
+            for node in self.nodes:
+                self.assertIn(node.name + "\n", done.stdout)
 
     def test_node_that_hangs_keeps_no_other_from_being_described(self) -> None:
         self.node.popen.send_signal(signal.SIGSTOP)

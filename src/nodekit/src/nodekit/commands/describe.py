@@ -58,13 +58,16 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     for name in sorted(names, key=lambda name: (calls[name] in late, name)):
         try:
             entries = yaml.safe_load(calls[name].result().message)
+            text = f"{name}\n{as_table(entries)}\n"
         except CallError as error:
             print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1
             continue
+        except (yaml.YAMLError, LookupError, TypeError):  # of that name, but somebody else's
+            print(f"describe: {name}/{SERVICE} does not describe parameters", file=sys.stderr)
+            missing += 1
+            continue
         if wants_yaml:
             text = yaml.safe_dump({name: entries}, sort_keys=False, allow_unicode=True)
-        else:
-            text = f"{name}\n{as_table(entries)}\n"
         print(text, end="", flush=True)
     return not missing

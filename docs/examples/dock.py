@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""Docks a robot, which takes its time, while a timer and an emergency stop go on."""
+
+import time
+
+import rospy
+from std_msgs.msg import Empty
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit import MultiThreadedExecutor, Node, run
+
+
+class Dock:
+    def __init__(self, node: Node) -> None:
+        MultiThreadedExecutor(3).add_node(node)
+        self.stopped = False
+        node.service("dock", Trigger, self.dock, group=node.group())
+        node.subscribe("stop", Empty, self.stop, group=node.group(urgent=True))
+        node.every(2.0, self.tell)
+
+    def dock(self, request: Trigger) -> TriggerResponse:
+        for _ in range(30):
+            if self.stopped:
+                return TriggerResponse(False, "stopped on the way")
+            time.sleep(0.1)
+        return TriggerResponse(True, "docked")
+
+    def stop(self, message: Empty) -> None:
+        self.stopped = True
+
+    def tell(self, elapsed: float) -> None:
+        rospy.loginfo("alive")
+
+
+if __name__ == "__main__":
+    run("dock", Dock)

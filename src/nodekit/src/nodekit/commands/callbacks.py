@@ -1,0 +1,56 @@
+"""The command ``rosrun nodekit callbacks NODE``."""
+
+import argparse
+import sys
+from typing import Any, Dict, List
+
+import rosgraph
+import rospy
+import yaml
+from std_srvs.srv import Trigger
+
+from nodekit.commands.calling import ask, master, say_what_there_is
+from nodekit.executors import SERVICE
+from nodekit.life.server import CallError
+from nodekit.live.master import MasterUnreachable
+
+#: Keys of which the table shows milliseconds.
+_TIMES = ("longest", "longest_wait")
+
+
+def main() -> None:
+    """Print what a node with an executor says of its callbacks."""
+    parser = argparse.ArgumentParser(
+        prog="callbacks",
+        description="List the callbacks of a running node that uses an executor: what waits, what"
+        " was dropped, how long calls took and waited, in ms.",
+    )
+    parser.add_argument("node", metavar="NODE", help="its name")
+    node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
+    try:
+        client = master("callbacks")
+        if client.lookup_service(f"{node}/{SERVICE}") is None:
+            problem = f"callbacks: {node} has no executor"
+            say_what_there_is(client, SERVICE, node, problem)
+            sys.exit(1)
+        print(as_table(yaml.safe_load(ask(f"{node}/{SERVICE}", Trigger).result().message)))
+    except MasterUnreachable as error:
+        sys.exit(f"callbacks: no master at {error}")
+    except CallError as error:
+        sys.exit(f"callbacks: {node} does not answer: {error}")
+    except KeyboardInterrupt:
+        pass
+
+
+def as_table(entries: List[Dict[str, Any]]) -> str:
+    """Return callbacks as lines of text with aligned columns.
+
+    :param entries: what the node says of each
+    """
+    rows = [list(entries[0])] if entries else []
+    for entry in entries:
+        cells = {**entry, **{key: f"{1e3 * entry[key]:.1f}" for key in _TIMES}}
+        rows.append([str(cell) for cell in cells.values()])
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths)) for row in rows)
+    return "\n".join(line.rstrip() for line in lines)

@@ -1,5 +1,6 @@
 """Follow a parameter that nobody has declared, and that is never written."""
 
+import copy
 from typing import Any, Callable, Optional, Sequence
 
 from nodekit.live.followers import Follower, call_listener
@@ -38,7 +39,7 @@ class Following:
         """
         self._held = self._watcher.first_reading(self.key)
         self._told = _value(self._held)
-        return self._told
+        return copy.deepcopy(self._told)
 
     def tell_again(self) -> None:
         """Have the callback told soon what there is, also where that is what it was told last.
@@ -60,7 +61,7 @@ class Following:
         value = _value(seen.raw)
         if not is_same(value, self._told) and not (seen.forgotten and seen.raw is MISSING):
             self._told = value
-            call_listener(lambda: self._callback(value), self.key)
+            call_listener(lambda: self._callback(copy.deepcopy(value)), self.key)
         return True
 
 

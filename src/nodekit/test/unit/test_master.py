@@ -12,6 +12,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
+from nodekit.live import master as client_of_master
 from nodekit.live.master import MasterClient, MasterUnreachable
 from nodekit.parameters.no_value import MISSING, UNREADABLE
 from nodekit.testing import processes
@@ -125,6 +126,21 @@ def test_value_that_cannot_be_sent_hides_no_other() -> None:
     with master() as (instance, client):
         instance.big = True
         assert client.read(["/n"]).values == {"/n": {"level": 1.0, "big": UNREADABLE}}
+
+
+def test_two_answers_that_come_in_turn_are_parsed_once_each(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    parsed: List[bytes] = []
+    parse = client_of_master._parse
+    monkeypatch.setattr(client_of_master, "_parse", lambda text: parsed.append(text) or parse(text))
+    with master() as (instance, client):
+        for _ in range(3):
+            assert client.read(["/n/level"]).values == {"/n/level": 1.0}
+            assert client.topic_types() == {"/t": "std_msgs/String"}
+        assert len(parsed) == 2
+        instance.setParam("/n/level", 2.0)
+        assert client.read(["/n/level"]).values == {"/n/level": 2.0}
 
 
 def test_reading_tells_of_a_restart() -> None:

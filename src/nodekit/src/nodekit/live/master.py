@@ -7,6 +7,7 @@ http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%2
 """
 
 import contextlib
+import functools
 import http.client
 import threading
 import xmlrpc.client
@@ -17,6 +18,8 @@ from nodekit.parameters.no_value import MISSING, UNREADABLE
 _SUCCESS = 1
 #: Most calls in one of several requests: the master's other clients are served between two.
 _TOGETHER = 500
+#: How many answers are remembered: each second there is one of values and one of services.
+_REMEMBERED = 2
 #: What a request may raise; UnicodeError where the URI is no name of a host.
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, UnicodeError)
 
@@ -65,8 +68,8 @@ class _Transport(xmlrpc.client.Transport):
     def __init__(self, timeout: float) -> None:
         super().__init__()
         self._timeout = timeout
-        self._latest: Optional[bytes] = None
-        self._parsed: Any = None
+        # The usual answer is that nothing has changed: the same text need not be parsed again.
+        self._parse = functools.lru_cache(_REMEMBERED)(_parse)
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
@@ -74,22 +77,20 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
     def parse_response(self, response: Any) -> Any:
-        """Return what an answer says, without parsing the same text again.
+        """Return what an answer says."""
+        return self._parse(response.read())
 
-        The usual answer to the question for changes is that there are none.
-        """
-        text = response.read()
-        if text != self._latest:
-            try:
-                parser, unmarshaller = self.getparser()
-                parser.feed(text)
-                parser.close()
-                self._latest, self._parsed = text, unmarshaller.close()
-            except xmlrpc.client.Fault:
-                raise
-            except Exception as error:  # of any kind: the parser takes for granted what it reads
-                raise xmlrpc.client.ResponseError(f"no XML-RPC ({error})") from None
-        return self._parsed
+
+def _parse(text: bytes) -> Any:
+    try:
+        parser, unmarshaller = xmlrpc.client.getparser()
+        parser.feed(text)
+        parser.close()
+        return unmarshaller.close()
+    except xmlrpc.client.Fault:
+        raise
+    except Exception as error:  # of any kind: the parser takes for granted what it reads
+        raise xmlrpc.client.ResponseError(f"no XML-RPC ({error})") from None
 
 
 class MasterClient:

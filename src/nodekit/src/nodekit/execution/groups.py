@@ -69,9 +69,11 @@ class Group:
         :param timeout: longest wait, s; -1 for ever
         :returns: whether it is; False only where the time is over
         """
-        if self.try_enter():
+        me = threading.get_ident()
+        if self._inside.acquire(False):  # as try_enter does; messages and ticks save the call
+            self._holder = me
             return True
-        if self._holder == threading.get_ident():
+        if self._holder == me:
             self._depth += 1
             return True
         waiting = _Waiting()
@@ -104,10 +106,11 @@ class Group:
 
         :param work: what to do
         """
-        if not self.try_enter():
+        if not self._inside.acquire(False):
             self._queue.append(work)
             self._serve_if_free()
             return
+        self._holder = threading.get_ident()
         try:
             work()
         finally:

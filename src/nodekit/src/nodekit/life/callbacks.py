@@ -68,21 +68,24 @@ class Callback:
 
         :param arguments: what to call it with
         """
-        self.group.enter()
-        try:
-            self.call_inside(*arguments)
+        group = self.group
+        group.enter()
+        try:  # in the steps of call_inside, which each message would else call once more
+            if not self.closed:
+                self.function(*arguments)
+        except BaseException:
+            self.failures.note(self.what)
         finally:
-            self.group.leave()
+            group.leave()
 
     def call_inside(self, *arguments: Any) -> None:
         """Call the function from within the group, as :meth:`call` does.
 
         :param arguments: what to call it with
         """
-        if self.closed:
-            return
         try:
-            self.function(*arguments)
+            if not self.closed:
+                self.function(*arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
             self.failures.note(self.what)
 

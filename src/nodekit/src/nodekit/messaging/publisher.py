@@ -2,7 +2,6 @@
 
 from typing import Any, List, NamedTuple, Optional, Sequence
 
-import genpy
 import rospy
 
 from nodekit.rospy_internals import publishers, registration
@@ -83,7 +82,7 @@ class Publisher:
         """
         topic = self._topic
         if topic is not None and len(args) == 1 and type(args[0]) is self.data_class and not kwds:
-            self._send(topic, args)
+            topic.publish_all(args)
             return
         publisher = self._publisher
         if publisher is not None:
@@ -105,14 +104,7 @@ class Publisher:
             for message in messages:
                 self.publish(message)
         elif messages:
-            self._send(topic, messages)
-
-    @staticmethod
-    def _send(topic: publishers.OutgoingTopic, messages: Sequence[Any]) -> None:
-        try:
             topic.publish_all(messages)
-        except genpy.SerializationError as error:
-            raise rospy.ROSSerializationException(str(error)) from error
 
     def get_num_connections(self) -> int:
         """Tell how many subscribers are connected; those in the same process need no connection."""

@@ -13,6 +13,7 @@ import socket
 import struct
 from typing import Any, ContextManager, Dict, List, Optional, Sequence
 
+import genpy
 import rospy
 import rospy.core
 import rospy.msg
@@ -115,6 +116,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         """Send messages, all at once.
 
         :param messages: what to send, at least one
+        :raises rospy.ROSSerializationException: if a field has a value that does not fit
         :raises rospy.ROSException: as in :meth:`publish`
         """
         with self._lock:
@@ -133,7 +135,10 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 if not rospy.core.is_initialized():
                     raise rospy.ROSException("publish() before init_node()")
                 return
-            packets = list(map(self._serialize, messages))
+            try:
+                packets = list(map(self._serialize, messages))
+            except genpy.SerializationError as error:
+                raise rospy.ROSSerializationException(str(error)) from error
             if self._links:
                 data = b"".join(packets)
                 self.message_data_sent += len(data)

@@ -21,6 +21,8 @@ from nodekit.timing.timetable import SLACK_S, Timetable
 
 AnyClock = Union[MonotonicClock, SimulatedClock]
 Callback = Callable[[float], None]
+Work = Callable[[], None]
+Dispatch = Callable[[Work], None]
 
 #: Highest rate of a timer, Hz: deadlines must be further apart than they are blurred.
 HIGHEST_HZ = 0.1 / SLACK_S
@@ -35,6 +37,10 @@ def checked_rate(rate: float) -> float:
     if isinstance(rate, numbers.Real) and 0.0 <= rate <= HIGHEST_HZ:
         return float(rate)
     raise ValueError(f"a rate of {rate!r} Hz: must be a number in [0, {HIGHEST_HZ:g}]")
+
+
+def _at_once(work: Work) -> None:
+    work()
 
 
 class Timer:
@@ -55,13 +61,14 @@ class Timer:
         callback: Callback,
         rate: float,
         catch_up: float = 0.0,
-        dispatch: Optional[Callable[[Callable[[], None]], None]] = None,
+        dispatch: Optional[Dispatch] = None,
     ) -> None:
         self._scheduler = scheduler
         self._callback = callback
         catch_up = scheduler.allowed_catch_up(catch_up)
         self._catches_up = catch_up > 0.0
-        self._dispatch = dispatch
+        #: Calls the function that it is given, now or later.
+        self.dispatch: Dispatch = dispatch or _at_once
         self.timetable = Timetable(checked_rate(rate), catch_up)
         #: Calls that are due and not made yet, by the time since the first one, s.
         self._due: Deque[float] = deque()
@@ -100,19 +107,13 @@ class Timer:
             self._left_out += 1
         return is_first
 
-    def dispatch(self) -> None:
-        """Have the calls made that are due."""
-        if self._dispatch is None:
-            self._tick()
-        else:
-            self._dispatch(self._tick)
-
-    def _tick(self) -> None:
-        while True:
+    def tick(self) -> None:
+        """Make the calls that are due."""
+        while self._due:
             try:
                 elapsed = self._due.popleft()
             except IndexError:
-                return  # that was all, or it was closed or paused just now
+                return  # it was closed or paused just now
             try:
                 self._callback(elapsed)
             except BaseException:  # one timer's defect must not end the others
@@ -192,18 +193,21 @@ class Scheduler:
 
     def _run(self) -> None:
         while not self._closed:
-            now = self._clock.now()
+            now, moment = self._clock.now(), None
             if now is not None:
-                for timer in self._take_due(now):
+                due, moment = self._take_due(now)
+                for timer in due:
                     if self._closed:
                         return
-                    timer.dispatch()
-            with self._lock:
-                moment = self._queue[0][0] if self._queue else None
+                    timer.dispatch(timer.tick)
+            # What has put a deadline before this moment since has also waked the clock.
             self._clock.wait_until(moment)
 
-    def _take_due(self, now: float) -> List[Timer]:
-        """Return the timers to be dispatched now, each queued again for the next time."""
+    def _take_due(self, now: float) -> Tuple[List[Timer], Optional[float]]:
+        """Return the timers to be dispatched now, and when the next ones are due.
+
+        Each is queued again for its next time.
+        """
         found: List[Timer] = []
         with self._lock:
             if now < self._latest:
@@ -216,7 +220,7 @@ class Scheduler:
                 if timer.note(timetable.take(now)):
                     found.append(timer)
                 heapq.heapreplace(queue, (timetable.next_deadline, order, timer))
-        return found
+            return found, queue[0][0] if queue else None
 
     def _follow_clock_back(self, now: float) -> None:
         self._queue = []

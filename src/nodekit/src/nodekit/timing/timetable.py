@@ -54,7 +54,8 @@ class Timetable:
         :param now: the time, at or after the deadline, s
         :returns: time from the first deadline to this one, s
         """
-        self.begin(now)
+        if self._anchor == -math.inf:
+            self.begin(now)
         following = self._next + 1
         if now - self.next_deadline > self._catch_up:
             latest = max(following, self._first_after(now, self._anchor))

@@ -43,11 +43,15 @@ class Process:
 
     def _on_signal(self, samples: List[signal_msg]) -> None:
         settings = self._settings.values
+        conditioner = self._conditioner
+        rejected, restarts = conditioner.rejected, conditioner.restarts
         answers = []
         if self._lateness.update(self._now(), samples):
             self._warn_of_lateness()
         for sample in samples:
-            value = self._condition(sample, settings)
+            value = conditioner.process(
+                sample.amplitude, sample.frequency, sample.time_x, sample.signal_y, settings
+            )
             if value is not None:
                 self._latest = value
                 answer = Float32()  # filled in afterwards, which takes genpy half the time
@@ -55,18 +59,10 @@ class Process:
                 answers.append(answer)
         if settings.rate == 0.0:
             self._publisher.publish_all(answers)
-
-    def _condition(self, sample: signal_msg, settings: ProcessParameters) -> Optional[float]:
-        conditioner = self._conditioner
-        restarts = conditioner.restarts
-        value = conditioner.process(
-            sample.amplitude, sample.frequency, sample.time_x, sample.signal_y, settings
-        )
         if conditioner.restarts != restarts:
-            self._warn_of_restart(sample.time_x)
-        if value is None:
+            self._warn_of_restart(samples[-1].time_x)
+        if conditioner.rejected != rejected:
             self._warn_of_rejection()
-        return value
 
     def _publish_latest(self, _elapsed: float) -> None:
         if self._latest is not None:

@@ -48,11 +48,16 @@ class LatenessMonitor:
         first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
             return False  # none of a signal
-        lateness = self._lateness(now, first)
+        lateness = now - first - self._lag if first > self._time else 0.0
+        if lateness >= LATE_S and self._clock_has_followed(now, first):
+            lateness = 0.0
         self._time = latest
         if lateness < LATE_S or (self.is_late and now - self._since > SETTLED_S):
             was_late, self.is_late = self.is_late, False
-            self._settle(now - latest)
+            lag = now - latest
+            if self._lag - lag >= LATE_S:  # a jump ahead: the clock may follow
+                self._lag_before, self._before_until = self._lag, latest + SETTLED_S
+            self._lag = lag
             return was_late
         begins = not self.is_late
         if begins:
@@ -64,17 +69,7 @@ class LatenessMonitor:
         self.count += sum(sample.time_x <= limit for sample in samples)
         return begins
 
-    def _lateness(self, now: float, time_x: float) -> float:
-        """Return how late a sample is, s; what is in time may be early as well."""
-        if time_x <= self._time:
-            return 0.0
+    def _clock_has_followed(self, now: float, time_x: float) -> bool:
+        """Tell whether the lag is as it was before the signal jumped ahead of the clock."""
         lag = now - time_x
-        if time_x <= self._before_until and abs(lag - self._lag_before) < LATE_S:
-            return 0.0  # the clock has followed
-        return lag - self._lag
-
-    def _settle(self, lag: float) -> None:
-        """Take a lag for the normal one, and remember that before a jump ahead."""
-        if self._lag - lag >= LATE_S:
-            self._lag_before, self._before_until = self._lag, self._time + SETTLED_S
-        self._lag = lag
+        return time_x <= self._before_until and abs(lag - self._lag_before) < LATE_S

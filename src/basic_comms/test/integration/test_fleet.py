@@ -7,6 +7,7 @@ import xmlrpc.client
 import rosgraph
 import rospy
 import rostest
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 from std_srvs.srv import SetBool, Trigger
 
@@ -79,6 +80,13 @@ class FleetOfThree(unittest.TestCase):
         )
         for ear in ears.values():
             ear.close()
+
+    def test_lines_of_the_log_do_not_carry_the_names_of_all_topics(self) -> None:
+        log = Ear("/rosout", Log)
+        self.graph.set_parameter("/Robot3/process/offset", 0.25)
+        line = log.wait_for(lambda heard: heard.msg == "/Robot3/process/offset: 0 -> 0.25")
+        self.assertEqual((line.name, line.topics), ("/fleet", []))
+        log.close()
 
     def test_services_reach_one_member_only(self) -> None:
         rospy.ServiceProxy("/Robot1/signal_generator/enable", SetBool)(False)

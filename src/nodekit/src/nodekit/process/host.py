@@ -9,6 +9,7 @@ from nodekit.live.watcher import get_watcher
 from nodekit.node import Node
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process.run import run
+from nodekit.rospy_internals import parameters
 
 #: Base name, namespace and class of a node.
 Member = Tuple[str, str, Callable[[Node], object]]
@@ -34,6 +35,8 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     :raises MasterUnreachable: if the master does not answer
     """
     get_watcher().read_ahead([Names.hosted(where, base).node for base, where, _ in members])
+    # Or rospy sends the names of all topics, theirs too, with each line of the log.
+    parameters.cache(parameters.ROSOUT_PARAMETER, True)
     up = []
     for base, namespace, cls in members:
         try:

@@ -1,6 +1,5 @@
 """What a node makes, and how long it lives."""
 
-from functools import partial
 from typing import Any, Callable, Collection, Optional, Type
 
 from std_srvs.srv import Trigger
@@ -72,13 +71,15 @@ class Lifetime(TopicMaker):
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
             self._open(Change(group or self._surroundings.group, live, on_change))
-        # In no group: a callback that takes its time holds up no user.
-        self._open(Service(self.resolve("~describe"), Trigger, description_handler(live)))
-        self._open(Service(self.resolve("~change"), SetParameters, change_handler(live)))
+        self._serve("~describe", Trigger, description_handler(live))
+        self._serve("~change", SetParameters, change_handler(live))
         if reconfigure.AVAILABLE:
-            service = partial(self.service, group=Outside())
-            self.own(reconfigure.ReconfigureInterface(live, self.publisher, service))
+            self.own(reconfigure.ReconfigureInterface(live, self.publisher, self._serve))
         return self._open(live)
+
+    def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
+        """Offer a service in no group: a callback that takes its time holds up no user."""
+        self._open(Service(self.resolve(name), service_class, handler))
 
     def follow(
         self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None

@@ -2,13 +2,12 @@
 
 import contextlib
 import threading
-from collections import deque
 from typing import (
     Any,
     Callable,
     Collection,
-    Deque,
     Dict,
+    List,
     NamedTuple,
     Optional,
     Sequence,
@@ -49,7 +48,7 @@ class Entry:
         self.follower = follower
         self.key = follower.key
         #: Notifications that it has not taken yet, oldest first.
-        self.pushed: Deque[Tuple[str, Any]] = deque()
+        self.pushed: List[Tuple[str, Any]] = []
         #: Whether it still has to be told that the master was restarted.
         self.forgotten = False
         #: Whether it is to be told whatever is read.
@@ -74,8 +73,7 @@ class Entry:
         self.due = True  # until it is done, also where this raises
         if self.follower.take(Seen(raw, pushed, self.forgotten, read_at)):
             self.due = self.forgotten = False
-            for _ in pushed:
-                self.pushed.popleft()
+            del self.pushed[: len(pushed)]
         return not self.due
 
 

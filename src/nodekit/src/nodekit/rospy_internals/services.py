@@ -2,7 +2,7 @@
 
 import contextlib
 import socket
-from typing import Any, Dict, Set
+from typing import Any, Dict, List
 
 import rospy
 
@@ -11,7 +11,7 @@ class ClosableService(rospy.Service):
     """A ``rospy.Service`` that ends lasting connections of its clients when it is shut down."""
 
     def __init__(self, *args: Any, **kwds: Any) -> None:
-        self._lasting: Set[Any] = set()
+        self._lasting: List[Any] = []
         super().__init__(*args, **kwds)
 
     def handle(self, transport: Any, header: Dict[str, str]) -> None:
@@ -23,11 +23,11 @@ class ClosableService(rospy.Service):
         if header.get("persistent", "").lower() not in ("1", "true"):
             super().handle(transport, header)  # which ends by itself after one call
             return
-        self._lasting.add(transport)
+        self._lasting.append(transport)
         try:
             super().handle(transport, header)
         finally:
-            self._lasting.discard(transport)
+            self._lasting.remove(transport)
 
     def shutdown(self, reason: str = "") -> None:
         """End the service; the client of a call that is under way still gets its answer.

@@ -11,8 +11,7 @@ import math
 import numbers
 import threading
 import traceback
-from collections import deque
-from typing import Callable, Deque, Dict, Iterable, List, Optional, Set, Tuple, Union
+from typing import Callable, Dict, Iterable, List, Optional, Set, Tuple, Union
 
 import rospy
 
@@ -71,7 +70,7 @@ class Timer:
         self.dispatch: Dispatch = dispatch or _at_once
         self.timetable = Timetable(checked_rate(rate), catch_up)
         #: Calls that are due and not made yet, by the time since the first one, s.
-        self._due: Deque[float] = deque()
+        self._due: List[float] = []
         self._left_out = 0
 
     @property
@@ -111,7 +110,7 @@ class Timer:
         """Make the calls that are due."""
         while self._due:
             try:
-                elapsed = self._due.popleft()
+                elapsed = self._due.pop(0)
             except IndexError:
                 return  # it was closed or paused just now
             try:

@@ -68,7 +68,7 @@ class Registrations:
         :raises MasterUnreachable: if the master does not answer
         """
         services = registration.services()
-        turn = self._turns.next(sorted(services))
+        turn = self._turns.next(list(services))
         if not turn:
             return
         free: List[str] = []

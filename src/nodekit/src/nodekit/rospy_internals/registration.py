@@ -59,13 +59,15 @@ class _Registrar(RegistrationListener):
     :param listener: rospy's own, which connects subscribers to publishers
     :param request: asks the master
 
-    :ivar services: those that the master has taken, each with its URI
+    :ivar services: those that the master has taken, each with its URI; without the node's private
+        ones, as no other node has its name
     """
 
     def __init__(self, listener: Any, request: Request) -> None:
         self.request = request
         self.services: Dict[str, str] = {}
         self.local = threading.local()
+        self._private = rospy.get_name() + "/"
         self._listener = listener
 
     def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
@@ -113,7 +115,7 @@ class _Registrar(RegistrationListener):
                 taken = True
                 if kind == Registration.SUB:
                     self._connect(name, answer[2])
-                elif kind == Registration.SRV:
+                elif kind == Registration.SRV and not name.startswith(self._private):
                     self.services[name] = type_or_uri
             if rospy.core.is_shutdown_requested():  # rospy's own farewell may have come before
                 self.remove(part)
@@ -227,11 +229,9 @@ def register_again(request: Request) -> bool:
 def services() -> Dict[str, str]:
     """Return the services that the master has taken from this process, each with its URI.
 
-    Without the node's private ones, as no other node has its name.
+    In the order in which they were registered, without the node's private ones.
     """
-    private = rospy.get_name() + "/"
-    registered = dict(_registrar.services) if _registrar is not None else {}
-    return {name: uri for name, uri in registered.items() if not name.startswith(private)}
+    return dict(_registrar.services) if _registrar is not None else {}
 
 
 def register_services(names: List[str], request: Request) -> None:

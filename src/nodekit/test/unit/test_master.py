@@ -13,7 +13,9 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from nodekit.live import master as client_of_master
+from nodekit.live.first_writes import write_missing
 from nodekit.live.master import MasterClient, MasterUnreachable
+from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.no_value import MISSING, UNREADABLE
 from nodekit.testing import processes
 
@@ -66,6 +68,8 @@ class Master:
             self.requests.append(len(calls))
             return [[self._dispatch(call["methodName"], call["params"])] for call in calls]
         assert arguments[0] == "/n"
+        if method == "getParam" and arguments[1] not in [*self.held, "/n/big"]:
+            return [-1, "not set", 0]
         return [1, "", getattr(self, method)(*arguments[1:])]
 
     def getPid(self) -> int:
@@ -141,6 +145,27 @@ def test_two_answers_that_come_in_turn_are_parsed_once_each(
         assert len(parsed) == 2
         instance.setParam("/n/level", 2.0)
         assert client.read(["/n/level"]).values == {"/n/level": 2.0}
+
+
+class Levels(ParameterSet):
+    level = FloatParameter(2.0, help="how high")
+    name = StringParameter("x", help="what it is called")
+
+
+def test_what_many_namespaces_lack_is_written_and_nothing_else() -> None:
+    with master() as (instance, client):
+        spaces = [f"/g{number}" for number in range(45)]
+        instance.held.update(dict.fromkeys(spaces[2:-1], {"level": 2.0, "name": "x"}))
+        instance.held.update({"/g0": {"level": 7.0, "more": 1}, "/g1": "no namespace"})
+        write_missing(client, {"/n": Levels(), **dict.fromkeys(spaces, Levels(level=3.0))})
+        written = {key: value for key, value in instance.held.items() if key.count("/") == 2}
+        assert written == {
+            "/n/level": 1.0,
+            "/n/name": "x",
+            "/g0/name": "x",
+            "/g44/level": 3.0,
+            "/g44/name": "x",
+        }
 
 
 def test_reading_tells_of_a_restart() -> None:

@@ -7,6 +7,7 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 
 import rospy
 
+from nodekit.live.first_writes import MANY, write_missing
 from nodekit.live.followers import Follower, call_listener
 from nodekit.live.master import MasterUnreachable
 from nodekit.live.watcher import Watcher
@@ -191,6 +192,8 @@ def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
     if not parameters:
         return
     watcher = parameters[0]._watcher
+    if len(parameters) >= MANY:
+        write_missing(watcher.client, {one.namespace: one.values for one in parameters})
     watcher.subscribe([one._follower for one in parameters])
     try:
         with contextlib.ExitStack() as locks:

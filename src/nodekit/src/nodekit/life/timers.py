@@ -1,9 +1,10 @@
 """The timers of a node: in its callback group, and following its parameters."""
 
-from typing import Any, Callable, Iterable, List, Union
+from typing import Any, Callable, Iterable, List, Optional, Union
 
 import rospy
 
+from nodekit.execution.line import Line
 from nodekit.life.callbacks import Callback
 from nodekit.execution.groups import Group
 from nodekit.timing.scheduler import Scheduler, Timer
@@ -40,10 +41,16 @@ class NodeTimer(Callback):
     ) -> None:
         super().__init__(group, callback, what)
         first = 0.0 if callable(rate) else rate
-        self._timer = Timer(scheduler, self.call_inside, first, catch_up, self.offer)
+        self._timer = Timer(scheduler, self.call_inside, first, catch_up, group.offer)
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
+
+    def attach(self, line: Optional[Line]) -> None:
+        """Have the calls made by an executor, or none; see :meth:`.Callback.attach`."""
+        super().attach(line)
+        source = self.source
+        self._timer.dispatch = self.group.offer if source is None else source.put
 
     @property
     def skipped(self) -> int:

@@ -6,8 +6,8 @@ from typing import Any, List, Set, TypeVar
 
 import rospy
 
-from nodekit.life.callbacks import Callback
 from nodekit.execution.groups import Group
+from nodekit.life.callbacks import Callback
 from nodekit.life.opening import Opener
 from nodekit.rospy_internals import registration
 

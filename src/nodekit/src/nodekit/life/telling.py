@@ -2,8 +2,8 @@
 
 from typing import Any, Callable
 
-from nodekit.life.callbacks import Bell
 from nodekit.execution.groups import Group
+from nodekit.life.callbacks import Bell
 from nodekit.live.following import Following
 from nodekit.live.live_parameters import LiveParameters
 from nodekit.live.watcher import Watcher

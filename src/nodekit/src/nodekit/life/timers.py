@@ -4,9 +4,9 @@ from typing import Any, Callable, Iterable, List, Optional, Union
 
 import rospy
 
+from nodekit.execution.groups import Group
 from nodekit.execution.line import Line
 from nodekit.life.callbacks import Callback
-from nodekit.execution.groups import Group
 from nodekit.timing.scheduler import Scheduler, Timer
 
 #: A rate in Hz, or a function that returns it.

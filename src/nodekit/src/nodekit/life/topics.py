@@ -4,9 +4,9 @@ from typing import Any, Callable, Iterator, List, Optional
 
 import rospy
 
+from nodekit.execution.groups import Group
 from nodekit.execution.line import Line
 from nodekit.life.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
-from nodekit.execution.groups import Group
 from nodekit.life.clients import Client
 from nodekit.life.names import Names
 from nodekit.life.opening import Opener

@@ -43,6 +43,10 @@ def thousand(bench: Bench, stack: str) -> Figures:
     with bench.session.running(_command(bench, stack, len(topics))) as pids:
         with bench.session.node() as node:
             wait_until(lambda: _published(node, topics), LIMIT, "sign of all groups")
+            # Their timers start together, when all else is open.
+            one = Counter(node)
+            one.watch(topics[-1], "std_msgs/Float32")
+            wait_until(lambda: bool(one.first), LIMIT, "first answer")
             up = time.monotonic() - began
         time.sleep(2.0)
         alone = cpu_share(pids, seconds)

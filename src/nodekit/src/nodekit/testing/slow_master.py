@@ -18,6 +18,7 @@ class SlowMaster:
     :param method: name of the call that has to wait, e.g. registerService
     :param ending: how one of its arguments ends, e.g. /set_logger_level
 
+    :ivar asked: how many calls have come
     :ivar calls: the names of all calls that have been answered
     """
 
@@ -25,6 +26,7 @@ class SlowMaster:
         self._master_uri = master_uri
         self._method = method
         self._ending = ending
+        self.asked = 0
         self.calls: List[str] = []
         self.reached = threading.Event()
         self.go_on = threading.Event()
@@ -45,6 +47,7 @@ class SlowMaster:
         self._server.server_close()
 
     def _dispatch(self, method: str, arguments: Any) -> Any:
+        self.asked += 1
         texts = [argument for argument in arguments if isinstance(argument, str)]
         if method == self._method and any(text.endswith(self._ending) for text in texts):
             self.reached.set()

@@ -48,7 +48,11 @@ class Life(unittest.TestCase):
         return master
 
     def start(self, *command: str, **variables: str) -> "subprocess.Popen[str]":
-        environment: Dict[str, str] = {**os.environ, "ROS_MASTER_URI": self.master_uri}
+        environment: Dict[str, str] = {
+            **os.environ,
+            "ROS_MASTER_URI": self.master_uri,
+            "PYTHONUNBUFFERED": "1",  # what is said is read while it runs
+        }
         process = subprocess.Popen(
             list(command),
             env={**environment, **variables},

@@ -133,7 +133,7 @@ def test_value_that_cannot_be_sent_hides_no_other() -> None:
 
 
 def test_two_answers_that_come_in_turn_are_parsed_once_each(
-    monkeypatch: pytest.MonkeyPatch,
+    monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     parsed: List[bytes] = []
     parse = client_of_master._parse

@@ -22,6 +22,8 @@ SIBLINGS: Dict[str, Set[str]] = {
         "basic_comms.signals",
     },
     "topic_scope": {"nodekit", "nodekit_msgs"},
+    "executors_demo": {"nodekit"},
+    "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
@@ -31,12 +33,18 @@ ROOMS: Dict[str, List[str]] = {
         "testing",
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
+    "executors_demo": [
+        *("events", "diary", "bars", "picture", "timeline_command"),
+        *("demo", "four_timers", "nodes"),
+    ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
     *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
     *("nodekit.execution", "nodekit.messaging.finite"),
     *("basic_comms.signals", "basic_comms.chatter"),
+    *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
+    *("executors_demo.picture", "executors_demo.timeline_command"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 

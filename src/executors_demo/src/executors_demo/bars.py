@@ -1,0 +1,85 @@
+"""From lines to bars: which call ran from when to when, and which ran at the same time."""
+
+from typing import Dict, Iterable, List, NamedTuple, Tuple
+
+from executors_demo.events import Event
+
+
+class Bar(NamedTuple):
+    """A call.
+
+    :param begin: when it began, s since the start of the node
+    :param end: when it ended, or the time of the last line where none tells of its end, s
+    :param thread: name of the thread that made it
+    :param who: what was called
+    :param number: which of its calls, from 1 on
+    """
+
+    begin: float
+    end: float
+    thread: str
+    who: str
+    number: int
+
+    def overlaps(self, other: "Bar") -> bool:
+        """Tell whether both ran at the same time.
+
+        :param other: another call
+        """
+        return self.begin < other.end and other.begin < self.end
+
+
+def bars(events: Iterable[Event]) -> List[Bar]:
+    """Return the calls, in the order in which they began.
+
+    :param events: of one run, in their order
+    """
+    begun: Dict[Tuple[str, int], Event] = {}
+    made: List[Bar] = []
+    last = 0.0
+    for event in events:
+        last = max(last, event.time)
+        key = event.who, event.number
+        if event.begins:
+            begun[key] = event
+        elif key in begun:
+            made.append(_bar(begun.pop(key), event.time))
+    made += [_bar(event, last) for event in begun.values()]
+    return sorted(made)
+
+
+def _bar(event: Event, end: float) -> Bar:
+    return Bar(event.time, end, event.thread, event.who, event.number)
+
+
+def overlaps(made: List[Bar], one: str, other: str) -> int:
+    """Return how many pairs of two callbacks' calls ran at the same time.
+
+    :param made: the calls
+    :param one: whose
+    :param other: and whose; may be the same, and each pair counts once then
+    """
+    pairs = (
+        (first, second)
+        for index, first in enumerate(made)
+        for second in made[index + 1 :]
+        if sorted((first.who, second.who)) == sorted((one, other))
+    )
+    return sum(first.overlaps(second) for first, second in pairs)
+
+
+def most_at_once(made: List[Bar]) -> int:
+    """Return how many calls ran at the same time, at most.
+
+    :param made: the calls
+    """
+    # Whoever ends when another begins is gone by then.
+    steps = sorted(
+        [(bar.begin, 1) for bar in made if bar.begin < bar.end]
+        + [(bar.end, -1) for bar in made if bar.begin < bar.end]
+    )
+    running = most = 0
+    for _, step in steps:
+        running += step
+        most = max(most, running)
+    return most

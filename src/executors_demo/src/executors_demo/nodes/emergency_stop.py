@@ -1,0 +1,77 @@
+"""More slow work than there are threads, and a stop that does not stand in line."""
+
+from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
+
+from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
+from nodekit import BoolParameter, IntParameter, Node, run
+
+
+class EmergencyStopParameters(ExecutorParameters):
+    """Parameters of emergency_stop."""
+
+    threads = IntParameter(2, minimum=1, maximum=100, help="threads of the executor multi")
+    jobs = IntParameter(
+        8, minimum=1, maximum=100, help="timers that work slowly; read at the start"
+    )
+    job_period = period_of(1.0, "each job")
+    job_sleep = sleep_of(0.5, "each job")
+    urgent = BoolParameter(
+        True, help="whether the stop goes before all that waits; read at the start"
+    )
+
+
+class EmergencyStop(Demo[EmergencyStopParameters]):
+    """Eight jobs of half a second each, to be done every second by two threads: some always wait.
+
+    The service ``stop`` is in an urgent group, so it is called as soon as one thread is free. With
+    ``_urgent:=false`` it waits until it is its turn, after the jobs that came before.
+
+    :ROS Services:
+        - ``stop`` (std_srvs/SetBool): true stops the jobs, false has them go on
+        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+
+    :ROS Parameters:
+        - those of :class:`EmergencyStopParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node, EmergencyStopParameters)
+        self._is_stopped = False
+        for number in range(1, self.settings.jobs + 1):
+            job = Job(self, f"job{number}")
+            node.every(lambda: 1.0 / self.settings.job_period, job.work, group=node.group())
+        urgent = node.group(urgent=self.settings.urgent)
+        node.service("stop", SetBool, self.stop, group=urgent)
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the jobs are to stand still."""
+        return self._is_stopped
+
+    def stop(self, request: SetBoolRequest) -> SetBoolResponse:
+        """Stop the jobs, or have them go on."""
+        self._is_stopped = request.data
+        text = "stopped" if request.data else "going on"
+        self.work("stop", 0.0, text)
+        return SetBoolResponse(True, text)
+
+
+class Job:
+    """Slow work, in a group of its own: it runs beside all others, but not beside itself.
+
+    :param demo: what it belongs to
+    :param name: its name
+    """
+
+    def __init__(self, demo: EmergencyStop, name: str) -> None:
+        self._demo, self._name = demo, name
+
+    def work(self, elapsed: float) -> None:
+        """Work for ``~job_sleep``, unless all stand still."""
+        if not self._demo.is_stopped:
+            self._demo.work(self._name, self._demo.settings.job_sleep)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("emergency_stop", EmergencyStop)

@@ -1,0 +1,56 @@
+"""Several nodes in one process, and one executor for all of them."""
+
+from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
+from nodekit import Node, ParameterSet, run
+
+NAMES = ("camera", "lidar", "planner")
+
+
+class MemberParameters(ParameterSet):
+    """Parameters of each of the nodes."""
+
+    period = period_of(1.0, "its timer")
+    sleep = sleep_of(0.3, "its timer")
+
+
+class SeveralNodes(Demo[ExecutorParameters]):
+    """Hosts the nodes ``camera``, ``lidar`` and ``planner``; one executor calls their timers.
+
+    The callbacks of one node exclude each other unless it says otherwise, those of two nodes do
+    not. So with four threads the nodes work at the same time, and with ``_executor:=single`` one
+    after the other.
+
+    :ROS Services:
+        - ``~executor`` (std_srvs/Trigger), also of each node that it hosts
+
+    :ROS Parameters:
+        - those of :class:`.ExecutorParameters`, private and live
+        - of each node that it hosts those of :class:`MemberParameters`
+    """
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node, ExecutorParameters)
+        for name in NAMES:
+            self.add_node(node.host(name, "", lambda member: Member(member, self)))
+
+
+class Member:
+    """A node with one timer.
+
+    :ROS Parameters:
+        - those of :class:`MemberParameters`, private and live
+    """
+
+    def __init__(self, node: Node, host: SeveralNodes) -> None:
+        self._host, self._name = host, node.name.rpartition("/")[2]
+        self._parameters = node.parameters(MemberParameters)
+        node.every(lambda: 1.0 / self._parameters.values.period, self.timer)
+
+    def timer(self, elapsed: float) -> None:
+        """Work for ``~sleep``."""
+        self._host.work(self._name, self._parameters.values.sleep)
+
+
+def main() -> None:
+    """Run the nodes until they are shut down."""
+    run("several_nodes", SeveralNodes)

@@ -1,0 +1,53 @@
+"""A service that takes three seconds, and a timer that goes on meanwhile."""
+
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
+from nodekit import BoolParameter, Node, run
+
+
+class SlowServiceParameters(ExecutorParameters):
+    """Parameters of slow_service."""
+
+    exclusive = BoolParameter(
+        False, help="whether one call of the service waits for the other; read at the start"
+    )
+    service_sleep = sleep_of(3.0, "slow_service")
+    timer_period = period_of(0.5, "timer")
+
+
+class SlowService(Demo[SlowServiceParameters]):
+    """A slow service that hinders nobody.
+
+    The timer and the service are in groups of their own, so the timer goes on. The service's group
+    is reentrant, so several calls are answered at the same time, as many as there are threads;
+    with ``_exclusive:=true`` it is exclusive, and they are answered one by one.
+
+    :ROS Services:
+        - ``slow_service`` (std_srvs/Trigger): answers after ``~service_sleep``
+        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+
+    :ROS Parameters:
+        - those of :class:`SlowServiceParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node, SlowServiceParameters)
+        services = node.group(exclusive=self.settings.exclusive)
+        node.service("slow_service", Trigger, self.serve, group=services)
+        node.every(lambda: 1.0 / self.settings.timer_period, self.timer)
+
+    def serve(self, request: TriggerRequest) -> TriggerResponse:
+        """Answer after ``~service_sleep``."""
+        length = self.settings.service_sleep
+        self.work("slow_service", length)
+        return TriggerResponse(True, f"done after {length:g} s")
+
+    def timer(self, elapsed: float) -> None:
+        """Be done at once."""
+        self.work("timer", 0.0)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("slow_service", SlowService)

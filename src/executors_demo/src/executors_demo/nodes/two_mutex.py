@@ -1,0 +1,27 @@
+"""Two pairs of timers; those of a pair exclude each other."""
+
+from executors_demo.four_timers import FourTimers
+from nodekit import Node, run
+
+
+class TwoMutex(FourTimers):
+    """``timer1`` and ``timer2`` are in an exclusive group, ``timer3`` and ``timer4`` in another.
+
+    While ``timer1`` sleeps, ``timer2`` waits; ``timer3`` and ``timer4`` go on, in turns.
+
+    :ROS Services:
+        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+
+    :ROS Parameters:
+        - those of :class:`.FourTimersParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node)
+        first, second = node.group(), node.group()
+        self.start_timers(first, first, second, second)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("two_mutex", TwoMutex)

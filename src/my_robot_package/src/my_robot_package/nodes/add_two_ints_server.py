@@ -1,0 +1,57 @@
+"""A service that adds."""
+
+import threading
+import time
+
+import rospy
+
+from my_robot_package.adding import add
+from my_robot_package_interfaces.srv import (
+    AddTwoInts,
+    AddTwoIntsRequest,
+    AddTwoIntsResponse,
+)
+from nodekit import FloatParameter, IntParameter, MultiThreadedExecutor, Node, ParameterSet, run
+
+
+class AddTwoIntsServerParameters(ParameterSet):
+    """Parameters of add_two_ints_server."""
+
+    delay = FloatParameter(
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="time that an answer takes"
+    )
+    threads = IntParameter(
+        4, minimum=1, maximum=100, help="calls answered at the same time; read at the start"
+    )
+
+
+class AddTwoIntsServer:
+    """Adds two whole numbers; where the sum is no int64, the caller is told so.
+
+    :ROS Services:
+        - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
+
+    :ROS Parameters:
+        - those of :class:`AddTwoIntsServerParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(AddTwoIntsServerParameters)
+        MultiThreadedExecutor(self._parameters.values.threads).add_node(node)
+        group = node.group(exclusive=False)
+        node.service("add_two_ints", AddTwoInts, self.add_two_ints, group=group)
+
+    def add_two_ints(self, request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+        """Answer with the sum."""
+        thread = threading.current_thread().name
+        rospy.loginfo("Incoming request: a=%d, b=%d (%s)", request.a, request.b, thread)
+        time.sleep(self._parameters.values.delay)
+        try:
+            return AddTwoIntsResponse(add(request.a, request.b))
+        except OverflowError as error:
+            raise rospy.ServiceException(str(error)) from None
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("add_two_ints_server", AddTwoIntsServer)

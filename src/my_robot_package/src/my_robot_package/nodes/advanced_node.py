@@ -1,0 +1,68 @@
+"""Timers that exclude each other, and a topic that is heard beside them."""
+
+import threading
+import time
+
+import rospy
+from std_msgs.msg import String
+
+from nodekit import FloatParameter, MultiThreadedExecutor, Node, ParameterSet, run
+
+
+def _period(default: float, what: str) -> FloatParameter:
+    text = f"time from one call of {what} to the next"
+    return FloatParameter(default, minimum=0.001, maximum=3600.0, unit="s", help=text)
+
+
+class AdvancedNodeParameters(ParameterSet):
+    """Parameters of advanced_node."""
+
+    timer1_period = _period(1.0, "timer1")
+    timer2_period = _period(0.5, "timer2")
+    timer1_sleep = FloatParameter(
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="how long a call of timer1 sleeps"
+    )
+
+
+class AdvancedNode:
+    """Two timers in one exclusive group, and a subscription in another.
+
+    While a timer works, the other one waits, and messages are heard.
+
+    :ROS Subscribers:
+        - ``input_topic`` (std_msgs/String)
+
+    :ROS Parameters:
+        - those of :class:`AdvancedNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(AdvancedNodeParameters)
+        MultiThreadedExecutor(2).add_node(node)
+        timers, subscriptions = node.group(), node.group()
+        node.every(lambda: 1.0 / self._parameters.values.timer1_period, self.timer1, group=timers)
+        node.every(lambda: 1.0 / self._parameters.values.timer2_period, self.timer2, group=timers)
+        node.subscribe("input_topic", String, self.on_input, group=subscriptions)
+
+    def timer1(self, elapsed: float) -> None:
+        """Work for ``~timer1_sleep``."""
+        _tell("timer1 begins")
+        time.sleep(self._parameters.values.timer1_sleep)
+        _tell("timer1 ends")
+
+    def timer2(self, elapsed: float) -> None:
+        """Be done at once."""
+        _tell("timer2")
+
+    def on_input(self, message: String) -> None:
+        """Say what was heard."""
+        _tell(f"I heard: {message.data}")
+
+
+def _tell(text: str) -> None:
+    rospy.loginfo("%s (%s)", text, threading.current_thread().name)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("advanced_node", AdvancedNode)

@@ -1,0 +1,56 @@
+"""Images without a backlog and without copies."""
+
+import time
+
+import numpy
+from sensor_msgs.msg import Image
+from std_msgs.msg import Float32
+
+from nodekit import FloatParameter, Node, ParameterSet, SingleThreadedExecutor, run
+
+
+class EfficientNodeParameters(ParameterSet):
+    """Parameters of efficient_node."""
+
+    processing_time = FloatParameter(
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="time that an image takes besides"
+    )
+
+
+class EfficientNode:
+    """Publishes how bright images are; of those that come meanwhile it takes the newest only.
+
+    - The queue holds one image, so what is handled is never old.
+    - The image is looked at where it lies; no part of it is copied.
+    - The answer is made once and filled anew each time.
+
+    :ROS Subscribers:
+        - ``image_topic`` (sensor_msgs/Image)
+
+    :ROS Publishers:
+        - ``mean_brightness`` (std_msgs/Float32): mean of all bytes, from 0 to 255; of an image
+          without any, nothing
+
+    :ROS Parameters:
+        - those of :class:`EfficientNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(EfficientNodeParameters)
+        SingleThreadedExecutor().add_node(node)
+        self._answer = Float32()
+        self._publisher = node.publisher("mean_brightness", Float32)
+        # tcp_nodelay is what nodekit asks of every publisher.
+        node.subscribe("image_topic", Image, self.image_callback, queue_size=1)
+
+    def image_callback(self, image: Image) -> None:
+        """Publish how bright an image is."""
+        if image.data:
+            self._answer.data = numpy.frombuffer(image.data, numpy.uint8).mean()
+            time.sleep(self._parameters.values.processing_time)
+            self._publisher.publish(self._answer)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("efficient_node", EfficientNode)

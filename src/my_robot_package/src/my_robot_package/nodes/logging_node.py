@@ -1,0 +1,70 @@
+"""How to log, and what a node can say of itself."""
+
+from typing import List
+
+import rosgraph
+import rospy
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from nodekit import IntParameter, Node, ParameterSet, SingleThreadedExecutor, run
+
+
+class LoggingNodeParameters(ParameterSet):
+    """Parameters of logging_node."""
+
+    robot_id = IntParameter(42, minimum=0, help="number of the robot")
+
+
+class LoggingNode:
+    """Logs a line at each level, one with a number in it, and one about an exception.
+
+    What is below the node's level is not shown, which is info: ``rosservice call
+    NODE/set_logger_level rosout debug`` shows the rest, too.
+
+    :ROS Services:
+        - ``~debug_node_info`` (std_srvs/Trigger): logs, and answers, who the node is and which
+          topics and services there are
+
+    :ROS Parameters:
+        - those of :class:`LoggingNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._parameters = node.parameters(LoggingNodeParameters)
+        # It has a thread for that: the master may take its time to answer.
+        SingleThreadedExecutor().add_node(node)
+        node.service("~debug_node_info", Trigger, self.debug_node_info)
+        self._log()
+
+    def _log(self) -> None:
+        rospy.logdebug("Debug message")
+        rospy.loginfo("Info message")
+        rospy.logwarn("Warning message")
+        rospy.logerr("Error message")
+        rospy.logfatal("Fatal message")
+        rospy.loginfo("Robot %d initialized", self._parameters.values.robot_id)
+        try:
+            10 / 0
+        except ZeroDivisionError as error:
+            rospy.logerr("Division error: %s", error)
+
+    def debug_node_info(self, request: TriggerRequest) -> TriggerResponse:
+        """Log who this is, and which topics and services there are."""
+        namespace, _, name = self._node.name.rpartition("/")
+        state = rosgraph.Master(self._node.name).getSystemState()
+        topics = sorted({topic for kind in state[:2] for topic, _ in kind})
+        services = sorted(service for service, _ in state[2])
+        lines: List[str] = [
+            f"Node: {name}, Namespace: {namespace or '/'}",
+            f"Topics: {', '.join(topics)}",
+            f"Services: {', '.join(services)}",
+        ]
+        for line in lines:
+            rospy.loginfo("%s", line)
+        return TriggerResponse(True, "\n".join(lines))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("logging_node", LoggingNode)

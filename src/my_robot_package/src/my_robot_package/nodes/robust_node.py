@@ -1,0 +1,77 @@
+"""A node whose parts may fail when it starts."""
+
+import sys
+import time
+
+import rospy
+
+from my_robot_package.recovery import SetupFailed, set_up
+from nodekit import FloatParameter, IntParameter, Node, ParameterSet, run
+
+
+class RobustNodeParameters(ParameterSet):
+    """Parameters of robust_node."""
+
+    failures = IntParameter(
+        1, minimum=0, help="how often the sensors fail to start; read at the start"
+    )
+    attempts = IntParameter(
+        3, minimum=1, maximum=100, help="how often to try to start; read at the start"
+    )
+    recovery_time = FloatParameter(
+        0.5, minimum=0.0, maximum=3600.0, unit="s", help="time that the recovery procedure takes"
+    )
+
+
+class RobustNode:
+    """Starts its sensors and actuators, recovers where that fails, and tries again.
+
+    After ``~attempts`` failures it gives up: it says why, and its exit status is 1. When it is
+    ended, it puts the actuators to rest before.
+
+    :ROS Parameters:
+        - those of :class:`RobustNodeParameters`, private
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(RobustNodeParameters).values
+        self._failures_left = self._settings.failures
+        try:
+            tries = set_up(self.setup_components, self.recovery_procedure, self._settings.attempts)
+        except SetupFailed as error:
+            rospy.logfatal("Failed to initialize components: %s", error)
+            sys.exit(1)
+        rospy.loginfo("Components initialized at attempt %d", tries)
+        rospy.on_shutdown(self.shut_down)
+
+    def setup_components(self) -> None:
+        """Start everything."""
+        self.initialize_sensors()
+        self.initialize_actuators()
+
+    def initialize_sensors(self) -> None:
+        """Start the sensors, which fail as often as ``~failures`` says.
+
+        :raises OSError: if they fail
+        """
+        if self._failures_left:
+            self._failures_left -= 1
+            raise OSError("no answer from the sensors")
+
+    def initialize_actuators(self) -> None:
+        """Start the actuators."""
+
+    def recovery_procedure(self, error: Exception) -> None:
+        """Bring all parts back to where they can be started again."""
+        rospy.logerr("Component initialization failed: %s", error)
+        rospy.logwarn("Attempting recovery procedure...")
+        time.sleep(self._settings.recovery_time)
+
+    def shut_down(self) -> None:
+        """Put the actuators to rest."""
+        rospy.loginfo("Shutting down gracefully...")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("robust_node", RobustNode)

@@ -1,0 +1,117 @@
+"""A client that asks in both ways: it waits for the answer, or it is told of it later."""
+
+import threading
+from typing import Optional
+
+import rospy
+
+from my_robot_package_interfaces.srv import AddTwoInts, AddTwoIntsRequest
+from nodekit import (
+    CallError,
+    CallFuture,
+    FloatParameter,
+    IntParameter,
+    MultiThreadedExecutor,
+    Node,
+    ParameterSet,
+    run,
+)
+
+#: Time from one line to the next while there is no service, s; from 1 s on, nodekit has its own.
+_WAIT_S = 0.9
+
+
+class ServiceClientNodeParameters(ParameterSet):
+    """Parameters of service_client_node."""
+
+    a = IntParameter(2, help="the first number")
+    b = IntParameter(3, help="the second number")
+    period = FloatParameter(
+        1.0, minimum=0.001, maximum=3600.0, unit="s", help="time from one pair of calls to the next"
+    )
+    timeout = FloatParameter(
+        5.0, minimum=0.001, maximum=3600.0, unit="s", help="longest time that an answer takes"
+    )
+
+
+class ServiceClientNode:
+    """Has two numbers added, again and again: once asynchronously and once synchronously.
+
+    The synchronous call waits, in a thread of the executor. The answer of the asynchronous one is
+    told in the node's own callback group, so after the callback that has asked for it.
+
+    :ROS Clients:
+        - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
+
+    :ROS Parameters:
+        - those of :class:`ServiceClientNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(ServiceClientNodeParameters)
+        MultiThreadedExecutor(2).add_node(node)
+        self._client = node.client("add_two_ints", AddTwoInts)
+        self._has_found = False
+        node.every(lambda: 1.0 / self._parameters.values.period, self.ask)
+
+    def ask(self, elapsed: float) -> None:
+        """Wait for the service, the first time, then send both requests."""
+        if self._wait_for_service():
+            settings = self._parameters.values
+            self.send_request_async(settings.a, settings.b)
+            self.send_request(settings.a, settings.b)
+
+    def _wait_for_service(self) -> bool:
+        while not (self._has_found or rospy.is_shutdown()):
+            self._has_found = self._client.wait_for_service(_WAIT_S)
+            if not self._has_found:
+                rospy.loginfo("Service not available, waiting again...")
+        return self._has_found
+
+    def send_request(self, a: int, b: int) -> Optional[int]:
+        """Ask and wait for the answer.
+
+        :param a: an int64
+        :param b: an int64
+        :returns: their sum, None where there is no answer
+        """
+        try:
+            answer = self._client.call(AddTwoIntsRequest(a, b), self._parameters.values.timeout)
+        except CallError as error:
+            rospy.logerr("Service call failed: %s", error)
+            return None
+        _tell("synchronous", answer.sum)
+        return int(answer.sum)
+
+    def send_request_async(self, a: int, b: int) -> Optional[CallFuture]:
+        """Ask, and have :meth:`response_callback` called with the answer.
+
+        :param a: an int64
+        :param b: an int64
+        :returns: the answer that comes later, None where nothing could be sent
+        """
+        try:
+            # A request of its own for each call: a shared one may be changed while it is sent.
+            request, timeout = AddTwoIntsRequest(a, b), self._parameters.values.timeout
+            future = self._client.call_async(request, timeout)
+        except CallError as error:
+            rospy.logerr("Service call failed: %s", error)
+            return None
+        future.add_done_callback(self.response_callback)
+        return future
+
+    def response_callback(self, future: CallFuture) -> None:
+        """Tell the answer."""
+        try:
+            _tell("asynchronous", future.result().sum)
+        except CallError as error:
+            rospy.logerr("Service call failed: %s", error)
+
+
+def _tell(how: str, total: int) -> None:
+    rospy.loginfo("Result: %d (%s, %s)", total, how, threading.current_thread().name)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("service_client_node", ServiceClientNode)

@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""The nodes of the course, as they are started by hand."""
+
+import math
+import os
+import signal
+import unittest
+from typing import Dict, List
+
+import rosnode
+import rospy
+import rostest
+from sensor_msgs.msg import Image
+from std_msgs.msg import Float32, String
+from std_srvs.srv import Trigger
+
+from my_robot_package.adding import INT64_MAX, INT64_MIN
+from my_robot_package_interfaces.srv import AddTwoInts
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+
+SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
+#: The nodes that all tests share, with their parameters.
+NODES: Dict[str, List[str]] = {
+    "service_client_node": ["_period:=0.1"],
+    "advanced_node": ["_timer1_period:=0.1", "_timer2_period:=0.05", "_timer1_sleep:=0.3"],
+    "logging_node": [],
+    "robust_node": ["_recovery_time:=0.05"],
+    "efficient_node": ["_processing_time:=0.3"],
+}
+
+
+def start(name: str, *arguments: str) -> Process:
+    """Start a node."""
+    return Process(os.path.join(SCRIPTS, name), arguments)
+
+
+def results(process: Process, how: str) -> int:
+    """Return how many answers a client has told."""
+    return len(process.logged("Result: 5", f"({how},"))
+
+
+class Nodes(unittest.TestCase):
+    """All of them, at the same time."""
+
+    nodes: Dict[str, Process] = {}
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_nodes")
+        cls.nodes = {name: start(name, *arguments) for name, arguments in NODES.items()}
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        for process in cls.nodes.values():
+            process.end()
+
+    def assert_ends_well(self, process: Process) -> None:
+        """Press Ctrl-C."""
+        self.assertEqual(process.interrupt(), 0)
+        self.assertEqual(process.logged("Traceback"), [])
+
+    def server(self, *arguments: str) -> Process:
+        server = start("add_two_ints_server", *arguments)
+        self.addCleanup(server.end)
+        return server
+
+    def test_client_waits_asks_in_both_ways_and_outlives_its_server(self) -> None:
+        client = self.nodes["service_client_node"]
+        client.wait_for_log("Service not available, waiting again...")
+        self.assertEqual(results(client, "synchronous"), 0)
+        server = self.server()
+        for how in ("synchronous", "asynchronous"):
+            wait_until(lambda: results(client, how) > 2, lambda: str(client.lines))
+        server.popen.send_signal(signal.SIGKILL)
+        server.wait()
+        client.wait_for_log("Service call failed: /add_two_ints cannot be called")
+        told = results(client, "asynchronous")
+        self.server("_delay:=0.01")
+        wait_until(lambda: results(client, "asynchronous") > told + 2, lambda: str(client.lines))
+        self.assert_ends_well(client)
+
+    def test_sum_that_does_not_fit_is_refused_with_a_sentence(self) -> None:
+        self.server("add_two_ints:=sum", "__name:=adder")
+        rospy.wait_for_service("/sum")
+        add = rospy.ServiceProxy("/sum", AddTwoInts)
+        self.assertEqual(add(INT64_MAX, INT64_MIN).sum, -1)
+        for a, b in ((INT64_MAX, 1), (INT64_MIN, -1)):
+            with self.assertRaises(rospy.ServiceException) as caught:
+                add(a, b)
+            self.assertIn(f"{a} + {b} is {a + b}: must be in [", str(caught.exception))
+        self.assertEqual(add(2, 3).sum, 5)
+
+    def test_advanced_node_hears_while_its_timers_exclude_each_other(self) -> None:
+        node = self.nodes["advanced_node"]
+        publisher = rospy.Publisher("input_topic", String, queue_size=100)
+        wait_until(lambda: publisher.get_num_connections() == 1, lambda: "nobody listens")
+
+        def between(word: str) -> List[str]:
+            """Return the lines with a word that came while timer1 slept."""
+            publisher.publish("hello")
+            found, sleeps = [], False
+            for line in list(node.lines):
+                sleeps = "timer1 begins" in line or (sleeps and "timer1 ends" not in line)
+                if sleeps and word in line:
+                    found.append(line)
+            return found
+
+        wait_until(lambda: between("I heard: hello"), lambda: str(node.lines))
+        wait_until(lambda: len(node.logged("timer2")) > 3, lambda: str(node.lines))
+        self.assertEqual(between("timer2"), [])
+        self.assert_ends_well(node)
+
+    def test_logging_node_logs_at_each_level_and_tells_of_itself(self) -> None:
+        node = self.nodes["logging_node"]
+        rospy.wait_for_service("/logging_node/debug_node_info")
+        answer = rospy.ServiceProxy("/logging_node/debug_node_info", Trigger)()
+        self.assertIn("Node: logging_node, Namespace: /\nTopics: ", answer.message)
+        self.assertIn("/logging_node/debug_node_info", answer.message)
+        self.assertIn("/rosout", answer.message)
+        for line in answer.message.splitlines():
+            node.wait_for_log(line)
+        self.assertEqual(node.logged("Debug message"), [])
+        for level, text in (
+            ("[INFO]", "Info message"),
+            ("[WARN]", "Warning message"),
+            ("[ERROR]", "Error message"),
+            ("[FATAL]", "Fatal message"),
+            ("[INFO]", "Robot 42 initialized"),
+            ("[ERROR]", "Division error: division by zero"),
+        ):
+            self.assertEqual(len(node.logged(level, text)), 1, text)
+        self.assert_ends_well(node)
+
+    def test_robust_node_recovers_and_shuts_down_gracefully(self) -> None:
+        node = self.nodes["robust_node"]
+        node.wait_for_log("Components initialized at attempt 2")
+        self.assertTrue(node.logged("Component initialization failed: no answer"))
+        self.assertTrue(node.logged("Attempting recovery procedure..."))
+        wait_until(lambda: "/robust_node" in rosnode.get_node_names(), lambda: "not there")
+        self.assertEqual(node.logged("Shutting down"), [])
+        self.assert_ends_well(node)
+        self.assertEqual(len(node.logged("Shutting down gracefully...")), 1)
+
+    def test_robust_node_refuses_what_never_starts(self) -> None:
+        node = start("robust_node", "__name:=bad", "_failures:=9", "_recovery_time:=0.01")
+        self.addCleanup(node.end)
+        self.assertEqual(node.wait(), 1)
+        self.assertEqual(node.logged("Traceback"), [])
+        self.assertEqual(len(node.logged("Attempting recovery procedure...")), 2)
+        self.assertEqual(len(node.logged("[FATAL]", "failed 3 times, the last time: no answer")), 1)
+        self.assertNotIn("/bad", rosnode.get_node_names())
+
+    def test_efficient_node_takes_the_newest_image_only(self) -> None:
+        ear = Ear("/mean_brightness", Float32)
+        publisher = rospy.Publisher("image_topic", Image, queue_size=100)
+        wait_until(
+            lambda: publisher.get_num_connections() == 1 and ear.publishers() == 1,
+            lambda: "not connected",
+        )
+        publisher.publish(Image(data=b""))  # of which there is nothing to say
+        for level in range(1, 101):
+            publisher.publish(Image(data=bytes([level, level, level, level + 4])))
+        ear.wait_for(lambda heard: heard.data == 101.0)
+        # A queue of more than one would hand over the last ones, one after the other.
+        heard = {message.data for message in ear.messages()}
+        self.assertFalse({98.0, 99.0, 100.0, 101.0} <= heard, heard)
+        self.assertTrue(all(map(math.isfinite, heard)), heard)
+        self.assert_ends_well(self.nodes["efficient_node"])
+
+
+if __name__ == "__main__":
+    rostest.rosrun("my_robot_package", "nodes", Nodes)

@@ -28,7 +28,10 @@ from nodekit_msgs.srv import SetParameters
 
 _FENCE = re.compile(r"^ *```(\S*)")
 _REFUSED = "# refused"
-_LAUNCHES = re.compile(r"(\./ci/exec )?(roslaunch (?!-)|rosrun \w+ (?!scope|plot_bag)\w+\.py)")
+_LAUNCHES = re.compile(
+    r"(\./ci/exec )?(roslaunch (?!-)|rosrun \w+ (?!scope|plot_bag)\w+\.py"
+    r"|rosrun (executors_demo|my_robot_package) (?!timeline)\w+)"
+)
 _GOES_ON_BESIDE = re.compile(r"rostopic (echo|pub)|rosrun topic_scope scope|roslaunch topic_scope")
 _NODE_OF_LAUNCH = re.compile(r"^ +\S+ \(\w+/\S+\)$", re.MULTILINE)
 _ARGUMENTS = re.compile(r"roslaunch (\w+) (\w+\.launch)(.*)")

@@ -203,6 +203,27 @@ def test_missed_periods_are_skipped_and_counted(scheduler: Scheduler) -> None:
     timer.close()
 
 
+def test_timer_that_is_too_slow_for_its_rate_leaves_the_others_their_turns(
+    scheduler: Scheduler,
+) -> None:
+    made, due = SingleThreadedExecutor(), threading.Semaphore(0)
+
+    def slow(elapsed: float) -> None:
+        skipped = timers[0].skipped
+        wait_until(lambda: timers[0].skipped > skipped + 1, lambda: str(skipped))
+
+    timers = [
+        NodeTimer(scheduler, Group(), 200.0, slow, 0.0, "slow"),
+        NodeTimer(scheduler, Group(), 200.0, lambda elapsed: due.release(), 0.0, "quick"),
+    ]
+    for timer in timers:
+        timer.attach(made._line)
+    NodeTimer.start_together(timers)
+    assert all(due.acquire(timeout=TIMEOUT_S) for _ in range(5))
+    for timer in timers:
+        timer.close()
+
+
 @pytest.mark.parametrize("error", [ValueError, SystemExit, KeyboardInterrupt])
 def test_failure_harms_nothing_else(error: Type[BaseException]) -> None:
     made, heard = SingleThreadedExecutor(), []  # type: Any

@@ -99,24 +99,23 @@ class Timer:
         :param elapsed: time since the first call, s
         :returns: whether it is to be dispatched
         """
-        is_first = not self._due
-        if is_first or self._catches_up:
+        is_call = self._catches_up or not self._due
+        if is_call:
             self._due.append(elapsed)
         else:
             self._left_out += 1
-        return is_first
+        return is_call
 
     def tick(self) -> None:
-        """Make the calls that are due."""
-        while self._due:
-            try:
-                elapsed = self._due.pop(0)
-            except IndexError:
-                return  # it was closed or paused just now
-            try:
-                self._callback(elapsed)
-            except BaseException:  # one timer's defect must not end the others
-                rospy.logerr_throttle(5.0, f"a timer failed:\n{traceback.format_exc()}")
+        """Make one call that is due; each of them was dispatched, and has a turn of its own."""
+        try:
+            elapsed = self._due.pop(0)
+        except IndexError:
+            return  # it was closed or paused just now
+        try:
+            self._callback(elapsed)
+        except BaseException:  # one timer's defect must not end the others
+            rospy.logerr_throttle(5.0, f"a timer failed:\n{traceback.format_exc()}")
 
 
 class Scheduler:

@@ -185,6 +185,15 @@ def test_slow_task_that_becomes_quick_is_due_at_once_and_loses_no_time():
     assert timetable.deadline == pytest.approx(107.02)
 
 
+def test_rate_that_changes_after_some_calls_counts_from_the_last_of_them():
+    timetable = Timetable(10.0)
+    for now in (7.0, 7.1, 7.2):
+        timetable.take(now)
+    timetable.set_rate(4.0)
+    assert timetable.deadline == pytest.approx(7.45)
+    assert timetable.take(7.45) == pytest.approx(0.45)
+
+
 def test_rate_that_changes_before_the_first_call():
     timetable = Timetable(0.1)
     timetable.set_rate(5.0)
@@ -206,6 +215,15 @@ def test_a_pause_has_no_deadline_and_counts_as_time():
     assert timetable.deadline == pytest.approx(70.1), "the grid is the old one"
     assert timetable.take(75.0) == pytest.approx(5.0)
     assert timetable.deadline == pytest.approx(75.1)
+
+
+@pytest.mark.parametrize("rate", [1.0, 10.0, 20.0])
+def test_a_pause_ends_with_any_rate(rate):
+    timetable = Timetable(10.0)
+    timetable.take(70.0)
+    timetable.set_rate(0.0)
+    timetable.set_rate(rate)
+    assert timetable.deadline == pytest.approx(70.0 + 1.0 / rate)
 
 
 def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped():

@@ -267,6 +267,17 @@ def test_list_keeps_to_its_lengths():
         assert_refused(pair, raw)
 
 
+def test_list_takes_a_thousand_elements_unless_told_otherwise():
+    many = ListParameter([], element=INT, help="many")
+    assert_taken(many, [7] * 1000, (7,) * 1000)
+    assert_refused(many, [7] * 1001)
+
+
+def test_range_of_a_list_says_what_its_elements_are():
+    assert FLOATS.range == "0 to 3 of float"
+    assert ListParameter([], element=ENUM, help="").range == "0 to 1000 of {off, sine, square}"
+
+
 def test_list_of_words_of_an_enum():
     shapes = ListParameter(["sine"], element=ENUM, help="shapes")
     assert_taken(shapes, ["off", "square"], ("off", "square"))
@@ -339,6 +350,11 @@ def test_default_must_be_allowed_itself():
 )
 def test_values_are_formatted_briefly(value, text):
     assert format_value(value) == text
+
+
+def test_values_are_cut_at_80_characters():
+    assert format_value("x" * 78) == f"'{'x' * 78}'"
+    assert format_value("x" * 79) == f"'{'x' * 76}..."
 
 
 @pytest.mark.parametrize(

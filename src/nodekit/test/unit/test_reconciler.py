@@ -495,7 +495,7 @@ class World:
         raw = self.server
         if not (self.pushed or self.reconciler.is_news(raw)):
             return
-        outcome = self.reconciler.step(Seen(raw, list(self.pushed), False, self.now), self.now)
+        outcome = self.reconciler.step(Seen(raw, list(self.pushed), read_at=self.now), self.now)
         type(outcome.values)(**outcome.values.as_dict())
         for name, value in outcome.writes.items():
             in_force = on_wire(outcome.values)

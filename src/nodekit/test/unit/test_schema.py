@@ -110,10 +110,11 @@ def test_an_infinite_limit_is_none() -> None:
     class Endless(ParameterSet):
         """Goes on for ever."""
 
-        gauge = FloatParameter(1.0, minimum=0.0, maximum=math.inf, help="")
+        up = FloatParameter(1.0, minimum=0.0, maximum=math.inf, help="")
+        down = FloatParameter(1.0, minimum=-math.inf, maximum=9.0, help="")
 
-    (described,) = describe(Endless())
-    assert LIMITS & described.keys() == {"minimum"}
+    up, down = describe(Endless())
+    assert (LIMITS & up.keys(), LIMITS & down.keys()) == ({"minimum"}, {"maximum"})
 
 
 def test_an_element_is_described_as_its_list_is() -> None:
@@ -164,7 +165,7 @@ def test_numbers_come_back_as_they_were(one: float, other: float) -> None:
     class Bounded(ParameterSet):
         """One parameter between any two numbers."""
 
-        gauge = FloatParameter(min(one, other), step=abs(other) or 1.0, help="", **ends)
+        gauge = FloatParameter(min(one, other), step=abs(other) or 1.0, help="any", **ends)
 
     described = describe(Bounded.from_coerced({"gauge": other}))
     for restored in (yaml.safe_load(as_yaml(described)), json.loads(json.dumps(described))):
@@ -206,9 +207,17 @@ def test_an_entry_that_makes_no_sense_is_refused(change: Any) -> None:
         parameter_of({**good, **change})
 
 
+def test_yaml_is_readable() -> None:
+    lines = as_yaml(describe(Gauge())).split("\n")
+    assert lines[:3] == ["- name: angle", "  value: 0.1", "  type: float"]
+    assert "  - \u00e5" in lines
+
+
 def test_a_table_has_a_row_for_each_parameter() -> None:
     rows = as_table(describe(Gauge())).split("\n")
     assert len(rows) == len(Gauge.declared)
     assert rows[1].split() == "level = 0.25 float (0, 1e+10] a level".split()
+    marks = rows[list(Gauge.declared).index("marks")]
+    assert marks.split() == "marks = [1.0] list 0 to 3 of (0.1, inf) marks".split()
     assert len({row.index("= ") for row in rows}) == 1
     assert as_table([]) == ""

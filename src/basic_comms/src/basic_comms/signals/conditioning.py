@@ -34,11 +34,7 @@ class Conditioner:
         self.rejected = 0
         self._tracker = PhaseTracker()
         self._line = PhaseDelayLine()
-        self._settings: Optional[ProcessParameters] = None
-        self._scale = self._cosine = 1.0
-        self._sine = self._offset = self._input_offset = 0.0
-        self._phase_shift = 0.0
-        self._keep_positive = self._delays = False
+        self._adopt(ProcessParameters())
 
     @property
     def restarts(self) -> int:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from basic_comms.signals.conditioning import Conditioner
 from basic_comms.signals.process_parameters import ProcessParameters
+from nodekit.messaging.finite import LARGEST_FLOAT32
 
 TURN = 2.0 * math.pi
 METHODS = ProcessParameters.method.choices
@@ -212,6 +213,11 @@ def test_every_result_fits_into_a_float32(samples, limits):
     assert conditioner.rejected == refused
 
 
+def test_the_largest_float32_is_a_result():
+    plain = Settings(1.0, 0.0, keep_positive=False)
+    assert Conditioner().process(1.0, 1.0, 0.0, LARGEST_FLOAT32, plain) == LARGEST_FLOAT32
+
+
 def test_restarts_are_counted_and_answered():
     conditioner = Conditioner()
     source = Source()
@@ -279,14 +285,14 @@ def test_a_delayed_signal_is_centred_by_the_input_offset_in_force():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_stopped_generator_keeps_the_phase_for_when_it_goes_on(method):
-    settings = Settings(keep_positive=False, method=method)
-    conditioner, undisturbed, source = Conditioner(), Conditioner(), Source()
+    settings = Settings(keep_positive=False, input_offset=1.0, method=method)
+    conditioner, undisturbed, source = Conditioner(), Conditioner(), Source(mean=1.0)
     for number in range(60):
         sample = source.sample(0.05)
         if number in (40, 41):
             for _ in range(3):
                 stopped = conditioner.process(0.0, 0.0, sample[2], 0.25, settings)
-                assert stopped == 0.5 * 0.25
+                assert stopped == 0.5 * (0.25 - 1.0)
         result = conditioner.process(*sample, settings)
         assert result == undisturbed.process(*sample, settings)
     assert conditioner.restarts == 0

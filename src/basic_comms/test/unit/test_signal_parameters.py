@@ -1,5 +1,6 @@
 """Which values of the signal generator's parameters go together, and which file is taken."""
 
+import math
 from typing import Any, Dict
 
 import pytest
@@ -7,7 +8,42 @@ import pytest
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit import ParameterError
 
+TWO_PI = 2.0 * math.pi
+#: What launch files, bags and reports of many courses rely on: default and range by name.
+NUMBERS: Dict[str, Any] = {
+    "rate": (10.0, "[1e-06, 10000]"),
+    "amplitude": (2.0, "[0, 1e9]"),
+    "frequency": (TWO_PI, "[-1e6, 1e6]"),
+    "phase": (0.0, "[-1e6, 1e6]"),
+    "offset": (0.0, "[-1e9, 1e9]"),
+    "duty": (0.5, "(0, 1)"),
+    "symmetry": (1.0, "[0, 1]"),
+    "step_time": (1.0, "[0, 1e9]"),
+    "slope": (1.0, "[-1e9, 1e9]"),
+    "chirp_f0": (0.1 * TWO_PI, "[-1e6, 1e6]"),
+    "chirp_f1": (TWO_PI, "[-1e6, 1e6]"),
+    "chirp_duration": (10.0, "(0, 1e9]"),
+    "seed": (0, "[0, 2147483647]"),
+    "prbs_order": (7, "[2, 31]"),
+    "chip_time": (0.1, "[0.0001, 1e9]"),
+    "multisine_amplitudes": ((1.0, 0.5), "1 to 1000 of [-1e9, 1e9]"),
+    "multisine_frequencies": ((TWO_PI, 2.0 * TWO_PI), "1 to 1000 of [-1e6, 1e6]"),
+    "multisine_phases": ((0.0, 0.0), "1 to 1000 of [-1e6, 1e6]"),
+    "start_delay": (0.0, "[0, 1e9]"),
+    "duration": (0.0, "[0, 1e9]"),
+    "stop_value": (0.0, "[-1e9, 1e9]"),
+}
+SWITCHES = {"chirp_repeat": False, "file_loop": False, "autostart": True}
+
 LOGARITHMIC = "a logarithmic chirp must have two frequencies above 0 that differ"
+
+
+def test_defaults_and_ranges_are_the_agreed_ones() -> None:
+    declared = SignalParameters.declared
+    assert {name: (declared[name].default, declared[name].range) for name in NUMBERS} == NUMBERS
+    assert {name: declared[name].default for name in SWITCHES} == SWITCHES
+    words = {"waveform", "chirp_shape", "file", "file_mode"}
+    assert set(declared) == {*NUMBERS, *SWITCHES, *words}
 
 
 def multisine(*lengths: int) -> Dict[str, Any]:

@@ -57,6 +57,27 @@ def held_back(begin: float, end: float) -> List[float]:
     return [times[0] for _, times in steady(begin, end)]
 
 
+def test_nothing_is_late_before_anything_has_come() -> None:
+    monitor = LatenessMonitor()
+    assert (monitor.is_late, monitor.count, monitor.worst) == (False, 0, 0.0)
+
+
+def test_late_begins_at_one_bound_and_is_over_beyond_the_other() -> None:
+    monitor = fed([(BEGIN, [0.0])])
+    take(monitor, BEGIN + 1.0 + LATE_S, [1.0])
+    assert (monitor.is_late, monitor.count, monitor.worst) == (True, 1, LATE_S)
+    take(monitor, BEGIN + 1.0 + LATE_S + SETTLED_S, [1.0 + SETTLED_S])
+    assert monitor.is_late
+    take(monitor, BEGIN + 1.5 + LATE_S + SETTLED_S, [1.5 + SETTLED_S])
+    assert not monitor.is_late
+
+
+def test_lag_is_that_of_the_last_of_those_that_came_together() -> None:
+    monitor = fed(steady(0.0, 5.0), [(BEGIN + 5.9, held_back(5.0, 5.9))])
+    take(monitor, BEGIN + 7.1, [5.9])
+    assert monitor.worst == pytest.approx(1.1)
+
+
 @given(st.floats(1.5, 1e4))
 def test_samples_held_back_are_late_by_as_long(outage: float) -> None:
     monitor = fed(steady(0.0, 5.0))
@@ -114,6 +135,10 @@ def test_a_signal_that_was_stopped_goes_on_in_time() -> None:
     standing = [(BEGIN + 5.0 + n * PERIOD, [4.9]) for n in range(300)]
     on = [(now + 30.0, times) for now, times in steady(5.0, 6.0)]
     assert not was_ever_late(steady(0.0, 5.0), standing, on)
+
+
+def test_a_signal_that_stands_still_is_in_time_however_seldom_it_comes() -> None:
+    assert not was_ever_late(steady(0.0, 5.0), [(BEGIN + 9.0, [4.9]), (BEGIN + 19.0, [4.9])])
 
 
 def test_a_signal_that_begins_anew_is_in_time() -> None:

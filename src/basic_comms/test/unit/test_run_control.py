@@ -90,6 +90,14 @@ def test_it_finishes_at_its_duration():
     ]
 
 
+def test_it_finishes_at_a_duration_that_is_over_by_its_first_sample():
+    control = RunControl()
+    assert states(control, [0.0, 4.0], start_delay=2.0, duration=0.5) == [
+        "idle 0.000",
+        "finished 0.500",
+    ]
+
+
 def test_a_longer_duration_lets_it_go_on_from_where_it_finished():
     control = RunControl()
     states(control, [0.0, 6.0, 9.0], duration=5.0)

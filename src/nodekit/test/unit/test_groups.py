@@ -97,6 +97,16 @@ def test_thread_that_is_inside_enters_again_without_waiting() -> None:
     assert not group._holder
 
 
+def test_waiting_for_a_group_does_not_wait_for_the_callers_own_callback() -> None:
+    group = Group()
+    with group:
+        assert group.enter()
+        group.leave()
+        assert group.wait_until_left(0.0)
+        assert group._holder
+    assert not group._holder
+
+
 def test_work_offered_from_inside_is_done_after_the_callback() -> None:
     group, calls = Group(), []  # type: Any
     bell = Bell(group, lambda: calls.append("bell"), "")
@@ -145,6 +155,44 @@ def test_waiting_for_a_group_can_be_limited() -> None:
     assert not group._queue
     busy.end()
     assert group.wait_until_left(0.0)
+    assert not group._holder
+
+
+@pytest.mark.parametrize("kind", [Group, ReentrantGroup])
+def test_waiting_for_a_group_ends_with_what_was_waited_for(kind: Callable[[], Group]) -> None:
+    group = kind()
+    assert group.enter()
+    group.leave()
+    busy = Busy(group)
+    threading.Timer(0.05, busy.go_on.set).start()
+    assert group.wait_until_left(TIMEOUT_S)
+    busy.end()
+    assert group.wait_until_left(0.0)
+
+
+def test_a_callback_waits_for_its_group_for_as_long_as_it_takes() -> None:
+    group, calls = Group(), []  # type: Any
+    busy = Busy(group)
+    waits = in_thread(Callback(group, lambda: calls.append(1), "").call)
+    waits.join(1.1)
+    assert calls == []
+    busy.end()
+    waits.join(TIMEOUT_S)
+    assert calls == [1]
+
+
+def test_a_turn_that_comes_just_when_the_time_is_over_is_taken() -> None:
+    group = Group()
+    busy = Busy(group)
+
+    class HandedOver(List[Any]):
+        def remove(self, waiting: Any) -> None:
+            busy.end()
+            super().remove(waiting)
+
+    group._queue = HandedOver()
+    assert group.enter(0.01)
+    group.leave()
     assert not group._holder
 
 

@@ -276,6 +276,15 @@ def test_receiver_that_has_gone_is_dropped_without_a_word(pairs, stalled):
     assert link.reports == []
 
 
+def test_sending_says_whether_all_of_it_went_out_or_nobody_is_there(pairs):
+    ours, theirs = pairs()
+    link = RecordingLink(ours)
+    assert link.send(b"news", 1)
+    theirs.close()
+    assert link.send(b"more", 1)
+    assert (link.phase, link.held, link.sent) == (Phase.GONE, [], 1)
+
+
 def test_socket_closed_by_someone_else_ends_the_background_thread(pairs):
     threads = threading.active_count()
     ours, _ = pairs()

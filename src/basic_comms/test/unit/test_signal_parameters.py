@@ -106,5 +106,7 @@ def test_a_path_that_is_none_of_a_file_is_refused_in_one_sentence(
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ParameterError) as refusal:
         SignalParameters(file="folder")
-    assert str(refusal.value).startswith("parameter file: refused 'folder': must be ")
+    assert str(refusal.value).startswith(
+        "parameter file: refused 'folder': must be the path of a CSV file of time,value or empty "
+    )
     assert "this is a folder; a CSV file of time,value is needed" in str(refusal.value)

@@ -115,6 +115,15 @@ def test_shapes_of_time():
     assert run(times, waveform="file", file="") == [0.0] * 4
 
 
+def test_chirp_whose_first_sample_comes_later_has_swept_since_time_zero():
+    late, whole = SignalSource(), SignalSource()
+    chosen = settings(waveform="chirp")
+    whole.sample(0.0, chosen)
+    phase = late.sample(0.5, chosen).phase
+    assert phase == pytest.approx(whole.sample(0.5, chosen).phase)
+    assert phase == pytest.approx(1.0 * 0.5 + 4.9 * 0.5**2 / 2.0)
+
+
 @pytest.mark.parametrize("shape", ["linear", "logarithmic"])
 def test_chirp_equals_scipy_and_carries_its_instantaneous_frequency(shape):
     source, chosen = SignalSource(), settings(waveform="chirp", chirp_shape=shape, phase=0.5)

@@ -97,8 +97,10 @@ def test_edges_that_fall_on_samples_always_fall_on_the_same_side(hertz, rate):
     phases_on_grid = [TWO_PI * hertz * (n / rate) for n in range(100 * period)]
     square = [waveforms.square(phase) for phase in phases_on_grid]
     assert square == ([1.0] * (period // 2) + [-1.0] * (period // 2)) * 100
+    pulse = [waveforms.pulse(phase) for phase in phases_on_grid]
+    assert pulse == ([1.0] * (period // 2) + [0.0] * (period // 2)) * 100
     sawtooth = [waveforms.sawtooth(phase) for phase in phases_on_grid]
-    assert sawtooth[::period] == pytest.approx([-1.0] * 100)
+    assert sawtooth == pytest.approx([2.0 * n / period - 1.0 for n in range(period)] * 100)
 
 
 def test_step_happens_at_its_time():

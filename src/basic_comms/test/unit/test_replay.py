@@ -133,6 +133,8 @@ def test_files_in_their_usual_forms_are_read(write, content):
         ("1,1\n0.5,2\n", "series.csv, line 2: time 0.5 after 1.0; times must increase"),
         ("0,__import__('os')\n", "two finite numbers"),
         pytest.param("0," + "9" * 9999, "9...'; two finite numbers", id="long line"),
+        ("0," + "x" * 38, f"line 1: '0,{'x' * 38}'; two finite"),
+        ("0," + "x" * 39, f"line 1: '0,{'x' * 35}...'; two finite"),
         (b"\xff\xfe0,1\n", "series.csv: not UTF-8 text"),
     ],
 )

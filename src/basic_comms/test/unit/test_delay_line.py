@@ -85,6 +85,23 @@ def test_a_sine_is_shifted_whatever_frequency_and_rate_do(step, lead, changes, s
             assert feed.error(lead) <= widest**3 / 12.0 + 1e-9
 
 
+@pytest.mark.parametrize(
+    "values, between_1_and_2",
+    [
+        ([0.0, 1.0, 4.0, 9.0, 16.0], 2.25),
+        ([0.0, 1.0, 4.0, 99.0, 99.0], 2.25),
+        ([99.0, 1.0, 4.0, 9.0, 16.0], 2.25),
+    ],
+)
+def test_a_parabola_is_exact_where_one_side_shows_it(values, between_1_and_2):
+    line = PhaseDelayLine()
+    for number, value in enumerate(values):
+        line.push(1.0, 0.1 * number, value)
+    assert line.value(-0.25) == pytest.approx(between_1_and_2)
+    assert line.value(-0.05) == pytest.approx((values[3] + values[4]) / 2.0)
+    assert line.value(-0.35) == pytest.approx((values[0] + values[1]) / 2.0)
+
+
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_straight_lines_are_exact(direction):
     feed = Feed(triangle, direction)

@@ -31,7 +31,7 @@ def test_each_row_of_the_table_is_of_a_pure_module() -> None:
     assert set(mutants.TESTS) <= {f"{path.parts[0]}/{path.stem}" for path in places}
 
 
-def test_paths_are_files_and_folders_each_module_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_paths_are_files_and_folders_each_module_once(monkeypatch: "pytest.MonkeyPatch") -> None:
     library = code_rules.SOURCES / "nodekit" / "src" / "nodekit"
     monkeypatch.chdir(library)
     found = mutants.modules_of(["parameters/kinds.py", "parameters"])
@@ -41,7 +41,7 @@ def test_paths_are_files_and_folders_each_module_once(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("path", ["nowhere", "nodekit/test", "nodekit/package.xml"])
-def test_a_path_without_modules_is_refused(monkeypatch: pytest.MonkeyPatch, path: str) -> None:
+def test_a_path_without_modules_is_refused(monkeypatch: "pytest.MonkeyPatch", path: str) -> None:
     monkeypatch.chdir(code_rules.SOURCES)
     with pytest.raises(mutants.Unfit, match=path):
         mutants.modules_of([path])

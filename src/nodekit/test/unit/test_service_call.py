@@ -1,0 +1,156 @@
+"""A call of a service over TCP, with a server that answers just what each test has it answer."""
+
+import contextlib
+import socket
+import struct
+import threading
+import time
+from typing import Iterator, List, Optional, Tuple
+
+import pytest
+
+from nodekit.testing.waiting import TIMEOUT_S
+from nodekit.transport.service_call import CallFailed, ServiceCall
+
+HEADER = {"callerid": "/test", "service": "/add", "md5sum": "*"}
+
+
+def block(content: bytes) -> bytes:
+    """Return something with its length before it."""
+    return struct.pack("<I", len(content)) + content
+
+
+GREETING = block(block(b"callerid=/server") + block(b"type=a=b"))
+
+
+class Server:
+    """Takes one connection, sends one answer, and keeps what it was sent.
+
+    :param answer: all that it sends
+    :param hangs_up: whether it closes the connection after that
+    """
+
+    def __init__(self, answer: bytes, hangs_up: bool = False) -> None:
+        self.received = b""
+        self.hung_up = threading.Event()
+        self._answer, self._hangs_up = answer, hangs_up
+        self._socket = socket.socket()
+        self._socket.bind(("localhost", 0))
+        self._socket.listen(1)
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    @property
+    def address(self) -> Tuple[str, int]:
+        return "localhost", self._socket.getsockname()[1]
+
+    def _serve(self) -> None:
+        connection, _ = self._socket.accept()
+        with connection:
+            connection.sendall(self._answer)
+            if self._hangs_up:
+                connection.shutdown(socket.SHUT_WR)
+            with contextlib.suppress(OSError):
+                for part in iter(lambda: connection.recv(4096), b""):
+                    self.received += part
+            self.hung_up.set()
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+@contextlib.contextmanager
+def serving(answer: bytes, hangs_up: bool = False) -> Iterator[Server]:
+    server = Server(answer, hangs_up)
+    with contextlib.closing(server):
+        yield server
+
+
+def call(server: Server, request: Optional[bytes] = b"12", timeout: float = TIMEOUT_S) -> bytes:
+    return ServiceCall(timeout).run(server.address, HEADER, request)
+
+
+@pytest.mark.parametrize("size", [0, 3, 3 << 20])
+def test_answer_of_any_size(size: int) -> None:
+    body = bytes(number % 251 for number in range(size))
+    with serving(GREETING + b"\1" + block(body)) as server:
+        assert call(server) == body
+        assert server.hung_up.wait(TIMEOUT_S)
+    sent = block(b"".join(block(f"{name}={value}".encode()) for name, value in HEADER.items()))
+    assert server.received == sent + block(b"12")
+
+
+def test_a_look_sends_no_request() -> None:
+    with serving(GREETING) as server:
+        assert call(server, None) == b""
+        assert server.hung_up.wait(TIMEOUT_S)
+    assert server.received.endswith(b"md5sum=*")
+
+
+@pytest.mark.parametrize(
+    "answer, reason",
+    [
+        (GREETING + b"\0" + block(b"a is no number"), "a is no number"),
+        (block(block(b"error=no such service")), "no such service"),
+        (struct.pack("<I", 1 << 30), "a header of 1073741824 bytes: no ROS service"),
+        (struct.pack("<I", (64 << 10) + 1), "a header of 65537 bytes: no ROS service"),
+    ],
+)
+def test_refusal_is_told(answer: bytes, reason: str) -> None:
+    with serving(answer) as server, pytest.raises(CallFailed, match=reason):
+        call(server)
+
+
+@pytest.mark.parametrize("answer", [b"", b"\3", GREETING, GREETING + b"\1" + block(b"12")[:-1]])
+def test_server_that_hangs_up(answer: bytes) -> None:
+    with serving(answer, hangs_up=True) as server, pytest.raises(ConnectionError, match="hung up"):
+        call(server)
+
+
+@pytest.mark.parametrize("answer", [b"", b"\3", GREETING, GREETING + b"\1" + block(b"12")[:-1]])
+def test_server_that_hangs_costs_the_time_out(answer: bytes) -> None:
+    with serving(answer) as server:
+        began = time.monotonic()
+        with pytest.raises(socket.timeout):
+            call(server, timeout=0.05)
+        assert 0.05 <= time.monotonic() - began < TIMEOUT_S / 2
+        assert server.hung_up.wait(TIMEOUT_S)
+
+
+def test_header_without_sense_is_a_header_without_fields() -> None:
+    with serving(block(b"\xff\xff") + b"\1" + block(b"3")) as server:
+        assert call(server) == b"3"
+
+
+def test_call_is_cancelled_under_way_and_before() -> None:
+    errors: List[Exception] = []
+
+    def run(under_way: ServiceCall, server: Server) -> None:
+        try:
+            under_way.run(server.address, HEADER, b"12")
+        except OSError as error:
+            errors.append(error)
+
+    for is_early in (False, True):
+        with serving(GREETING) as server:
+            under_way = ServiceCall(TIMEOUT_S)
+            if is_early:
+                under_way.cancel()
+            thread = threading.Thread(target=run, args=(under_way, server), daemon=True)
+            thread.start()
+            if not is_early:
+                while not server.received.endswith(b"12"):
+                    time.sleep(0.001)
+                under_way.cancel()
+            thread.join(TIMEOUT_S)
+            assert not thread.is_alive()
+            assert server.hung_up.wait(TIMEOUT_S)
+    assert len(errors) == 2 and not isinstance(errors[0], socket.timeout)
+    assert str(errors[1]) == "cancelled"
+
+
+def test_time_left_counts_from_the_call_s_making() -> None:
+    assert 0.0 < ServiceCall(TIMEOUT_S).left() <= TIMEOUT_S
+    late = ServiceCall(0.001)
+    time.sleep(0.002)
+    with serving(GREETING) as server, pytest.raises(socket.timeout):
+        late.run(server.address, HEADER, b"12")

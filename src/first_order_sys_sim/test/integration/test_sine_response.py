@@ -13,6 +13,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
 
 from nodekit.messaging.finite import to_float32
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.waiting import wait_until
 
@@ -48,6 +49,8 @@ class SineResponse(unittest.TestCase):
             lambda: self.input.get_num_connections() and self.clock.get_num_connections(),
             lambda: "the node does not listen",
         )
+        graph = Graph()
+        wait_until(lambda: graph.hearers(NODE, "/output"), lambda: "the node is not heard")
         self.node = ServerProxy(rosgraph.Master("/test").lookupNode(NODE))
 
     def received(self, topic: str) -> int:

@@ -452,14 +452,16 @@ class Closing(OnMaster):
             round_()
         before = self.settled(facts)
         linecache.clearcache()  # rospy's debug log fills it with the sources of others
-        held = tracemalloc.get_traced_memory()[0]
+        held, first = tracemalloc.get_traced_memory()[0], tracemalloc.take_snapshot()
         for _ in range(90):
             round_()
         gc.collect()
         linecache.clearcache()
         grown = tracemalloc.get_traced_memory()[0] - held
         wait_until(lambda: facts() == before, lambda: f"{facts()}, not {before}")
-        self.assertLess(grown / 90.0, 2000.0)
+        if grown / 90.0 >= 2000.0:
+            most = tracemalloc.take_snapshot().compare_to(first, "lineno")[:8]
+            self.fail("\n".join([f"{grown / 90.0:.0f} B a round", *map(str, most)]))
 
 
 class Hosting(OnMaster):

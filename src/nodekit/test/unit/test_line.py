@@ -2,6 +2,8 @@
 
 import itertools
 import random
+import threading
+import time
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
 
@@ -216,8 +218,20 @@ def test_closed_line_gives_up_what_is_left_and_frees_the_groups() -> None:
 
 def test_line_tells_how_long_calls_take_and_wait() -> None:
     line = Line()
-    source = make(line)
+    source = Source(line, Group(), 10, lambda things: None, lambda thing: None, together=True)
+    assert source.longest == source.longest_wait == 0.0
     source.put(1)
+    time.sleep(0.02)
+    source.put(2)
     served(line)
     assert source.made == 1 and source.running == 0
-    assert 0.0 < source.longest_wait < 10.0 and 0.0 <= source.longest < 10.0
+    assert 0.02 <= source.longest_wait < 10.0 and 0.0 <= source.longest < 10.0
+
+
+def test_line_knows_whether_the_caller_is_all_it_has() -> None:
+    line = Line()
+    assert not line.is_served_by_caller_alone()
+    line.workers.add(threading.get_ident())
+    assert line.is_served_by_caller_alone()
+    line.workers.add(-1)
+    assert not line.is_served_by_caller_alone()

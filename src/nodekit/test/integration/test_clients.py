@@ -31,7 +31,8 @@ from nodekit.process.run import register
 from nodekit.testing.processes import Process, is_stopped
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-SERVER = os.path.join(os.path.dirname(__file__), "..", "helpers", "slow_server.py")
+HELPERS = os.path.join(os.path.dirname(__file__), "..", "helpers")
+SERVER = os.path.join(HELPERS, "slow_server.py")
 
 
 class Clients(unittest.TestCase):
@@ -127,6 +128,17 @@ class Clients(unittest.TestCase):
             future.result()
         with self.assertRaisesRegex(CallCancelled, "its client is closed"):
             client.call(TriggerRequest())
+
+    def test_ctrl_c_ends_a_node_whose_calls_hang_and_whose_callbacks_sleep(self) -> None:
+        self.server()
+        node = Process(os.path.join(HELPERS, "waiting_client.py"), [f"__ns:={self.space}"])
+        self.addCleanup(node.end)
+        node.wait_for_log("asked")
+        began = time.monotonic()
+        self.assertEqual(node.interrupt(), 0)
+        self.assertLess(time.monotonic() - began, TIMEOUT_S / 2)
+        self.assertEqual(node.logged("Traceback"), [])
+        self.assertEqual(len(node.logged(f"the call of {self.space}/slow was cancelled")), 1)
 
     def test_calls_under_way_are_bounded(self) -> None:
         self.server()

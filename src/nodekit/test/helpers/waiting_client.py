@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""A node with callbacks that wait: for an answer, and asleep in an executor's thread."""
+
+import time
+
+from std_srvs.srv import Trigger, TriggerRequest
+
+from nodekit import CallError, MultiThreadedExecutor, Node, run
+
+
+class Waiting:
+    def __init__(self, node: Node) -> None:
+        MultiThreadedExecutor(3).add_node(node)
+        self.client = node.client("slow", Trigger)
+        self.asked = False
+        node.every(1.0, self.ask, group=node.group())
+        node.every(1.0, lambda elapsed: time.sleep(600.0), group=node.group())
+
+    def ask(self, elapsed: float) -> None:
+        if self.asked:
+            return
+        self.asked = True
+        future = self.client.call_async(TriggerRequest(), 600.0)
+        print("asked", flush=True)
+        for answer in (future.result, lambda: self.client.call(TriggerRequest())):
+            try:
+                answer()
+            except CallError as error:
+                print(error, flush=True)
+
+
+if __name__ == "__main__":
+    run("waiting", Waiting)

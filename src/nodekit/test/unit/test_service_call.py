@@ -116,6 +116,12 @@ def test_server_that_hangs_costs_the_time_out(answer: bytes) -> None:
         assert server.hung_up.wait(TIMEOUT_S)
 
 
+def test_longest_header_is_read() -> None:
+    field = b"name=" + bytes((64 << 10) - 9)
+    with serving(block(block(field)) + b"\1" + block(b"3")) as server:
+        assert call(server) == b"3"
+
+
 def test_header_without_sense_is_a_header_without_fields() -> None:
     with serving(block(b"\xff\xff") + b"\1" + block(b"3")) as server:
         assert call(server) == b"3"

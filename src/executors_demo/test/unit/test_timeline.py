@@ -38,7 +38,7 @@ def texts(picture: Path) -> List[str]:
 
 def colours(picture: Path) -> Set[str]:
     """Return the colours of the bars, which are neither black nor white as all else is."""
-    found = set(re.findall(r"fill: (#[0-9a-f]{6})", picture.read_text()))
+    found = set(re.findall(r"fill: ?(#[0-9a-f]{6})", picture.read_text()))
     return found - {"#000000", "#ffffff"}
 
 

@@ -4,6 +4,7 @@ import time
 import traceback
 
 import rospy
+import rospy.core
 
 #: A function's failures are logged at most this often, s.
 LOG_PERIOD_S = 5.0
@@ -28,7 +29,8 @@ class Failures:
         """
         self.count += 1
         now = time.monotonic()
-        if now >= self._quiet_until and not rospy.is_shutdown():
+        # What fails when the end has begun fails because of it, as a call of a closed client.
+        if now >= self._quiet_until and not rospy.core.is_shutdown_requested():
             self._quiet_until = now + LOG_PERIOD_S
             text = "%s failed, %d times by now:\n%s"
             rospy.logerr(text, what, self.count, traceback.format_exc().rstrip())

@@ -1,0 +1,50 @@
+"""A function that fails is logged now and then, but not because the node ends."""
+
+from typing import Any, List
+
+import pytest
+import rospy
+import rospy.core
+
+from nodekit.messaging import failures
+
+
+@pytest.fixture()
+def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logerr", lambda text, *args: lines.append(text % args))
+    return lines
+
+
+def fail(what: failures.Failures) -> None:
+    try:
+        raise ValueError("on purpose")
+    except ValueError:
+        what.note("/topic")
+
+
+def test_failures_are_counted_and_logged_at_times(
+    logged: List[str], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr(failures.time, "monotonic", lambda: now[0])
+    what = failures.Failures()
+    for moment in (100.0, 101.0, 104.9, 105.0):
+        now[0] = moment
+        fail(what)
+    assert [line.splitlines()[0] for line in logged] == [
+        "/topic failed, 1 times by now:",
+        "/topic failed, 4 times by now:",
+    ]
+    assert logged[0].endswith("ValueError: on purpose")
+
+
+def test_what_fails_when_the_end_has_begun_is_counted_only(
+    logged: List[str], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    # rospy calls whoever wants to know before it says that it is shut down.
+    monkeypatch.setattr(rospy.core, "_in_shutdown", True)
+    assert not rospy.is_shutdown()
+    what: Any = failures.Failures()
+    fail(what)
+    assert (what.count, logged) == (1, [])

@@ -12,7 +12,7 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
 
 #: The workspace's packages that each package's code may import, besides itself.
 SIBLINGS: Dict[str, Set[str]] = {
-    "nodekit": {"nodekit_msgs"},
+    "nodekit": {"lifecycle_msgs", "nodekit_msgs"},
     "basic_comms": {"nodekit"},
     "first_order_sys_sim": {"nodekit"},
     "motor_control": {

@@ -10,7 +10,7 @@ from typing import Dict
 import pytest
 from conftest import SOURCES
 
-COPIED = ("nodekit", "nodekit_msgs", "basic_comms")
+COPIED = ("nodekit", "nodekit_msgs", "lifecycle_msgs", "basic_comms")
 
 
 @pytest.fixture(scope="module")

@@ -29,8 +29,8 @@ SIBLINGS: Dict[str, Set[str]] = {
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
         *("parameters", "transport", "timing", "rospy_internals", "messaging", "live"),
-        *("execution", "life", "node", "executors", "process", "entry_point", "commands"),
-        "testing",
+        *("execution", "life", "node", "executors", "lifecycle", "process", "entry_point"),
+        *("commands", "testing"),
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
     "executors_demo": [
@@ -42,6 +42,7 @@ ROOMS: Dict[str, List[str]] = {
 PURE = (
     *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
     *("nodekit.execution", "nodekit.messaging.finite"),
+    *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),
     *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
     *("executors_demo.picture", "executors_demo.timeline_command"),

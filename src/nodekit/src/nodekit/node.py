@@ -35,6 +35,11 @@ class Node(Lifetime):
         """
         self._opener.start()
 
+    @property
+    def is_up(self) -> bool:
+        """Whether it was started and is not closed."""
+        return self._opener.has_started and not self._closed
+
     def host(self, name: str, namespace: str, cls: Callable[["Node"], object]) -> "Node":
         """Have another node in this process.
 

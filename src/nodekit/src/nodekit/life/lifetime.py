@@ -1,5 +1,6 @@
 """What a node makes, and how long it lives."""
 
+from functools import partial
 from typing import Any, Callable, Collection, Optional, Type
 
 from std_srvs.srv import Trigger
@@ -16,7 +17,7 @@ from nodekit.live.watcher import get_watcher
 from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog
 from nodekit.parameters.declaration import Snapshot
-from nodekit.timing.scheduler import get_scheduler
+from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit_msgs.srv import SetParameters
 
 
@@ -46,7 +47,7 @@ class Lifetime(TopicMaker):
         """
         group = group or self._surroundings.group
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
-        timer = NodeTimer(get_scheduler(steady), group, rate, callback, catch_up, what)
+        timer = self._timer(get_scheduler(steady), group, rate, callback, catch_up, what)
         if callable(rate):
             self._surroundings.rates.add(timer)
         return self._open(timer)
@@ -74,7 +75,9 @@ class Lifetime(TopicMaker):
         self._serve("~describe", Trigger, description_handler(live))
         self._serve("~change", SetParameters, change_handler(live))
         if reconfigure.AVAILABLE:
-            self.own(reconfigure.ReconfigureInterface(live, self.publisher, self._serve))
+            # The toolkit's own publishers: a managed node's are heard in any state.
+            publisher = partial(TopicMaker.publisher, self)
+            self.own(reconfigure.ReconfigureInterface(live, publisher, self._serve))
         return self._open(live)
 
     def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
@@ -115,6 +118,9 @@ class Lifetime(TopicMaker):
     def lifetime(self) -> "Lifetime":
         """Return a maker of its own, whose ``close`` ends only what was made through it."""
         return self.own(Part(self))
+
+    def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
+        return NodeTimer(scheduler, group, *options)
 
 
 class Part(Lifetime):

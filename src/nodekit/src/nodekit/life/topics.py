@@ -58,6 +58,11 @@ class TopicMaker(Owner):
         """Global name of the node."""
         return self._surroundings.names.node
 
+    @property
+    def default_group(self) -> Group:
+        """The group of callbacks that are given none."""
+        return self._surroundings.group
+
     def __str__(self) -> str:
         return self.name
 

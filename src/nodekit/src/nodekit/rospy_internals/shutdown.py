@@ -39,3 +39,11 @@ def at_shutdown(function: Callable[[], None]) -> None:
     rospy.on_shutdown(function)
     if rospy.core.is_shutdown_requested():
         function()
+
+
+def before_shutdown(function: Callable[[], None]) -> None:
+    """Have a function called first of all when the node ends, while all of it still works.
+
+    :param function: what to call
+    """
+    rospy.core._client_shutdown_hooks.insert(0, function)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.life.lifetime import Lifetime as Lifetime
     from nodekit.life.server import CallError as CallError
     from nodekit.life.server import CallTimeout as CallTimeout
+    from nodekit.lifecycle.managed_node import ManagedNode as ManagedNode
+    from nodekit.lifecycle.table import Outcome as Outcome
     from nodekit.live.live_parameters import LiveParameters as LiveParameters
     from nodekit.live.master import MasterUnreachable as MasterUnreachable
     from nodekit.messaging.publisher import Publisher as Publisher
@@ -50,6 +52,8 @@ _HOMES: Dict[str, str] = {
     "Lifetime": "life.lifetime",
     "CallError": "life.server",
     "CallTimeout": "life.server",
+    "ManagedNode": "lifecycle.managed_node",
+    "Outcome": "lifecycle.table",
     "LiveParameters": "live.live_parameters",
     "MasterUnreachable": "live.master",
     "Publisher": "messaging.publisher",

@@ -1,17 +1,9 @@
 """In which state a managed node is: one transition at a time, and none that the table lacks."""
 
 import threading
-from typing import Callable, Union
+from typing import Callable, Optional, Union
 
-from nodekit.lifecycle.table import (
-    OUTCOMES,
-    UNCONFIGURED,
-    NotAllowed,
-    Outcome,
-    State,
-    Transition,
-    requested,
-)
+from nodekit.lifecycle.table import UNCONFIGURED, NotAllowed, State, Transition, requested
 
 
 class Machine:
@@ -28,30 +20,29 @@ class Machine:
     def __init__(self, tell: Callable[[Transition], None]) -> None:
         self.state: State = UNCONFIGURED
         self._tell = tell
-        self._is_claimed = threading.Lock()
-        self._under_way = "another transition"
+        self._free = threading.Condition()
+        self._under_way = ""  # label of the transition that it is claimed for
 
-    def claim(self, wanted: Union[int, str], timeout: float = 0.0) -> Transition:
+    def claim(self, wanted: Union[int, str], timeout: Optional[float] = 0.0) -> Transition:
         """Claim the machine for a transition.
 
         :param wanted: label, or number
-        :param timeout: longest wait for one that is under way, s
+        :param timeout: longest wait for one that is under way, s; None for ever
         :returns: the transition, to be begun by :meth:`step`
         :raises NotAllowed: if it is not allowed now; then there is nothing to release
         """
-        if not self._is_claimed.acquire(timeout=timeout):
-            raise NotAllowed(f"{wanted} has to wait: {self._under_way} is under way")
-        try:
+        with self._free:
+            if not self._free.wait_for(lambda: not self._under_way, timeout):
+                raise NotAllowed(f"{wanted} has to wait: {self._under_way} is under way")
             transition = requested(self.state, wanted)
-        except NotAllowed:
-            self._is_claimed.release()
-            raise
-        self._under_way = transition.label
-        return transition
+            self._under_way = transition.label
+            return transition
 
     def release(self) -> None:
         """Let others claim the machine."""
-        self._is_claimed.release()
+        with self._free:
+            self._under_way = ""
+            self._free.notify()
 
     def step(self, transition: Transition) -> None:
         """Go to the next state.
@@ -63,14 +54,3 @@ class Machine:
             raise NotAllowed(f"{transition.label} does not leave the state {self.state.label}")
         self.state = transition.goal
         self._tell(transition)
-
-    def end(self, outcome: Outcome) -> None:
-        """Go to the state that a callback leads to.
-
-        :param outcome: what became of it
-        :raises NotAllowed: if none is under way in this state
-        """
-        transition = OUTCOMES.get((self.state, outcome))
-        if transition is None:
-            raise NotAllowed(f"no callback is under way in the state {self.state.label}")
-        self.step(transition)

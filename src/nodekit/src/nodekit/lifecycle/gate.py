@@ -1,0 +1,142 @@
+"""What speaks only while its node is active: publishers and timers."""
+
+import threading
+from typing import Any, Optional, Sequence, Set
+
+import rospy
+
+from nodekit.life.timers import NodeTimer
+from nodekit.messaging.publisher import Publisher
+from nodekit.timing.scheduler import checked_rate
+
+
+class Gate:
+    """What a managed node's publishers and timers ask, and are told by.
+
+    :ivar publishes: whether messages pass
+    :ivar ticks: whether timers tick
+    :ivar closings: how often it has kept messages from passing
+    """
+
+    def __init__(self) -> None:
+        self.publishes = self.ticks = False
+        self.closings = 0
+        self._lock = threading.Lock()
+        self._timers: Set[ManagedTimer] = set()
+
+    def add(self, timer: "ManagedTimer") -> None:
+        """Tell a timer from now on.
+
+        :param timer: one that is held
+        """
+        with self._lock:
+            self._timers.add(timer)
+
+    def forget(self, timer: "ManagedTimer") -> None:
+        """Tell a timer nothing any more.
+
+        :param timer: one that was added
+        """
+        with self._lock:
+            self._timers.discard(timer)
+
+    def let_publish(self, publishes: bool) -> None:
+        """Let messages pass, or keep them.
+
+        :param publishes: whether they pass
+        """
+        self.closings += self.publishes and not publishes
+        self.publishes = publishes
+
+    def let_tick(self, ticks: bool) -> None:
+        """Let timers tick, the first time at once, or hold them.
+
+        :param ticks: whether they tick
+        """
+        self.ticks = ticks
+        with self._lock:
+            timers = list(self._timers)
+        for timer in timers:  # without the lock: it asks the node's code for its rate
+            timer.heed()
+
+
+class ManagedPublisher(Publisher):
+    """A publisher that publishes only while its node is active.
+
+    :param gate: says whether it is
+    :param name: topic, resolved
+    :param data_class: message class
+    :param latch: whether later subscribers get the last message
+
+    :ivar dropped: how many messages were not sent
+    """
+
+    def __init__(self, gate: Gate, name: str, data_class: type, latch: bool) -> None:
+        super().__init__(name, data_class, latch)
+        self.dropped = 0
+        self._gate = gate
+        self._warned_of: Optional[int] = None
+
+    def publish(self, *args: Any, **kwds: Any) -> None:
+        """Send a message, see :meth:`.Publisher.publish`, or drop it if the node is not active."""
+        if self._gate.publishes or self._is_closed:
+            super().publish(*args, **kwds)
+        else:
+            self._drop(1)
+
+    def publish_all(self, messages: Sequence[Any]) -> None:
+        """Send messages, see :meth:`.Publisher.publish_all`, or drop them likewise."""
+        if self._gate.publishes or self._is_closed:
+            super().publish_all(messages)
+        else:
+            self._drop(len(messages))
+
+    def _drop(self, count: int) -> None:
+        self.dropped += count
+        if self._warned_of != self._gate.closings:  # once in a while of silence
+            self._warned_of = self._gate.closings
+            text = "%s: messages are dropped, as the node is not active; %d in all"
+            rospy.logwarn(text, self.resolved_name, self.dropped)
+
+
+class ManagedTimer(NodeTimer):
+    """A timer that ticks only while its node is active.
+
+    :param gate: says whether it is
+    :param options: as for :class:`.NodeTimer`
+    """
+
+    def __init__(self, gate: Gate, *options: Any) -> None:
+        super().__init__(*options)
+        self._gate = gate
+        self._wanted = self._rate
+        gate.add(self)
+        self.heed()
+
+    def set_rate(self, rate: float) -> None:
+        """Change the rate, at once or from when the node is active again.
+
+        :param rate: calls a second, Hz; 0 pauses
+        :raises ValueError: if it is not one to keep; the old one stays
+        """
+        self._wanted = checked_rate(rate)
+        self.heed()
+
+    def follow(self) -> None:
+        """Ask for the rate, where it is a function, unless the timer is held."""
+        if self._gate.ticks:
+            super().follow()
+
+    def heed(self) -> None:
+        """Tick or do not, as the gate has it."""
+        if not self._gate.ticks:
+            self._timer.set_rate(0.0)
+        elif callable(self._wanted):
+            self.follow()
+        else:
+            self._timer.set_rate(self._wanted)
+
+    def close(self) -> None:
+        """Make no call any more."""
+        self._gate.forget(self)
+        super().close()

@@ -1,0 +1,49 @@
+"""What one callback of a managed node makes, and how long it lives."""
+
+from typing import Any, Optional
+
+from nodekit.execution.groups import Group, Outside
+from nodekit.life.lifetime import Lifetime, Part
+from nodekit.life.opening import Opener
+from nodekit.life.timers import NodeTimer
+from nodekit.lifecycle.gate import Gate, ManagedPublisher, ManagedTimer
+from nodekit.messaging.publisher import Publisher
+from nodekit.timing.scheduler import Scheduler
+
+
+class Stage(Part):
+    """Makes things that are opened together once the callback that makes them has succeeded.
+
+    Its publishers publish and its timers tick only while the node is active.
+
+    :param whole: what it is closed with
+    :param gate: says whether the node is active
+    :param opener: opens what is made; one of its own by default
+    """
+
+    def __init__(self, whole: Lifetime, gate: Gate, opener: Optional[Opener] = None) -> None:
+        super().__init__(whole)
+        self._opener = opener or Opener()
+        self._gate = gate
+
+    def open(self) -> None:
+        """Open what was made; what is made from now on is opened at once.
+
+        :raises rospy.ROSException: if a topic is used with two types
+        """
+        self._opener.start()
+
+    def publisher(
+        self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
+    ) -> Publisher:
+        """Publish a topic while the node is active; see :meth:`.TopicMaker.publisher`."""
+        return self._open(ManagedPublisher(self._gate, self.resolve(name), data_class, latch))
+
+    def lifetime(self) -> Lifetime:
+        """Return a maker of its own; see :meth:`.Lifetime.lifetime`."""
+        return self.own(Stage(self, self._gate, self._opener))
+
+    def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
+        if isinstance(group, Outside):  # the toolkit's own
+            return super()._timer(scheduler, group, *options)
+        return ManagedTimer(self._gate, scheduler, group, *options)

@@ -1,0 +1,542 @@
+#!/usr/bin/env python3
+"""Managed nodes on a real master: each cell of the table, what is made when, and how they end."""
+
+import contextlib
+import gc
+import itertools
+import linecache
+import os
+import signal
+import threading
+import time
+import tracemalloc
+import unittest
+from typing import Any, Callable, Dict, List, Tuple, Union
+
+import rosgraph
+import rospy
+import rostest
+from std_msgs.msg import String
+
+from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
+from lifecycle_msgs.srv import (
+    ChangeState,
+    GetAvailableStates,
+    GetAvailableTransitions,
+    GetState,
+)
+from nodekit import Lifetime, ManagedNode, MultiThreadedExecutor, Node, Outcome
+from nodekit.life.names import Names
+from nodekit.process.run import register
+from nodekit.testing.graph import Graph
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+DRIVER = os.path.join(os.path.dirname(__file__), "..", "helpers", "managed_driver.py")
+
+#: Id of each request, its start, the state meanwhile, and the goals at success and failure.
+REQUESTS = {
+    "configure": (1, "unconfigured", "configuring", "inactive", "unconfigured"),
+    "cleanup": (2, "inactive", "cleaningup", "unconfigured", "inactive"),
+    "activate": (3, "inactive", "activating", "active", "inactive"),
+    "deactivate": (4, "active", "deactivating", "inactive", "active"),
+}
+CELLS = [(label, *row) for label, row in REQUESTS.items()] + [
+    ("shutdown", number, start, "shuttingdown", "finalized", "finalized")
+    for number, start in enumerate(("unconfigured", "inactive", "active"), 5)
+]
+#: How to get to a state.
+WAYS: Dict[str, List[str]] = {
+    "unconfigured": [],
+    "inactive": ["configure"],
+    "active": ["configure", "activate"],
+    "finalized": ["shutdown"],
+}
+#: The first number of what follows from each callback.
+FIRST_IDS = dict(configure=10, cleanup=20, activate=30, deactivate=40, shutdown=50)
+
+Plan = Dict[str, Callable[[], Any]]
+
+
+def failing() -> bool:
+    return False
+
+
+def raising() -> None:
+    raise ValueError("on purpose")
+
+
+def ending() -> None:
+    raise SystemExit(1)
+
+
+class Driver(ManagedNode):
+    """Makes what drivers make, and does besides what a test plans."""
+
+    def __init__(self, node: Node, plan: Plan) -> None:
+        super().__init__(node)
+        self.plan = plan
+        self.called: List[str] = []
+        self.ticks: List[str] = []
+        self.heard: List[str] = []
+
+    def do(self, name: str) -> Any:
+        self.called.append(name)
+        return self.plan.get(name, lambda: None)()
+
+    def on_configure(self, made: Lifetime) -> Any:
+        self.publisher = made.publisher("out", String)
+        self.timer = made.every(100.0, lambda elapsed: self.ticks.append(self.state.label))
+        return self.do("on_configure")
+
+    def on_activate(self, made: Lifetime) -> Any:
+        self.made = made
+        made.subscribe("in", String, lambda message: self.heard.append(message.data))
+        return self.do("on_activate")
+
+    def on_deactivate(self) -> Any:
+        return self.do("on_deactivate")
+
+    def on_cleanup(self) -> Any:
+        return self.do("on_cleanup")
+
+    def on_shutdown(self) -> Any:
+        return self.do("on_shutdown")
+
+    def on_error(self) -> Any:
+        return self.do("on_error")
+
+
+class Managed(unittest.TestCase):
+    """Each test has namespaces of its own in this process."""
+
+    numbers = itertools.count()
+
+    def driver(self, start: str = "unconfigured", **plan: Callable[[], Any]) -> Driver:
+        """Return a managed node that was brought to a state, and does then what is planned."""
+        self.space = f"/managed{next(self.numbers)}"
+        node = Node(Names.hosted(self.space, "driver"))
+        self.addCleanup(node.close)
+        self.events: List[TransitionEvent] = []
+        made = Driver(node, {})
+        node.subscribe("~transition_event", TransitionEvent, self.events.append)
+        node.start()
+        for label in WAYS[start]:
+            self.assertTrue(self.change(label))
+        del self.events[:], made.called[:]
+        made.plan = plan
+        return made
+
+    def call(self, name: str, kind: Any, *arguments: Any) -> Any:
+        return rospy.ServiceProxy(f"{self.space}/driver/{name}", kind)(*arguments)
+
+    def change(self, wanted: Union[int, str], label: str = "") -> bool:
+        """Ask for a transition by its label, or by its number."""
+        if isinstance(wanted, str):
+            wanted, label = 0, wanted
+        return bool(self.call("change_state", ChangeState, Transition(wanted, label)).success)
+
+    def state(self) -> str:
+        state: State = self.call("get_state", GetState).current_state
+        self.assertEqual(getattr(State, _constant(state)), state.id)
+        return str(state.label)
+
+    def steps(self) -> List[Tuple[int, str, str]]:
+        """Return number, start and goal of each event so far."""
+        return [
+            (event.transition.id, event.start_state.label, event.goal_state.label)
+            for event in self.events
+        ]
+
+    def registered(self) -> List[str]:
+        """Return the topics that others have to do with."""
+        state = rosgraph.Master("/test").getSystemState()
+        names = {self.space + "/out": "out", self.space + "/in": "in"}
+        return sorted(names[name] for part in state for name, _ in part if name in names)
+
+
+def _constant(state: State) -> str:
+    return f"{'PRIMARY' if state.id < 10 else 'TRANSITION'}_STATE_{state.label.upper()}"
+
+
+class Table(Managed):
+    """What is asked for over the services, and what becomes of it."""
+
+    def test_every_cell(self) -> None:
+        for (label, number, start, through, goal, otherwise), by_id in itertools.product(
+            CELLS, (True, False)
+        ):
+            wanted = number if by_id else label
+            name, first = f"on_{label}", FIRST_IDS[label]
+            for plan, there in (({}, goal), ({name: failing}, otherwise)):
+                driver = self.driver(start, **plan)
+                with self.subTest(start=start, wanted=wanted, plan=plan):
+                    self.assertEqual(self.change(wanted), not plan)
+                    self.assertEqual(driver.called, [name])
+                    self.assertEqual(driver.previous_state.label, start)
+                    then = first + len(plan)
+                    self.assertEqual(
+                        self.steps(), [(number, start, through), (then, through, there)]
+                    )
+                    self.assertEqual(self.state(), there)
+                driver.node.close()
+
+    def test_every_error(self) -> None:
+        after = {
+            "": (60, "unconfigured"),
+            "failing": (61, "finalized"),
+            "raising": (62, "finalized"),
+        }
+        errors = itertools.cycle([raising, ending, lambda: Outcome.ERROR, lambda: "nonsense"])
+        for (label, number, start, through, _, _), (mode, end) in itertools.product(
+            CELLS, after.items()
+        ):
+            name = f"on_{label}"
+            on_error = {"": lambda: True, "failing": failing, "raising": raising}[mode]
+            driver = self.driver(start, **{name: next(errors), "on_error": on_error})
+            with self.subTest(start=start, label=label, on_error=mode):
+                self.assertFalse(self.change(label))
+                self.assertEqual(driver.called, [name, "on_error"])
+                self.assertEqual(
+                    self.steps(),
+                    [
+                        (number, start, through),
+                        (FIRST_IDS[label] + 2, through, "errorprocessing"),
+                        (end[0], "errorprocessing", end[1]),
+                    ],
+                )
+                self.assertEqual(self.state(), end[1])
+                self.assertEqual(self.registered(), [])
+            driver.node.close()
+
+    def test_what_is_not_allowed_is_refused_and_logged(self) -> None:
+        allowed = {(start, label): number for label, number, start, *_ in CELLS}
+        for start in WAYS:
+            driver = self.driver(start)
+            ids = [allowed[key] for key in allowed if key[0] == start]
+            labels = [key[1] for key in allowed if key[0] == start]
+            for number in set(range(12)) | {60, 97, 255}:
+                if number not in ids:
+                    self.assertFalse(self.change(number), (start, number))
+            for label in ("configure", "cleanup", "activate", "deactivate", "shutdown", "create"):
+                if label not in labels:
+                    with self.assertLogs("rosout", "WARNING") as logged:
+                        self.assertFalse(self.change(label), (start, label))
+                    self.assertIn(f"{label}", logged.output[0])
+                    self.assertIn(f"not allowed in the state {start}", logged.output[0])
+            self.assertEqual((driver.called, self.events), ([], []))
+            self.assertEqual(self.state(), start)
+            driver.node.close()
+
+    def test_label_beats_id(self) -> None:
+        self.driver()
+        self.assertFalse(self.change(1, "activate"))
+        self.assertFalse(self.change(1, "nonsense"))
+        self.assertTrue(self.change(3, "configure"))
+        self.assertEqual(self.state(), "inactive")
+
+    def test_lists(self) -> None:
+        self.driver()
+        states = self.call("get_available_states", GetAvailableStates).available_states
+        self.assertEqual(
+            {state.id: state.label for state in states},
+            {
+                **{0: "unknown", 1: "unconfigured", 2: "inactive", 3: "active", 4: "finalized"},
+                **{10: "configuring", 11: "cleaningup", 12: "shuttingdown", 13: "activating"},
+                **{14: "deactivating", 15: "errorprocessing"},
+            },
+        )
+        graph = self.call("get_transition_graph", GetAvailableTransitions).available_transitions
+        self.assertEqual(len(graph), 25)
+        for start in WAYS:
+            driver = self.driver(start)
+            expected = [
+                TransitionDescription(
+                    Transition(number, label),
+                    next(state for state in states if state.label == start),
+                    next(state for state in states if state.label == through),
+                )
+                for label, number, begin, through, _, _ in CELLS
+                if begin == start
+            ]
+            found = self.call("get_available_transitions", GetAvailableTransitions)
+            self.assertEqual(found.available_transitions, expected)
+            for each in expected:
+                self.assertIn(each, graph)
+            driver.node.close()
+
+    def test_events_are_filled_in_and_state_is_latched(self) -> None:
+        self.driver()
+        before = rospy.get_rostime().to_nsec()
+        self.assertTrue(self.change("configure"))
+        first, second = self.events
+        self.assertEqual(first.transition, Transition(1, "configure"))
+        self.assertEqual(second.transition, Transition(10, "transition_success"))
+        times = [before, first.timestamp, second.timestamp, rospy.get_rostime().to_nsec()]
+        self.assertEqual(times, sorted(times))
+        latched = rospy.wait_for_message(f"{self.space}/driver/state", State, TIMEOUT_S)
+        self.assertEqual(latched, State(2, "inactive"))
+
+    def test_one_transition_at_a_time_while_all_else_is_answered(self) -> None:
+        may_end = threading.Event()
+        self.addCleanup(may_end.set)
+        self.driver(on_configure=lambda: may_end.wait(TIMEOUT_S))
+        replies: List[bool] = []
+        slow = threading.Thread(target=lambda: replies.append(self.change("configure")))
+        slow.start()
+        wait_until(lambda: self.state() == "configuring", self.state)
+        with self.assertLogs("rosout", "WARNING") as logged:
+            self.assertFalse(self.change("shutdown"))
+        self.assertIn("shutdown has to wait: configure is under way", logged.output[0])
+        available = self.call("get_available_transitions", GetAvailableTransitions)
+        ids = [each.transition.id for each in available.available_transitions]
+        self.assertEqual(ids, [10, 11, 12])
+        may_end.set()
+        slow.join(TIMEOUT_S)
+        self.assertEqual((replies, self.state()), ([True], "inactive"))
+        self.assertTrue(self.change("shutdown"))
+
+    def test_transition_waits_for_the_default_group(self) -> None:
+        driver = self.driver()
+        with driver.node.default_group:
+            asked = threading.Thread(target=self.change, args=("configure",))
+            asked.start()
+            wait_until(lambda: not self.claims(), lambda: "not claimed")
+            self.assertEqual((self.state(), driver.called), ("unconfigured", []))
+        asked.join(TIMEOUT_S)
+        self.assertEqual(self.state(), "inactive")
+
+    def claims(self) -> bool:
+        """Tell whether a request is judged by the table, not refused as one is under way."""
+        with self.assertLogs("rosout", "WARNING") as logged:
+            self.assertFalse(self.change("cleanup"))
+        return "not allowed" in logged.output[0]
+
+    def test_executor_makes_the_calls(self) -> None:
+        driver = self.driver(on_configure=lambda: names.append(threading.current_thread().name))
+        names: List[str] = []
+        executor = MultiThreadedExecutor(2)
+        self.addCleanup(executor.shutdown)
+        executor.add_node(driver.node)
+        self.assertTrue(self.change("configure"))
+        self.assertEqual([name.rpartition("-")[0][:9] for name in names], ["executor-"])
+
+    def test_transition_takes_milliseconds(self) -> None:
+        self.driver()
+        taken: List[float] = []
+        for _ in range(50):
+            for label in ("configure", "cleanup"):
+                began = time.monotonic()
+                self.assertTrue(self.change(label))
+                taken.append(time.monotonic() - began)
+        print(f"transition: p50 {1e3 * sorted(taken)[len(taken) // 2]:.1f} ms")
+
+
+class Made(Managed):
+    """What the callbacks make lives as long as their state, and speaks only while active."""
+
+    def test_lives_as_long_as_its_state(self) -> None:
+        driver = self.driver()
+        expected = {"unconfigured": [], "inactive": ["out"], "active": ["in", "out"]}
+        for label in ("configure", "activate", "deactivate", "activate", "deactivate", "cleanup"):
+            self.assertTrue(self.change(label))
+            self.assertEqual(self.registered(), expected[driver.state.label])
+        for start in ("inactive", "active"):
+            driver = self.driver(start)
+            self.assertTrue(self.change("shutdown"))
+            self.assertEqual(self.registered(), [])
+
+    def test_is_registered_only_when_the_callback_has_succeeded(self) -> None:
+        seen: List[List[str]] = []
+        note: Plan = {
+            "on_configure": lambda: seen.append(self.registered()),
+            "on_activate": lambda: seen.append(self.registered()),
+        }
+        self.driver(**note)
+        self.assertTrue(self.change("configure"))
+        self.assertTrue(self.change("activate"))
+        self.assertEqual(seen, [[], ["out"]])
+
+    def test_is_closed_where_the_callback_fails_half_way(self) -> None:
+        driver = self.driver(on_configure=failing)
+        self.assertFalse(self.change("configure"))
+        self.assertEqual(self.registered(), [])
+        with self.assertRaisesRegex(rospy.ROSException, "closed publisher"):
+            driver.publisher.publish("news")
+        driver = self.driver("inactive", on_activate=failing)
+        self.assertFalse(self.change("activate"))
+        self.assertEqual(self.registered(), ["out"])
+        driver.plan.clear()
+        self.assertTrue(self.change("activate"))
+        self.assertEqual(self.registered(), ["in", "out"])
+
+    def test_what_cannot_be_opened_is_an_error(self) -> None:
+        taken = "~get_state"
+
+        def make_again() -> None:
+            driver.made.service(taken, GetState, lambda request: None)
+
+        driver = self.driver(on_activate=make_again)
+        self.assertTrue(self.change("configure"))
+        with self.assertLogs("rosout", "ERROR") as logged:
+            self.assertFalse(self.change("activate"))
+        self.assertIn("on_activate failed:\nTraceback", logged.output[0])
+        self.assertEqual(driver.called, ["on_configure", "on_activate", "on_error"])
+        self.assertEqual(self.state(), "unconfigured")
+
+    def test_errors_are_logged_with_their_traceback(self) -> None:
+        self.driver(on_configure=raising)
+        with self.assertLogs("rosout", "ERROR") as logged:
+            self.assertFalse(self.change("configure"))
+        self.assertRegex(logged.output[0], r"/driver: on_configure failed:\n(.*\n)+.*on purpose")
+
+    def test_publishes_only_while_active(self) -> None:
+        driver = self.driver("inactive")
+        heard: List[str] = []
+        listener = Node(Names.hosted(self.space, "listener"))
+        self.addCleanup(listener.close)
+        listener.subscribe("out", String, lambda message: heard.append(message.data))
+        listener.start()
+        publisher: Any = driver.publisher
+        with self.assertLogs("rosout", "WARNING") as logged:
+            for _ in range(3):
+                publisher.publish("too early")
+            publisher.publish_all([String("too early")] * 2)
+        self.assertEqual((heard, publisher.dropped, len(logged.output)), ([], 5, 1))
+        self.assertIn("/out: messages are dropped, as the node is not active", logged.output[0])
+        driver.plan["on_deactivate"] = lambda: publisher.publish("stop")
+        self.assertTrue(self.change("activate"))
+        publisher.publish("one")
+        publisher.publish_all([String("two")])
+        self.assertTrue(self.change("deactivate"))
+        with self.assertLogs("rosout", "WARNING"):
+            publisher.publish("too late")
+        self.assertEqual((heard, publisher.dropped), (["one", "two", "stop"], 6))
+        self.assertTrue(self.change("activate"))
+        driver.plan.update(on_deactivate=raising, on_error=lambda: publisher.publish("too late"))
+        self.assertFalse(self.change("deactivate"))
+        self.assertEqual((heard, publisher.dropped), (["one", "two", "stop"], 7))
+
+    def test_exception_on_activation_leaves_publishers_silent(self) -> None:
+        driver = self.driver("inactive", on_activate=raising, on_error=lambda: None)
+        publisher: Any = driver.publisher
+        self.assertFalse(self.change("activate"))
+        with self.assertRaises(rospy.ROSException):  # as it is closed
+            publisher.publish("news")
+
+    def test_timers_tick_only_while_active(self) -> None:
+        driver = self.driver("inactive", on_deactivate=failing)
+        self.assertEqual(driver.ticks, [])
+        self.assertTrue(self.change("activate"))
+        wait_until(lambda: len(driver.ticks) > 1, lambda: "no ticks")
+        self.assertFalse(self.change("deactivate"))
+        count = len(driver.ticks)
+        wait_until(lambda: len(driver.ticks) > count, lambda: "no ticks any more")
+        driver.plan.clear()
+        self.assertTrue(self.change("deactivate"))
+        driver.timer.set_rate(200.0)  # from the next activation on
+        count = len(driver.ticks)
+        time.sleep(0.05)  # five ticks of a timer that does not heed
+        self.assertEqual(len(driver.ticks), count)
+        self.assertEqual(set(driver.ticks), {"active"})
+        self.assertTrue(self.change("activate"))
+        wait_until(lambda: len(driver.ticks) > count, lambda: "no ticks after the second time")
+        self.assertEqual(set(driver.ticks), {"active"})
+
+    def test_hears_while_active(self) -> None:
+        driver = self.driver("active")
+        publisher = driver.node.publisher("in", String)
+        publisher.publish("one")
+        self.assertTrue(self.change("deactivate"))
+        publisher.publish("two")
+        self.assertTrue(self.change("activate"))
+        publisher.publish("three")
+        self.assertEqual(driver.heard, ["one", "three"])
+
+    def test_many_rounds_leave_nothing(self) -> None:
+        driver = self.driver()
+
+        def round_() -> None:
+            for label in ("configure", "activate", "deactivate", "cleanup"):
+                self.assertTrue(self.change(label))
+            driver.plan["on_configure"] = failing
+            self.assertFalse(self.change("configure"))
+            driver.plan.clear()
+            del driver.called[:], driver.ticks[:], self.events[:]
+
+        def facts() -> Tuple[Any, ...]:
+            gc.collect()
+            state = rosgraph.Master("/test").getSystemState()
+            return threading.active_count(), len(os.listdir("/proc/self/fd")), state
+
+        rounds = int(os.environ.get("LIFECYCLE_ROUNDS", "20"))
+        tracemalloc.start()
+        self.addCleanup(tracemalloc.stop)
+        for _ in range(5):
+            round_()
+        before = facts()
+        linecache.clearcache()  # rospy's debug log fills it with the sources of others
+        held = tracemalloc.get_traced_memory()[0]
+        for _ in range(rounds):
+            round_()
+        wait_until(lambda: facts() == before, lambda: f"{facts()}, not {before}")
+        linecache.clearcache()
+        grown = tracemalloc.get_traced_memory()[0] - held
+        print(f"{rounds} rounds: {grown / rounds:.0f} bytes a round")
+        self.assertLess(grown / rounds, 2000.0)
+
+
+class Ends(unittest.TestCase):
+    """Processes of managed nodes, from the outside; they start together, as that takes longest."""
+
+    def test_from_any_state_through_shutdown(self) -> None:
+        plans = {start: "" for start in WAYS}
+        plans.update(configuring="on_configure", hanging="on_shutdown")
+        processes = {}
+        for name, hang in plans.items():
+            processes[name] = Process(DRIVER, [f"__name:={name}", f"hang:={hang}"])
+            self.addCleanup(processes[name].end)
+        for name, way in WAYS.items():
+            rospy.wait_for_service(f"/{name}/change_state", TIMEOUT_S)
+            for label in way:
+                self.assertTrue(self.change(name, label))
+        for name in ("configuring", "hanging"):
+            rospy.wait_for_service(f"/{name}/change_state", TIMEOUT_S)
+        threading.Thread(target=self.ask_and_forget, daemon=True).start()
+        wait_until(lambda: processes["configuring"].lines, lambda: "not called")
+        for name, process in processes.items():
+            if name == "active":
+                Graph().kill("/active")
+            else:
+                process.popen.send_signal(signal.SIGINT)
+        for name, process in processes.items():
+            self.assertEqual(process.wait(), 0, name)
+        called = {
+            name: [line for line in process.lines if line.startswith("on_shutdown")]
+            for name, process in processes.items()
+        }
+        once = {start: [f"on_shutdown {start}"] for start in ("unconfigured", "inactive", "active")}
+        before = ["on_shutdown unconfigured"]
+        self.assertEqual(
+            called, {**once, "finalized": before, "configuring": [], "hanging": before}
+        )
+        told = {name: process.logged("ends without") for name, process in processes.items()}
+        for name in WAYS:
+            self.assertEqual(told[name], [])
+        for name, state in (("configuring", "configuring"), ("hanging", "shuttingdown")):
+            (line,) = told[name]
+            text = f"/{name} ends without its shutdown: it is {state}, and busy for more than 2 s"
+            self.assertIn(text, line)
+
+    def change(self, name: str, label: str) -> bool:
+        proxy = rospy.ServiceProxy(f"/{name}/change_state", ChangeState)
+        return bool(proxy(Transition(0, label)).success)
+
+    def ask_and_forget(self) -> None:
+        with contextlib.suppress(rospy.ServiceException):
+            self.change("configuring", "configure")
+
+
+if __name__ == "__main__":
+    register("test_lifecycle")
+    rostest.rosrun("nodekit", "lifecycle", "test_lifecycle")

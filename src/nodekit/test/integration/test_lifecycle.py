@@ -7,6 +7,8 @@ import itertools
 import linecache
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import tracemalloc
@@ -32,7 +34,9 @@ from nodekit.testing.graph import Graph
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-DRIVER = os.path.join(os.path.dirname(__file__), "..", "helpers", "managed_driver.py")
+HERE = os.path.dirname(os.path.realpath(__file__))
+DRIVER = os.path.join(HERE, "..", "helpers", "managed_driver.py")
+COMMAND = os.path.join(HERE, "..", "..", "scripts", "lifecycle")
 
 #: Id of each request, its start, the state meanwhile, and the goals at success and failure.
 REQUESTS = {
@@ -484,6 +488,57 @@ class Made(Managed):
         grown = tracemalloc.get_traced_memory()[0] - held
         print(f"{rounds} rounds: {grown / rounds:.0f} bytes a round")
         self.assertLess(grown / rounds, 2000.0)
+
+
+class Command(Managed):
+    """What ``rosrun nodekit lifecycle`` prints, as ``ros2 lifecycle`` does, and its exit status."""
+
+    def typed(self, verb: str, *words: str) -> Tuple[int, str, str]:
+        """Return exit status, output and errors, without the namespace of this test."""
+        ended = subprocess.run(
+            [sys.executable, COMMAND, verb, *words],  # rosrun looks for it longer than it runs
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+            timeout=TIMEOUT_S,
+        )
+        out, err = (text.replace(self.space, "") for text in (ended.stdout, ended.stderr))
+        return ended.returncode, out, err
+
+    def test_nodes_and_their_states(self) -> None:
+        self.driver("inactive")
+        node = self.space + "/driver"
+        status, out, _ = self.typed("nodes")
+        self.assertEqual((status, "/driver" in out.splitlines()), (0, True), out)
+        self.assertEqual(self.typed("get", node), (0, "inactive [2]\n", ""))
+        status, out, _ = self.typed("get")
+        self.assertEqual((status, "/driver: inactive [2]" in out.splitlines()), (0, True), out)
+        status, out, err = self.typed("get", self.space + "/drive")
+        self.assertEqual((status, out), (1, ""))
+        self.assertIn("lifecycle: /drive is no managed node; there is /driver", err)
+
+    def test_transitions(self) -> None:
+        self.driver("active")
+        node = self.space + "/driver"
+        expected = "- deactivate [4]\n\tStart: active\n\tGoal: deactivating\n"
+        expected += "- shutdown [7]\n\tStart: active\n\tGoal: shuttingdown\n"
+        self.assertEqual(self.typed("list", node), (0, expected, ""))
+        status, out, _ = self.typed("list", node, "--all")
+        self.assertEqual((status, out.count("Goal: ")), (0, 25))
+
+    def test_set(self) -> None:
+        driver = self.driver(on_activate=failing)
+        node = self.space + "/driver"
+        refusal = (
+            "lifecycle: /driver: activate is not allowed in the state unconfigured; "
+            "allowed: configure [1], shutdown [5]\n"
+        )
+        self.assertEqual(self.typed("set", node, "activate"), (1, "", refusal))
+        self.assertEqual(driver.called, [])
+        self.assertEqual(self.typed("set", node, "1"), (0, "Transitioning successful\n", ""))
+        failed = "lifecycle: activate has failed: /driver is inactive, and its log says why\n"
+        self.assertEqual(self.typed("set", node, "activate"), (1, "", failed))
+        self.assertEqual(driver.called, ["on_configure", "on_activate"])
 
 
 class Ends(unittest.TestCase):

@@ -1,0 +1,111 @@
+"""The command ``rosrun nodekit lifecycle nodes | get | list | set``."""
+
+import argparse
+import sys
+from typing import Any, List, Optional
+
+import rosgraph
+import rospy
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
+from nodekit.commands.calling import ask, master, owners, say_what_there_is
+from nodekit.life.server import CallError
+from nodekit.lifecycle.table import NotAllowed, State, requested
+from nodekit.live.master import MasterUnreachable
+
+#: What managed nodes are known by: a service of which nobody else has the name.
+SERVICE = "get_transition_graph"
+#: Longest wait for a transition where the user does not say, s.
+TRANSITION_S = 60.0
+
+
+def main() -> None:
+    """Look at managed nodes, and change their states."""
+    arguments = _parser().parse_args(rospy.myargv()[1:])
+    node = getattr(arguments, "node", None)
+    node = node and rosgraph.names.make_global_ns(node).rstrip("/")
+    try:
+        client = master("lifecycle")
+        if node and client.lookup_service(f"{node}/{SERVICE}") is None:
+            say_what_there_is(client, SERVICE, node, f"lifecycle: {node} is no managed node")
+            sys.exit(1)
+        names = [node] if node else owners(client, SERVICE)
+        sys.exit(arguments.verb(names, arguments))
+    except MasterUnreachable as error:
+        sys.exit(f"lifecycle: no master at {error}")
+    except CallError as error:
+        sys.exit(f"lifecycle: {node} does not answer: {error}")
+    except KeyboardInterrupt:
+        pass
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="lifecycle", description="Look at managed nodes, and change their states."
+    )
+    verbs = parser.add_subparsers(metavar="VERB", dest="name", required=True)
+    one = verbs.add_parser("nodes", help="list the managed nodes")
+    one.set_defaults(verb=_nodes)
+    one = verbs.add_parser("get", help="print the state of a node, or of all")
+    one.add_argument("node", metavar="NODE", nargs="?", help="its name")
+    one.set_defaults(verb=_get)
+    one = verbs.add_parser("list", help="list the transitions that a node may make now")
+    one.add_argument("node", metavar="NODE", help="its name")
+    one.add_argument("-a", "--all", action="store_true", help="list all that there are")
+    one.set_defaults(verb=_list)
+    one = verbs.add_parser("set", help="have a node make a transition")
+    one.add_argument("node", metavar="NODE", help="its name")
+    one.add_argument("transition", metavar="TRANSITION", help="its label, such as configure, or id")
+    wait = "longest wait for its end, s (%(default)g)"
+    one.add_argument("--timeout", metavar="S", type=float, default=TRANSITION_S, help=wait)
+    one.set_defaults(verb=_set)
+    return parser
+
+
+def _nodes(names: List[str], _: Any) -> int:
+    print("".join(f"{name}\n" for name in names), end="")
+    return 0
+
+
+def _get(names: List[str], arguments: Any) -> int:
+    calls = {name: ask(f"{name}/get_state", GetState) for name in names}
+    missing = 0
+    for name, call in calls.items():
+        try:
+            state = call.result().current_state
+        except CallError as error:
+            print(f"lifecycle: {name} does not answer: {error}", file=sys.stderr)
+            missing += 1
+            continue
+        print(f"{'' if arguments.node else name + ': '}{state.label} [{state.id}]")
+    return 1 if missing else 0
+
+
+def _list(names: List[str], arguments: Any) -> int:
+    service = SERVICE if arguments.all else "get_available_transitions"
+    answer = ask(f"{names[0]}/{service}", GetAvailableTransitions).result()
+    for each in answer.available_transitions:
+        print(f"- {each.transition.label} [{each.transition.id}]")
+        print(f"\tStart: {each.start_state.label}\n\tGoal: {each.goal_state.label}")
+    return 0
+
+
+def _set(names: List[str], arguments: Any) -> Optional[str]:
+    (name,), wanted = names, arguments.transition
+    try:
+        transition = requested(_state(name), int(wanted) if wanted.isdigit() else wanted)
+    except NotAllowed as refusal:
+        return f"lifecycle: {name}: {refusal}"
+    request = Transition(transition.id, transition.label)
+    timeout = arguments.timeout
+    if ask(f"{name}/change_state", ChangeState, request, timeout=timeout).result().success:
+        print("Transitioning successful")
+        return None
+    state = _state(name).label
+    return f"lifecycle: {transition.label} has failed: {name} is {state}, and its log says why"
+
+
+def _state(name: str) -> State:
+    answer = ask(f"{name}/get_state", GetState).result().current_state
+    return State(answer.id, answer.label)

@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.graphviz",
     "parameter_tables",
     "launch_tables",
+    "lifecycle_graphs",
     "plant_plots",
     "waveform_plots",
 ]

@@ -40,11 +40,16 @@ class ManagedNode:
     stays what it was. What it raises is logged, and :meth:`on_error` is called. All are called one
     at a time, in the node's default group.
 
-    **Services:** ``~change_state``, ``~get_state``, ``~get_available_states``,
-    ``~get_available_transitions``, ``~get_transition_graph`` (of lifecycle_msgs)
+    :ROS Publishers:
+        - ``~transition_event`` (lifecycle_msgs/TransitionEvent): each step
+        - ``~state`` (lifecycle_msgs/State): latched
 
-    **Publishes:** ``~transition_event`` (lifecycle_msgs/TransitionEvent): each step;
-    ``~state`` (lifecycle_msgs/State), latched
+    :ROS Services:
+        - ``~change_state`` (lifecycle_msgs/ChangeState)
+        - ``~get_state`` (lifecycle_msgs/GetState)
+        - ``~get_available_states`` (lifecycle_msgs/GetAvailableStates)
+        - ``~get_available_transitions``, ``~get_transition_graph``
+          (lifecycle_msgs/GetAvailableTransitions)
 
     :param node: the node
     """

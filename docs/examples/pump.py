@@ -1,0 +1,31 @@
+#!/usr/bin/env python3
+"""Run a pump, but only while others have this node active."""
+
+from nodekit import FloatParameter, Lifetime, ManagedNode, ParameterSet, run
+from std_msgs.msg import Float32
+
+
+class Settings(ParameterSet):
+    flow = FloatParameter(2.0, minimum=0.0, maximum=5.0, unit="l/min", help="while it runs")
+
+
+class Pump(ManagedNode):
+    def on_configure(self, made: Lifetime) -> None:
+        self.settings = made.parameters(Settings)
+        self.command = made.publisher("flow", Float32)
+
+    def on_activate(self, made: Lifetime) -> None:
+        made.every(10.0, self.deliver)
+
+    def on_deactivate(self) -> None:
+        self.command.publish(0.0)
+
+    def on_shutdown(self) -> None:
+        if self.previous_state.label == "active":
+            self.command.publish(0.0)
+
+    def deliver(self, elapsed: float) -> None:
+        self.command.publish(self.settings.values.flow)
+
+
+run("pump", Pump)

@@ -23,6 +23,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     },
     "topic_scope": {"nodekit", "nodekit_msgs"},
     "executors_demo": {"nodekit"},
+    "lifecycle_demo": {"nodekit"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.

@@ -1,0 +1,41 @@
+"""A node that tells who it is, and logs at five levels."""
+
+import rospy
+
+from nodekit import Node, ParameterSet, RateParameter, run
+
+
+class ExampleNodeParameters(ParameterSet):
+    """Parameters of example_node."""
+
+    rate = RateParameter(1.0, help="how often the five lines are logged")
+
+
+class ExampleNode:
+    """Tells its names and the time once, and logs a line of each level again and again.
+
+    :ROS Parameters:
+        - those of :class:`ExampleNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        namespace, _, name = node.name.rpartition("/")
+        rospy.loginfo("Node name: %s", name)
+        rospy.loginfo("Namespace: %s", namespace or "/")
+        rospy.loginfo("Fully qualified name: %s", node.name)
+        rospy.loginfo("Current time: %d ns", rospy.get_rostime().to_nsec())
+        settings = node.parameters(ExampleNodeParameters)
+        node.every(lambda: settings.values.rate, self.log)
+
+    def log(self, elapsed: float) -> None:
+        """Log a line of each level; that of debug is seen only by who asks for it."""
+        rospy.logdebug("Debug message")
+        rospy.loginfo("Info message")
+        rospy.logwarn("Warning message")
+        rospy.logerr("Error message")
+        rospy.logfatal("Fatal message")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("example_node", ExampleNode)

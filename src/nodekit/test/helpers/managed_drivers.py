@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""Managed nodes of one process that say what is called, by the names on the command line.
+
+Those called configuring and hanging hang when they are configured and shut down.
+"""
+
+import sys
+import time
+
+import rospy
+from roscpp.srv import GetLoggers, GetLoggersRequest
+
+from nodekit import Lifetime, ManagedNode, Node, host
+
+
+class Driver(ManagedNode):
+    def __init__(self, node: Node) -> None:
+        super().__init__(node)
+        self.client = node.client(f"{rospy.get_name()}/get_loggers", GetLoggers)
+
+    def say(self, text: str) -> None:
+        sys.stdout.write(f"{self.node.name[1:]} {text}\n")  # in one go: others say something too
+        sys.stdout.flush()
+
+    def on_configure(self, made: Lifetime) -> None:
+        self.say("configures")
+        if self.node.name == "/configuring":
+            time.sleep(60.0)
+
+    def on_shutdown(self) -> None:
+        self.say(f"was {self.previous_state.label}")
+        if self.node.name == "/hanging":
+            time.sleep(60.0)
+        self.say(f"gets {len(self.client.call(GetLoggersRequest()).loggers) > 0}")
+
+
+if __name__ == "__main__":
+    names = [name for name in sys.argv[1:] if ":=" not in name]
+    host("drivers", [(name, "/", Driver) for name in names])

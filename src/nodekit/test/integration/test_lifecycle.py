@@ -3,16 +3,16 @@
 
 import contextlib
 import gc
+import io
 import itertools
 import linecache
 import os
-import subprocess
-import sys
 import threading
 import time
 import tracemalloc
 import unittest
 from typing import Any, Callable, Dict, List, Tuple, Union
+from unittest import mock
 
 import rosgraph
 import rospy
@@ -38,6 +38,7 @@ from nodekit import (
     Outcome,
     ParameterSet,
 )
+from nodekit.commands import lifecycle
 from nodekit.life.names import Names
 from nodekit.life.timers import NodeTimer
 from nodekit.lifecycle.gate import ManagedTimer
@@ -49,7 +50,6 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 DRIVERS = os.path.join(HERE, "..", "helpers", "managed_drivers.py")
-COMMAND = os.path.join(HERE, "..", "..", "scripts", "lifecycle")
 
 #: Id of each request, its start, the state meanwhile, and the goals at success and failure.
 REQUESTS = {
@@ -563,16 +563,23 @@ class Command(Managed):
     """What ``rosrun nodekit lifecycle`` prints, as ``ros2 lifecycle`` does, and its exit status."""
 
     def typed(self, verb: str, *words: str) -> Tuple[int, str, str]:
-        """Return exit status, output and errors, without the namespace of this test."""
-        ended = subprocess.run(
-            [sys.executable, COMMAND, verb, *words],  # rosrun looks for it longer than it runs
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            universal_newlines=True,
-            timeout=TIMEOUT_S,
-        )
-        out, err = (text.replace(self.space, "") for text in (ended.stdout, ended.stderr))
-        return ended.returncode, out, err
+        """Return exit status, output and errors, without the namespace of this test.
+
+        Called in this process, as Python takes longer to start; the tutorial types it.
+        """
+        out, err = io.StringIO(), io.StringIO()
+        status: Any = 0
+        with mock.patch("sys.argv", ["lifecycle", verb, *words]):
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                try:
+                    lifecycle.main()
+                except SystemExit as end:
+                    status = end.code
+        if isinstance(status, str):  # as Python itself does it
+            err.write(status + "\n")
+            status = 1
+        texts = [stream.getvalue().replace(self.space, "") for stream in (out, err)]
+        return status or 0, texts[0], texts[1]
 
     def test_nodes_and_their_states(self) -> None:
         self.driver("inactive")

@@ -41,7 +41,7 @@ from nodekit import (
 from nodekit.commands import lifecycle
 from nodekit.life.names import Names
 from nodekit.life.timers import NodeTimer
-from nodekit.lifecycle.gate import ManagedTimer
+from nodekit.lifecycle.gate import ManagedPublisher, ManagedTimer
 from nodekit.live import reconfigure
 from nodekit.process.run import register
 from nodekit.testing.graph import Graph
@@ -391,6 +391,22 @@ class Made(Managed):
         self.assertTrue(self.change("configure"))
         self.assertTrue(self.change("activate"))
         self.assertEqual(seen, [[], ["out"]])
+
+    def test_a_lifetime_within_is_opened_with_the_rest_and_closed_alone(self) -> None:
+        within: List[Lifetime] = []
+        seen: List[List[str]] = []
+
+        def make() -> None:
+            within.append(driver.made.lifetime())
+            within[0].subscribe("in", String, lambda message: None)
+            self.assertIsInstance(within[0].publisher("out", String), ManagedPublisher)
+            seen.append(self.registered())
+
+        driver = self.driver(on_configure=make)
+        self.assertTrue(self.change("configure"))
+        self.assertEqual((seen, self.registered()), ([[]], ["in", "out"]))
+        within[0].close()
+        self.assertEqual(self.registered(), ["out"])
 
     def test_is_closed_where_the_callback_fails_half_way(self) -> None:
         driver = self.driver(on_configure=failing)

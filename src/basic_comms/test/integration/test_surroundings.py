@@ -47,7 +47,8 @@ class Surroundings(unittest.TestCase):
         self, *command: str, stdout: Any = subprocess.PIPE, **environment: Optional[str]
     ) -> Node:
         """Start a program; a variable that is None is unset."""
-        merged = {**os.environ, **environment}
+        # What they say is read while they run, and must not wait in a buffer.
+        merged = {**os.environ, "PYTHONUNBUFFERED": "1", **environment}
         errors = tempfile.TemporaryFile("w+")
         process = subprocess.Popen(
             command,
@@ -109,7 +110,7 @@ class Surroundings(unittest.TestCase):
                 self.assertEqual(errors.count("WARNING: cannot"), 1)
 
     def test_console_that_is_closed(self) -> None:
-        node = self.start(find_node("basic_comms", "talker.py")[0], PYTHONUNBUFFERED="1")
+        node = self.start(find_node("basic_comms", "talker.py")[0])
         chatter = self.ear("/chatter", String)
         self.hear(chatter, 3)
         node[0].stdout.close()

@@ -24,6 +24,7 @@ from helpers.tutorial import WORKSPACE, PageError, free_ports
 from nodekit.testing.graph import Graph
 from nodekit.testing.launching import launch_file
 from nodekit.testing.processes import Master
+from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
 _FENCE = re.compile(r"^ *```(\S*)")
@@ -137,7 +138,7 @@ class Typist:
         """Wait until a node follows what rosparam has set or, where that is said, refuses it.
 
         :param command: the line, which has been typed
-        :raises PageError: if neither comes
+        :raises AssertionError: if neither comes
         """
         name, text = shlex.split(command, comments=True)[2:]
         value = yaml.safe_load(text)
@@ -220,11 +221,7 @@ class Typist:
                 raise PageError(f"{path.name} has: {found.group()}")
 
     def _wait(self, condition: Callable[[], bool], what: Callable[[], str]) -> None:
-        deadline = time.monotonic() + self.timeout
-        while not condition():
-            if time.monotonic() > deadline:
-                raise PageError(what())
-            time.sleep(0.05)
+        wait_until(condition, what, self.timeout)
 
     def _start(self, command: str) -> Job:
         line, hash_, comment = command.partition(" #")

@@ -41,6 +41,13 @@ class Executors(unittest.TestCase):
     def setUp(self) -> None:
         self.space = f"/executors{next(self.numbers)}"
         self.threads: List[str] = []
+        self.begun, self.may_end = threading.Event(), threading.Event()
+        self.addCleanup(self.may_end.set)
+
+    def hold(self, message: String) -> None:
+        """Keep the thread that makes this call, until the test lets it go."""
+        self.begun.set()
+        self.may_end.wait(TIMEOUT_S)
 
     def node(self, name: str = "one") -> Node:
         """Return a node of its own, which is closed at the end; not started."""
@@ -90,20 +97,13 @@ class Executors(unittest.TestCase):
         node = self.node()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        begun, may_end = threading.Event(), threading.Event()
-        self.addCleanup(may_end.set)
-
-        def hold(message: String) -> None:
-            begun.set()
-            may_end.wait(TIMEOUT_S)
-
         settings = node.parameters(Settings)
-        node.subscribe("topic", String, hold, queue_size=3)
+        node.subscribe("topic", String, self.hold, queue_size=3)
         node.start()
         publisher = node.publisher("topic", String)
         for number in range(6):
             publisher.publish(str(number))
-            begun.wait(TIMEOUT_S)
+            self.begun.wait(TIMEOUT_S)
         answer = rospy.ServiceProxy(node.name + "/describe", Trigger)()
         self.assertIn("gain", answer.message)
         subprocess.run(["rosrun", "nodekit", "change", node.name, "gain", "3"], check=True)
@@ -127,17 +127,10 @@ class Executors(unittest.TestCase):
         executor = SingleThreadedExecutor()
         self.addCleanup(executor.shutdown)
         executor.add_node(node)
-        begun, may_end = threading.Event(), threading.Event()
-        self.addCleanup(may_end.set)
-
-        def hold(message: String) -> None:
-            begun.set()
-            may_end.wait(TIMEOUT_S)
-
-        node.subscribe("topic", String, hold)
+        node.subscribe("topic", String, self.hold)
         node.start()
         node.publisher("topic", String).publish("news")
-        self.assertTrue(begun.wait(TIMEOUT_S))
+        self.assertTrue(self.begun.wait(TIMEOUT_S))
         node.every(100.0, self.note_thread)
         wait_until(
             lambda: self.report(node)["timer"]["skipped"] > 3, lambda: str(self.report(node))
@@ -145,7 +138,7 @@ class Executors(unittest.TestCase):
         timer, slow = self.report(node)["timer"], self.report(node)["subscription"]
         self.assertEqual((timer["waiting"], timer["made"]), (1, 0))
         self.assertEqual((slow["running"], slow["waiting"]), (1, 0))
-        may_end.set()
+        self.may_end.set()
         wait_until(lambda: self.report(node)["timer"]["made"] > 1, lambda: str(self.report(node)))
         self.assertGreater(self.report(node)["timer"]["longest_wait"], 0.03)
         self.assertGreater(self.report(node)["subscription"]["longest"], 0.03)

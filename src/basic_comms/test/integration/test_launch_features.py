@@ -62,6 +62,7 @@ class LaunchFeatures(unittest.TestCase):
         self.launch.graph.wait_for_nodes(*(under + name for name in names), under=under)
 
     def test_group_ns(self) -> None:
+        """Course 001-feature-4."""
         self.assert_nodes(
             "/group_ns", "left/talker", "left/inner/talker", "far/talker", "right/listener"
         )
@@ -71,6 +72,7 @@ class LaunchFeatures(unittest.TestCase):
         graph.wait_for_subscribers("/group_ns/right/chatter", "/group_ns/right/listener")
 
     def test_remap_reaches_as_far_as_its_group(self) -> None:
+        """Course 001-feature-2."""
         self.assert_nodes("/remap", "before", "inside", "own", "after")
         graph = self.launch.graph
         graph.wait_for_publishers("/remap/chatter", "/remap/before", "/remap/after")
@@ -78,6 +80,7 @@ class LaunchFeatures(unittest.TestCase):
         graph.wait_for_publishers("/remap/secret", "/remap/own")
 
     def test_env_reaches_the_nodes_after_it_or_its_own(self) -> None:
+        """Course 001-feature-7."""
         self.assert_nodes("/env", "usual", "short", "own")
         layouts = {
             node: self.launch.graph.environment("/env/" + node).get("ROSCONSOLE_FORMAT")
@@ -109,6 +112,7 @@ class LaunchFeatures(unittest.TestCase):
         self.launch.graph.wait_for_parameters("/if_unless", {"talker/Message": "what a day"})
 
     def test_if_and_unless_the_other_way(self) -> None:
+        """Course 001-feature-1."""
         self.assert_nodes("/otherwise", "talker")
         self.launch.graph.wait_for_parameters("/otherwise", {"talker/Message": "go away"})
         self.assert_nodes("/quiet", "listener")
@@ -126,6 +130,7 @@ class LaunchFeatures(unittest.TestCase):
         )
 
     def test_rosparam_loads_and_deletes(self) -> None:
+        """Course 001-feature-3."""
         self.assert_nodes("/rosparam", "talker")
         self.assertNotIn("/rosparam/rosparam_demo/stale", self.launch.graph.parameters())
         self.launch.graph.wait_for_parameters(
@@ -159,6 +164,7 @@ class LaunchFeatures(unittest.TestCase):
         )
 
     def test_respawn_starts_the_node_again(self) -> None:
+        """Course 001-feature-6."""
         self.assert_nodes("/respawn", "talker")
         first = self.launch.processes()["/respawn/talker"]
         self.launch.graph.kill("/respawn/talker")
@@ -166,11 +172,13 @@ class LaunchFeatures(unittest.TestCase):
         self.assert_nodes("/respawn", "talker")
 
     def test_launch_prefix_lowers_the_priority(self) -> None:
+        """Course 001-feature-8."""
         self.assert_nodes("/launch_prefix", "talker")
         own = os.getpriority(os.PRIO_PROCESS, 0)
         self.assertEqual(self.launch.graph.niceness("/launch_prefix/talker"), min(own + 5, 19))
 
     def test_delayed_start_waits_and_becomes_the_node(self) -> None:
+        """Course 001-feature-5."""
         waiting = self.at_once["/delayed_start/talker"]
         self.assertEqual(waiting.program, "sh")
         self.assert_nodes("/delayed_start", "listener", "talker")
@@ -231,6 +239,7 @@ class LaunchFeatures(unittest.TestCase):
         self.assertIn("TESTS: 1", ended.stdout.decode())
 
     def test_the_end_of_a_required_node_ends_the_launch(self) -> None:
+        """Course 001-feature-6."""
         file = "basic_comms features/required.launch"
         with launched(file + " __ns:=required/one", file + " __ns:=required/other") as launch:
             one, other = "/required/one/", "/required/other/"

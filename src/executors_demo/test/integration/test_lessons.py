@@ -108,6 +108,7 @@ class Lessons(unittest.TestCase):
             self.assertEqual(overlaps(made, *pair.split()), 0, pair)
 
     def test_single_threaded_makes_one_call_at_a_time_until_one_word_is_changed(self) -> None:
+        """Course 001-exec-1, 001-exec-7."""
         demo = self.demos["single_threaded"]
         for number in range(1, 5):
             demo.wait_for_calls(f"timer{number}", 2)
@@ -121,6 +122,7 @@ class Lessons(unittest.TestCase):
         self.assert_never(self.ended("single_threaded").bars(), "timer4 timer4")
 
     def test_mutex_reentrant_overlaps_itself_in_one_group_until_all_threads_sleep(self) -> None:
+        """Course 001-exec-2, 001-exec-4."""
         demo = self.demos["mutex_reentrant"]
         for other in ("timer2", "timer3", "timer4"):
             demo.wait_for("timer1", other)
@@ -134,6 +136,7 @@ class Lessons(unittest.TestCase):
         self.assert_never(made, "timer3 timer4", "timer3 timer3", "timer4 timer4")
 
     def test_two_mutex_a_sleeping_timer1_holds_up_2_but_not_3_and_4(self) -> None:
+        """Course 001-exec-3, 001-exec-5."""
         demo = self.demos["two_mutex"]
         demo.wait_for("timer1", "timer3", 3)
         demo.wait_for("timer1", "timer4", 3)
@@ -142,6 +145,7 @@ class Lessons(unittest.TestCase):
         self.assert_never(made, "timer1 timer2", "timer1 timer1", "timer3 timer4")
 
     def test_parallel_node_goes_on_and_carries_out_commands_one_by_one(self) -> None:
+        """Course 004-exec-1."""
         demo = self.demos["parallel_node"]
         publisher = rospy.Publisher("commands", String, queue_size=10)
         wait_until(lambda: publisher.get_num_connections() == 1, lambda: "nobody listens")
@@ -171,6 +175,7 @@ class Lessons(unittest.TestCase):
         return answers
 
     def test_slow_service_answers_several_at_once_while_its_timer_goes_on(self) -> None:
+        """Course 004-exec-2."""
         demo = self.demos["slow_service"]
 
         def overlapping() -> bool:
@@ -190,6 +195,7 @@ class Lessons(unittest.TestCase):
         self.assert_never(made, "slow_service slow_service")
 
     def test_several_nodes_share_an_executor(self) -> None:
+        """Course 001-exec-6."""
         demo = self.demos["several_nodes"]
         rospy.set_param("/lidar/period", 0.2)
         demo.wait_for("camera", "lidar")
@@ -198,6 +204,7 @@ class Lessons(unittest.TestCase):
         self.assert_never(made, "camera camera", "lidar lidar", "planner planner")
 
     def test_emergency_stop_does_not_stand_in_line_with_slow_work(self) -> None:
+        """Course 001-exec-8."""
         demo = self.demos["emergency_stop"]
         demo.wait_for_calls("job8", 1)  # by now the last job has waited for all others
         self.assertTrue(rospy.ServiceProxy("/stop", SetBool)(True).success)

@@ -30,6 +30,7 @@ class Demos(unittest.TestCase):
         return process
 
     def test_example_node(self) -> None:
+        """Course 004-bridge-1, 004-bridge-11."""
         process = self.start("example_node", "__name:=example", "__ns:=robot1")
         process.wait_for_log("Fatal message")
         self.assertEqual(process.interrupt(), 0)
@@ -43,6 +44,7 @@ class Demos(unittest.TestCase):
         self.assertFalse(process.logged("Debug"))
 
     def test_lifecycle_aware_node(self) -> None:
+        """Course 004-bridge-2, err-8."""
         Server().set("/lifecycle_aware_node/robot_name", "marvin")
         process = self.start("lifecycle_aware_node")
         service = "/lifecycle_aware_node/change_state"

@@ -67,6 +67,7 @@ class Nodes(unittest.TestCase):
         return server
 
     def test_client_waits_asks_in_both_ways_and_outlives_its_server(self) -> None:
+        """Course 002-pkg-7."""
         client = self.nodes["service_client_node"]
         client.wait_for_log("Service not available, waiting again...")
         self.assertEqual(results(client, "synchronous"), 0)
@@ -93,6 +94,7 @@ class Nodes(unittest.TestCase):
         self.assertEqual(add(2, 3).sum, 5)
 
     def test_advanced_node_hears_while_its_timers_exclude_each_other(self) -> None:
+        """Course 002-pkg-6."""
         node = self.nodes["advanced_node"]
         publisher = rospy.Publisher("input_topic", String, queue_size=100)
         wait_until(lambda: publisher.get_num_connections() == 1, lambda: "nobody listens")
@@ -113,6 +115,7 @@ class Nodes(unittest.TestCase):
         self.assert_ends_well(node)
 
     def test_logging_node_logs_at_each_level_and_tells_of_itself(self) -> None:
+        """Course 002-pkg-8."""
         node = self.nodes["logging_node"]
         rospy.wait_for_service("/logging_node/debug_node_info")
         answer = rospy.ServiceProxy("/logging_node/debug_node_info", Trigger)()
@@ -134,6 +137,7 @@ class Nodes(unittest.TestCase):
         self.assert_ends_well(node)
 
     def test_robust_node_recovers_and_shuts_down_gracefully(self) -> None:
+        """Course 002-pkg-9."""
         node = self.nodes["robust_node"]
         node.wait_for_log("Components initialized at attempt 2")
         self.assertTrue(node.logged("Component initialization failed: no answer"))
@@ -144,6 +148,7 @@ class Nodes(unittest.TestCase):
         self.assertEqual(len(node.logged("Shutting down gracefully...")), 1)
 
     def test_robust_node_refuses_what_never_starts(self) -> None:
+        """Course 002-pkg-9."""
         node = start("robust_node", "__name:=bad", "_failures:=9", "_recovery_time:=0.01")
         self.addCleanup(node.end)
         self.assertEqual(node.wait(), 1)
@@ -153,6 +158,7 @@ class Nodes(unittest.TestCase):
         self.assertNotIn("/bad", rosnode.get_node_names())
 
     def test_efficient_node_takes_the_newest_image_only(self) -> None:
+        """Course 002-pkg-10."""
         ear = Ear("/mean_brightness", Float32)
         publisher = rospy.Publisher("image_topic", Image, queue_size=100)
         wait_until(

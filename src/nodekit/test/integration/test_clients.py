@@ -67,6 +67,7 @@ class Clients(unittest.TestCase):
         self.assertTrue(client.call(GetLoggersRequest()).loggers)
 
     def test_a_hundred_calls_at_once_never_swap_answers(self) -> None:
+        """Course err-6."""
         self.server()
         client = self.node.client("echo", SetBool)
         wanted = [number % 3 == 0 for number in range(100)]

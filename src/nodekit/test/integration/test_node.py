@@ -135,6 +135,7 @@ class Callbacks(OnMaster):
     """Callbacks of a node exclude each other unless it asks for something else."""
 
     def test_all_kinds_of_callbacks_exclude_each_other(self) -> None:
+        """Course err-3."""
         node, kinds, inside, overlaps = self.node(), set(), [0], [0]
 
         def work(kind: str) -> None:

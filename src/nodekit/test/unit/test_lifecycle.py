@@ -62,6 +62,7 @@ CALLBACKS = {
 @pytest.mark.parametrize("label", LABELS)
 @pytest.mark.parametrize("state", STATES, ids=lambda state: state.label)
 def test_what_may_be_asked_for_by_label(state: State, label: str) -> None:
+    """Course err-7."""
     expected = ASKED.get((state.label, label))
     if expected is None:
         with pytest.raises(NotAllowed):

@@ -1,0 +1,100 @@
+"""Compare docs/courses.csv, the items of the courses, with the tests that prove them.
+
+A test tells in its docstring what it proves: "Course 001-exec-1, 001-exec-7." A page whose commands
+the tests type does so in a comment: "% Course 001-command-1."
+"""
+
+import ast
+import csv
+import pathlib
+import re
+from typing import Dict, Iterator, List, Mapping, Set
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+
+#: The parts of the project that are not finished: their rows may name a test, but need none.
+LATER = {"6", "8", "9"}
+#: What is being built: rows with an id that begins so need no test until there is such a path.
+WAITING = {
+    "001-launch": "src/launch_files_demo",
+    "001-params": "src/parameters_demo",
+    "001-command": "docs/ros2_course.md",
+    "001-if": "src/robot_interfaces_demo",
+    "002-pkg-1": "src/my_robot_package/scripts/my_node",
+    "002-pkg-2": "src/my_robot_package/scripts/parameterized_node",
+    "002-pkg-3": "src/my_robot_package/scripts/command_node",
+    "002-pkg-4": "src/my_robot_package/launch/my_launch_file.launch",
+    "002-pkg-5": "src/my_robot_package/config/robot_config.yaml",
+    "002-pkg-11": "src/my_robot_package/scripts/my_node",
+    "002-pkg-17": "src/nodekit/scripts/new",
+    "004-bridge-3": "src/parameters_demo/scripts/configurable_node",
+    "004-bridge-4": "src/parameters_demo/scripts/configurable_node",
+    "004-bridge-5": "src/parameters_demo/launch/talker_listener_launch.launch",
+    "004-bridge-6": "src/parameters_demo/launch/talker_listener_launch.launch",
+    "004-bridge-7": "src/parameters_demo/scripts/parameterized_publisher",
+    "004-bridge-8": "src/parameters_demo/launch/talker_listener_launch.launch",
+    "004-bridge-10": "src/my_robot_package/config/robot_config.yaml",
+    "err-2": "src/launch_files_demo",
+    "err-4": "src/parameters_demo",
+    "err-5": "src/my_robot_package/scripts/parameterized_node",
+}
+
+#: Whatever begins like an id is taken for one, so that a slip of the pen is found.
+_ID = re.compile(r"(?<![\w-])(?:00\d|err)-\w+(?:-\w+)*")
+_COMMENT = re.compile(r"^%.*$", re.MULTILINE)
+_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef)
+
+
+def rows(text: str) -> List[Dict[str, str]]:
+    """Return the items of the courses.
+
+    :param text: what docs/courses.csv holds
+    """
+    return list(csv.DictReader(text.splitlines(), strict=True))
+
+
+def proofs(workspace: pathlib.Path) -> Iterator[pathlib.Path]:
+    """Return all files that may carry an id: the tests, and the pages that tests type."""
+    for pattern in ("src/*/test/**/*.py", "ci/tests/**/*.py", "docs/**/*.md"):
+        yield from sorted(workspace.glob(pattern))
+
+
+def carried(path: pathlib.Path) -> Set[str]:
+    """Return the ids that a file carries."""
+    text = path.read_text("utf-8")
+    if path.suffix == ".py":
+        nodes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, _DOCUMENTED))
+        texts = [ast.get_docstring(node) or "" for node in nodes]
+    else:
+        texts = _COMMENT.findall(text)
+    return {found for text in texts for found in _ID.findall(text)}
+
+
+def is_required(row: Mapping[str, str], workspace: pathlib.Path) -> bool:
+    """Tell whether a row needs a test by now."""
+    awaited = [
+        place for start, place in WAITING.items() if (row["id"] + "-").startswith(start + "-")
+    ]
+    return row["part"] not in LATER and all((workspace / place).exists() for place in awaited)
+
+
+def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[str]:
+    """Return a sentence for each thing in which the rows and the tests differ.
+
+    :param items: the rows
+    :param workspace: folder that the tests are in
+    """
+    found = {str(path.relative_to(workspace)): carried(path) for path in proofs(workspace)}
+    known = [row["id"] for row in items]
+    for identifier in sorted({name for name in known if known.count(name) > 1}):
+        yield f"docs/courses.csv: {identifier} has more than one row"
+    for path, ids in found.items():
+        for identifier in sorted(ids - set(known)):
+            yield f"{path}: {identifier} is no id of docs/courses.csv"
+    for row in items:
+        identifier, test = row["id"], row["test"]
+        if test and identifier not in found.get(test, ()):
+            yield f"{identifier}: {test} does not carry it, or is no test of the workspace"
+        if not test and is_required(row, workspace):
+            carriers = [path for path, ids in found.items() if identifier in ids]
+            yield f"{identifier}: names no test; carried by {', '.join(carriers) or 'none'}"

@@ -1,0 +1,76 @@
+"""docs/courses.csv and the tests agree on what proves which item of the courses."""
+
+import pathlib
+from typing import Optional
+
+import courses
+import pytest
+
+HEAD = "id,part,document,command,ours,test\n"
+
+
+def test_each_item_that_is_due_has_a_test_that_carries_its_id() -> None:
+    items = courses.rows((courses.WORKSPACE / "docs" / "courses.csv").read_text("utf-8"))
+    assert len(items) > 90
+    assert all(list(row) == HEAD.strip().split(",") for row in items)
+    assert all(row["command"] and row["ours"] for row in items)
+    assert list(courses.breaches(items, courses.WORKSPACE)) == []
+
+
+def test_each_row_is_waited_for_by_a_name_that_exists() -> None:
+    items = courses.rows((courses.WORKSPACE / "docs" / "courses.csv").read_text("utf-8"))
+    for start in courses.WAITING:
+        assert any((row["id"] + "-").startswith(start + "-") for row in items), start
+
+
+@pytest.fixture
+def workspace(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
+    """A workspace with a test and a page, which waits for a package."""
+    monkeypatch.setattr(courses, "WAITING", {"001-new": "src/new"})
+    place = tmp_path / "src" / "one" / "test" / "unit"
+    place.mkdir(parents=True)
+    (place / "test_a.py").write_text('"""Courses 001-a-1, 001-a-2."""\nx = "001-a-3"\n')
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "page.md").write_text("001-a-4\n% Course 001-a-5.\n")
+    return tmp_path
+
+
+TEST, PAGE = "src/one/test/unit/test_a.py", "docs/page.md"
+#: What makes the workspace agree with its rows.
+GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,6,001,c,o,{TEST}", f"001-a-5,1,001,c,o,{PAGE}"]
+
+
+@pytest.mark.parametrize(
+    "row, sentence",
+    [
+        ("001-b-1,6,001,c,o,", None),  # of a later part
+        ("001-new-1,1,001,c,o,", None),  # of a package that is not there
+        ("001-newer-1,1,001,c,o,", "001-newer-1: names no test; carried by none"),
+        ("001-b-1,1,001,c,o,", "001-b-1: names no test; carried by none"),
+        (f"001-a-3,1,001,c,o,{TEST}", f"001-a-3: {TEST} does not carry it"),  # in no docstring
+        (f"001-a-4,1,001,c,o,{PAGE}", f"001-a-4: {PAGE} does not carry it"),  # in no comment
+        ("001-b-1,6,001,c,o,src/one/test/none.py", "001-b-1: src/one/test/none.py does not"),
+        (GOOD[0], "docs/courses.csv: 001-a-1 has more than one row"),
+    ],
+)
+def test_what_differs_is_told(workspace: pathlib.Path, row: str, sentence: Optional[str]) -> None:
+    items = courses.rows(HEAD + "\n".join([*GOOD, row]))
+    found = list(courses.breaches(items, workspace))
+    assert len(found) == (sentence is not None)
+    assert all(one.startswith(sentence or "") for one in found)
+
+
+def test_a_package_that_is_there_is_waited_for_no_longer(workspace: pathlib.Path) -> None:
+    items = courses.rows(HEAD + "\n".join([*GOOD, "001-new-1,1,001,c,o,"]))
+    (workspace / "src" / "new").mkdir()
+    assert list(courses.breaches(items, workspace)) == ["001-new-1: names no test; carried by none"]
+
+
+def test_an_id_that_nobody_knows_is_told_and_a_missing_row_names_its_test(
+    workspace: pathlib.Path,
+) -> None:
+    items = courses.rows(HEAD + f"001-a-1,1,001,c,o,\n{GOOD[2]}")
+    assert list(courses.breaches(items, workspace)) == [
+        f"{TEST}: 001-a-2 is no id of docs/courses.csv",
+        f"001-a-1: names no test; carried by {TEST}",
+    ]

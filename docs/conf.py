@@ -17,6 +17,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.graphviz",
     "parameter_tables",
+    "course_tables",
     "launch_tables",
     "lifecycle_graphs",
     "plant_plots",

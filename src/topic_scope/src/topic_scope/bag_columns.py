@@ -10,10 +10,12 @@ from topic_scope.fields import (
     expand,
     lengths_in,
     numeric_fields,
+    parted,
     resolve,
     split,
     to_text,
 )
+from topic_scope.time_base import path_of
 
 
 class Column(NamedTuple):
@@ -21,15 +23,17 @@ class Column(NamedTuple):
 
     :param topic: global name of the topic
     :param path: where the number stands in a message
+    :param base: name of the time to plot it over; see :func:`.time_base.path_of`
     """
 
     topic: str
     path: Path
+    base: str = ""
 
     @property
     def name(self) -> str:
         """The name of the field, e.g. ``/signal/signal_y``."""
-        return f"{self.topic}/{to_text(self.path)}"
+        return f"{self.topic}/{to_text(self.path)}" + (self.base and f"@{self.base}")
 
 
 def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Column]:
@@ -59,16 +63,19 @@ def all_columns(first_messages: Mapping[str, Any]) -> List[Column]:
 
 
 def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
-    parts = split(name, first_messages)
+    bare, base = parted(name)
+    parts = split(bare, first_messages)
     try:
         if parts is None:
             raise FieldError("there is no such topic")
         topic, rest = parts
         message = first_messages[topic]
-        found = resolve(layout_of(type(message)), rest, lengths_in(message))
+        layout = layout_of(type(message))
+        path_of(base, layout)
+        found = resolve(layout, rest, lengths_in(message))
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         near = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or known[:3]
         hint = f"nearest to it: {', '.join(near)}" if near else "there are no numbers at all"
         raise FieldError(f"{name}: {error}; {hint}") from error
-    return [Column(topic, field.path) for field in found]
+    return [Column(topic, field.path, base) for field in found]

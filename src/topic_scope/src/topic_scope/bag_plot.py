@@ -3,9 +3,10 @@
 import math
 import textwrap
 from array import array
-from typing import Dict, Iterable, List, NamedTuple
+from typing import Dict, Iterable, List, NamedTuple, Optional
 
 import matplotlib
+import numpy
 from cycler import cycler
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import TABLEAU_COLORS
@@ -13,7 +14,9 @@ from matplotlib.figure import Figure
 
 from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
-from topic_scope.fields import getter
+from topic_scope.definitions import layout_of
+from topic_scope.fields import Path, getter
+from topic_scope.time_base import path_of, placed
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
@@ -37,13 +40,49 @@ class Series(NamedTuple):
     """A number over time.
 
     :param name: name of the field
-    :param times: when each message was recorded, since the begin of the bag, s
+    :param times: when each message was made, since the begin of the bag, s
     :param values: the number in each message; NaN where there is none to plot
     """
 
     name: str
     times: "array[float]"
     values: "array[float]"
+
+
+class _Recorded:
+    """What is gathered of a column: when each message was recorded, what time it says, its number.
+
+    :param column: the column
+    """
+
+    def __init__(self, column: Column) -> None:
+        self._column = column
+        self._value = getter(column.path)
+        self._path: Optional[Path] = None
+        self._received, self._own, self._values = array("d"), array("d"), array("d")
+
+    def add(self, sample: Sample) -> None:
+        """Take the number from a message."""
+        if not self._received:
+            self._path = path_of(self._column.base, layout_of(type(sample.message)))
+        value = self._value(sample.message)
+        self._received.append(sample.time / 1e9)
+        self._own.append(getter(self._path)(sample.message) if self._path else math.nan)
+        self._values.append(value if abs(value) <= _LARGEST else math.nan)
+
+    def series(self) -> Series:
+        """Return all of it in the order of time; where the time was set back, the line ends."""
+        times, values = array("d"), array("d")
+        begin = 0
+        for part in placed(self._path, numpy.array(self._own), numpy.array(self._received)):
+            if begin:
+                times.append(times[-1])
+                values.append(math.nan)
+            order = numpy.argsort(part, kind="stable")
+            times.extend(part[order])
+            values.extend(self._values[begin + index] for index in order)
+            begin += len(part)
+        return Series(self._column.name, times, values)
 
 
 def collect(columns: List[Column], samples: Iterable[Sample]) -> List[Series]:
@@ -53,17 +92,14 @@ def collect(columns: List[Column], samples: Iterable[Sample]) -> List[Series]:
     :param samples: the messages
     :returns: a series for each column
     """
-    everything = [Series(column.name, array("d"), array("d")) for column in columns]
-    by_topic: Dict[str, List[int]] = {}
-    for index, column in enumerate(columns):
-        by_topic.setdefault(column.topic, []).append(index)
-    getters = [getter(column.path) for column in columns]
+    everything = [_Recorded(column) for column in columns]
+    by_topic: Dict[str, List[_Recorded]] = {}
+    for column, recorded in zip(columns, everything):
+        by_topic.setdefault(column.topic, []).append(recorded)
     for sample in samples:
-        for index in by_topic.get(sample.topic, []):
-            value = getters[index](sample.message)
-            everything[index].times.append(sample.time / 1e9)
-            everything[index].values.append(value if abs(value) <= _LARGEST else math.nan)
-    return everything
+        for recorded in by_topic.get(sample.topic, []):
+            recorded.add(sample)
+    return [recorded.series() for recorded in everything]
 
 
 def draw(everything: List[Series]) -> Figure:

@@ -13,12 +13,14 @@ _NOTHING = numpy.empty(0)
 class Column(NamedTuple):
     """The samples of one field.
 
-    :param topic: topic of the field: the samples of one message share time and row
+    :param topic: topic of the field: the samples of one message share times and row
     :param samples: times and values
+    :param received: when each was received, s
     """
 
     topic: str
     samples: Samples
+    received: numpy.ndarray
 
 
 def header(fields: Sequence[str]) -> str:
@@ -26,7 +28,7 @@ def header(fields: Sequence[str]) -> str:
 
     :param fields: their names
     """
-    return ",".join(["time"] + list(fields)) + "\n"
+    return ",".join(["time", "received"] + list(fields)) + "\n"
 
 
 def rows(columns: Sequence[Column]) -> Iterator[str]:
@@ -40,10 +42,12 @@ def rows(columns: Sequence[Column]) -> Iterator[str]:
     topic_of = numpy.repeat([topics.index(column.topic) for column in columns], counts)
     times = numpy.concatenate([_NOTHING] + [column.samples[0] for column in columns])
     values = numpy.concatenate([_NOTHING] + [column.samples[1] for column in columns])
-    order = numpy.lexsort((topic_of, times))
-    cells = zip(*(part[order].tolist() for part in (column_of, topic_of, times, values)))
-    for (_, time), group in groupby(cells, key=lambda cell: cell[1:3]):
+    received = numpy.concatenate([_NOTHING] + [column.received for column in columns])
+    order = numpy.lexsort((topic_of, received, times))
+    parts = (column_of, topic_of, times, received, values)
+    cells = zip(*(part[order].tolist() for part in parts))
+    for (_, time, came), group in groupby(cells, key=lambda cell: cell[1:4]):
         row: List[str] = [""] * len(columns)
-        for column_index, _, _, value in group:
+        for column_index, *_, value in group:
             row[column_index] = repr(value)
-        yield ",".join([repr(time)] + row) + "\n"
+        yield ",".join([repr(time), repr(came)] + row) + "\n"

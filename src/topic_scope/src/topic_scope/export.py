@@ -1,14 +1,17 @@
 """Make a CSV file of what is recorded, bit by bit."""
 
-from typing import AsyncIterator, Sequence
+from typing import AsyncIterator, Optional, Sequence
 
 import numpy
 
 from topic_scope.csv_rows import Column, header, rows
 from topic_scope.recorder import Recorder
+from topic_scope.streams import Trace
 
 #: Length of a part, s; frames are sent in between.
 PART_S = 0.25
+
+_NOTHING = numpy.empty(0)
 
 
 async def parts(
@@ -27,8 +30,13 @@ async def parts(
     while begin <= end:
         stop = begin + PART_S
         last = min(end, float(numpy.nextafter(stop, begin)))
-        columns = [
-            Column(recorder.topic_of(name), recorder.samples(name, begin, last)) for name in names
-        ]
-        yield "".join(rows(columns))
+        traces = [recorder.trace(name) for name in names]
+        yield "".join(rows([_column(trace, begin, last) for trace in traces]))
         begin = stop
+
+
+def _column(trace: Optional[Trace], start: float, end: float) -> Column:
+    if trace is None:
+        return Column("", (_NOTHING, _NOTHING), _NOTHING)
+    received = trace.received(start, end)
+    return Column(trace.stream.topic, trace.samples(start, end), received)

@@ -2,7 +2,8 @@
 
 The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
 side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. A time or a
-duration is a number too, in s, and a truth value is 0 or 1.
+duration is a number too, in s, and a truth value is 0 or 1. ``@`` and the name of a time may
+follow, see :mod:`topic_scope.time_base`: ``/topic/field@stamp``.
 """
 
 import itertools
@@ -23,7 +24,9 @@ LISTED_ELEMENTS = 16
 LISTED_FIELDS = 200
 
 _NAME = r"[A-Za-z][A-Za-z0-9_]*(?:\[\d{1,9}\])*"
-_EXPRESSION = re.compile(rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*\Z")
+_EXPRESSION = re.compile(
+    rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:@{_NAME}(?:/{_NAME})*)?\Z"
+)
 _PART = re.compile(r"([A-Za-z][A-Za-z0-9_]*)((?:\[\d+\])*)\Z")
 _LONGEST = 300
 
@@ -57,16 +60,27 @@ def expand(expression: str) -> List[str]:
     """
     if len(expression) > _LONGEST or not _EXPRESSION.match(expression):
         raise FieldError(f"{expression[:_LONGEST]!r} is no name of a field, such as /topic/field")
-    first, *others = expression.split(":")
+    names, at, base = expression.partition("@")
+    first, *others = names.split(":")
     first = "/" + first.lstrip("/")
     parent = first.rpartition("/")[0]
-    return [first] + [f"{parent}/{other}" for other in others]
+    return [first + at + base] + [f"{parent}/{other}{at}{base}" for other in others]
+
+
+def parted(name: str) -> Tuple[str, str]:
+    """Take the name of a time off.
+
+    :param name: one that :func:`expand` returned
+    :returns: the name without it, and the name of the time, empty where none was given
+    """
+    field, _, base = name.partition("@")
+    return field, base
 
 
 def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
     """Take a name apart into a topic and what is in its messages.
 
-    :param name: one that :func:`expand` returned
+    :param name: one that :func:`expand` returned, without the name of a time
     :param topics: names of the topics that there are
     :returns: the longest topic that the name begins with, and the rest, empty for all of a
         message; None if there is no such topic
@@ -109,14 +123,25 @@ def resolve(layout: Record, text: str, lengths: Lengths = one_element) -> List[N
     :param lengths: tells how many elements an array has whose length is not declared
     :raises FieldError: if there are none
     """
-    node: Layout = layout
     path = to_path(text)
-    for position, part in enumerate(path):
-        node = _step(node, part, to_text(path[:position]) or layout.datatype)
+    node = leaf_at(layout, path)
     found = list(itertools.islice(_numbers(node, path, lengths), LISTED_FIELDS))
     if not found:
         raise FieldError(f"there is no number in {to_text(path) or layout.datatype}")
     return found
+
+
+def leaf_at(layout: Record, path: Path) -> Layout:
+    """Return the layout of what stands at a place in a message.
+
+    :param layout: layout of the messages
+    :param path: where it stands
+    :raises FieldError: if nothing can stand there
+    """
+    node: Layout = layout
+    for position, part in enumerate(path):
+        node = _step(node, part, to_text(path[:position]) or layout.datatype)
+    return node
 
 
 def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:

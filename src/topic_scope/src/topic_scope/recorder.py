@@ -1,15 +1,17 @@
 """Records the fields that are looked at: from names to samples."""
 
-from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
+import math
+from collections import deque
+from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope import decoding, fields
-from topic_scope.decoding import Decoder
+from topic_scope import decoding, fields, time_base
 from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
-from topic_scope.ring import Ring, Samples
-from topic_scope.taps import Batch, Taps
+from topic_scope.ring import Samples
+from topic_scope.streams import Stream, Trace
+from topic_scope.taps import Taps
 
 #: Most fields that are listed, and most topics that are listened to just to learn their type.
 LISTED, UNKNOWN = 5000, 50
@@ -17,6 +19,8 @@ LISTED, UNKNOWN = 5000, 50
 TRACES = 1024
 #: Most arrays of a topic whose lengths are remembered.
 _ARRAYS = 1000
+#: How many updates are remembered for pages that have not had a frame since.
+_UPDATES = 400
 
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
@@ -54,34 +58,6 @@ class _Longest:
         return longest
 
 
-class _Trace:
-    """The samples of one field.
-
-    :param topic: its topic
-    :param path: where it stands in a message
-    :param history: how long samples are kept, s
-    """
-
-    def __init__(self, topic: str, path: fields.Path, history: float) -> None:
-        self.topic = topic
-        self.path = path
-        self.ring = Ring(history)
-        self.used_at = 0.0
-        self._layout: Optional[Record] = None
-        self._decoder: Optional[Decoder] = None
-
-    def add(self, layout: Record, batch: Batch) -> None:
-        if layout is not self._layout:
-            self._layout = layout
-            try:
-                self._decoder = Decoder(layout, self.path)
-            except fields.FieldError:  # the topic has got another type
-                self._decoder = None
-        if self._decoder is not None:
-            values = self._decoder.decode(batch.messages)
-            self.ring.append(numpy.array(batch.times), values)
-
-
 class Recorder:
     """Keeps the recent samples of the fields that are wanted.
 
@@ -99,8 +75,10 @@ class Recorder:
         self._types: Mapping[str, str] = {}
         self._lengths: Dict[str, "_Longest"] = {}
         self._choices: Dict[Tuple[str, str], List[Choice]] = {}
-        self._traces: Dict[str, _Trace] = {}
-        self._by_topic: Dict[str, List[_Trace]] = {}
+        self._traces: Dict[str, Trace] = {}
+        self._streams: Dict[Tuple[str, str], Stream] = {}
+        #: When the latest updates were, and the time of the earliest sample that each brought, s.
+        self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
 
     def set_topics(self, types: Mapping[str, str]) -> None:
         """Take note of what there is on the graph.
@@ -113,11 +91,12 @@ class Recorder:
         """List the fields that can be chosen now."""
         # What nobody looks at stays as it is: listing it again would cost more than all else.
         known, self._choices = self._choices, {}
+        recorded = {stream.topic for stream in self._streams.values()}
         for topic, datatype in sorted(self._types.items(), key=_rank):
             layout = self._layouts.installed(datatype)
             if layout is None:
                 continue
-            if topic in self._by_topic or (topic, datatype) not in known:
+            if topic in recorded or (topic, datatype) not in known:
                 lengths = self._lengths.get(topic, fields.one_element)
                 listed = fields.numeric_fields(layout, lengths)
                 known[topic, datatype] = [
@@ -138,13 +117,16 @@ class Recorder:
         :returns: the name itself, as long as its topic is not known
         :raises FieldError: if its topic has no such field
         """
-        place = fields.split(name, self._types)
+        bare, base = fields.parted(name)
+        place = fields.split(bare, self._types)
         layout = self._layouts.installed(self._types[place[0]]) if place else None
         if place is None or layout is None:
             return [name]
         topic, text = place
+        time_base.path_of(base, layout)
         lengths = self._lengths.get(topic, fields.one_element)
-        return [_name(topic, field.path) for field in fields.resolve(layout, text, lengths)]
+        found = fields.resolve(layout, text, lengths)
+        return [_name(topic, field.path) + name[len(bare) :] for field in found]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.
@@ -153,22 +135,25 @@ class Recorder:
         :param now: the time, s
         """
         for name in names:
-            trace = self._traces.get(name) or self._new_trace(name)
-            if trace is not None:
-                self._traces[name] = trace
-                trace.used_at = now
+            if name not in self._traces:
+                self._record(name)
+            if name in self._traces:
+                self._traces[name].used_at = now
         recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
         self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
-        self._by_topic = {}
-        for trace in self._traces.values():
-            self._by_topic.setdefault(trace.topic, []).append(trace)
-        self._taps.want(list(self._by_topic) + self._unknown())
+        kept = set(self._traces.values())
+        for stream in self._streams.values():
+            stream.traces = [trace for trace in stream.traces if trace in kept]
+        self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
+        self._taps.want([topic for topic, _ in self._streams] + self._unknown())
 
-    def _new_trace(self, name: str) -> Optional[_Trace]:
-        place = fields.split(name, self._types)
+    def _record(self, name: str) -> None:
+        bare, base = fields.parted(name)
+        place = fields.split(bare, self._types)
         if place is None or not place[1]:
-            return None  # its topic is not there yet
-        return _Trace(place[0], fields.to_path(place[1]), self.history)
+            return  # its topic is not there yet
+        stream = self._streams.setdefault((place[0], base), Stream(place[0], base))
+        self._traces[name] = stream.record(fields.to_path(place[1]), self.history)
 
     def update(self) -> float:
         """Take in what has come.
@@ -176,15 +161,27 @@ class Recorder:
         :returns: the time up to which all samples are there, s
         """
         now = self._taps.clock.now()
+        earliest = now
         for topic, tap in self._taps.open().items():
             for batch in tap.take():
                 layout = self._layouts.received(batch.header)
                 if layout is None:
                     continue
                 self._lengths.setdefault(topic, _Longest()).look(layout, batch.messages[-1])
-                for trace in self._by_topic.get(topic, ()):
-                    trace.add(layout, batch)
+                for stream in self._streams.values():
+                    if stream.topic == topic:
+                        earliest = min(earliest, stream.add(layout, batch))
+        self._updates.append((now, earliest))
         return now
+
+    def changed_since(self, moment: float) -> float:
+        """Return the time from which on samples may differ from what they were, s.
+
+        :param moment: what an :meth:`update` returned; all samples later than that are new
+        """
+        if not self._updates or moment < self._updates[0][0]:
+            return -math.inf
+        return min([moment] + [earliest for now, earliest in self._updates if now > moment])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
         """Return the samples of a field.
@@ -194,11 +191,11 @@ class Recorder:
         :param end: end of the span, s
         """
         trace = self._traces.get(name)
-        return trace.ring.between(start, end) if trace else _NOTHING
+        return trace.samples(start, end) if trace else _NOTHING
 
-    def topic_of(self, name: str) -> str:
-        """Return the topic of a field, empty where it is not known."""
-        return self._traces[name].topic if name in self._traces else ""
+    def trace(self, name: str) -> Optional[Trace]:
+        """Return what is recorded of a field, None where nothing is."""
+        return self._traces.get(name)
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:

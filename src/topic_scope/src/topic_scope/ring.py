@@ -7,13 +7,13 @@ import numpy
 #: Samples and their times, s.
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
 
-#: Most samples of a trace that are kept: 16 MB.
+#: Most samples of a trace that are kept: 24 MB.
 LIMIT = 1 << 20
 _SMALLEST = 1 << 10
 
 
 class Ring:
-    """Samples in the order of their times; the oldest are forgotten.
+    """Samples in the order of their times, and when they were received; the oldest are forgotten.
 
     :param history: how long a sample is kept, s
     :param limit: most samples that are kept
@@ -22,40 +22,63 @@ class Ring:
     def __init__(self, history: float, limit: int = LIMIT) -> None:
         self._history = history
         self._limit = limit
-        self._data = numpy.empty((2, min(_SMALLEST, 2 * limit)))
+        self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
         self._start = self._end = 0
 
     def __len__(self) -> int:
         return self._end - self._start
 
-    def append(self, times: numpy.ndarray, values: numpy.ndarray) -> None:
-        """Add samples.
+    def append(self, times: numpy.ndarray, values: numpy.ndarray, received: numpy.ndarray) -> None:
+        """Add samples; those that are late are sorted in.
 
-        :param times: when they came, ascending and none before those that are there, s
-        :param values: what came
+        :param times: when they were taken, s
+        :param values: what was taken
+        :param received: when they were received, s
         """
-        times, values = times[-self._limit :], values[-self._limit :]
-        count = len(times)
+        added = numpy.array([times, values, received])
+        late = self._end
+        if added.shape[1] and len(self) and added[0].min() < self._data[0, self._end - 1]:
+            here = self._data[0, self._start : self._end]
+            late = self._start + int(numpy.searchsorted(here, added[0].min(), "right"))
+            added = numpy.hstack([self._data[:, late : self._end], added])
+        if numpy.any(numpy.diff(added[0]) < 0.0):
+            added = added[:, numpy.argsort(added[0], kind="stable")]
+        self._end = late
+        self._append(added[:, -self._limit :])
+
+    def _append(self, added: numpy.ndarray) -> None:
+        """Add samples in the order of their times, none before those that are there."""
+        count = added.shape[1]
         if not count:
             return
-        self._forget(times[-1] - self._history, count)
+        self._forget(added[0, -1] - self._history, count)
         if self._end + count > self._data.shape[1]:
             self._make_room(count)
-        self._data[0, self._end : self._end + count] = times
-        self._data[1, self._end : self._end + count] = values
+        self._data[:, self._end : self._end + count] = added
         self._end += count
 
-    def between(self, start: float, end: float) -> Samples:
+    def move(self, by: float) -> None:
+        """Move all samples in time, and end the line that they make.
+
+        :param by: how far, s
+        """
+        self._data[0, self._start : self._end] += by
+        if len(self):
+            gap = self._data[:, self._end - 1 : self._end].copy()
+            gap[1] = numpy.nan
+            self._append(gap)
+
+    def between(self, start: float, end: float) -> numpy.ndarray:
         """Return the samples of a time span, its ends included.
 
         :param start: begin of the span, s
         :param end: end of the span, s
-        :returns: times and values; views that hold until samples are added
+        :returns: times, values and times of receipt; views that hold until samples are added
         """
         times = self._data[0, self._start : self._end]
         first = self._start + int(numpy.searchsorted(times, start, "left"))
         last = self._start + int(numpy.searchsorted(times, end, "right"))
-        return self._data[0, first:last], self._data[1, first:last]
+        return self._data[:, first:last]
 
     def _forget(self, before: float, more: int) -> None:
         times = self._data[0, self._start : self._end]
@@ -68,6 +91,6 @@ class Ring:
         capacity = self._data.shape[1]
         while capacity < 2 * (kept.shape[1] + count) and capacity < 2 * self._limit:
             capacity *= 2
-        data = numpy.empty((2, max(capacity, kept.shape[1] + count)))
+        data = numpy.empty((3, max(capacity, kept.shape[1] + count)))
         data[:, : kept.shape[1]] = kept
         self._data, self._start, self._end = data, 0, kept.shape[1]

@@ -201,8 +201,16 @@ class Server:
                 continue  # the next frame holds what this one would have
             if measures:
                 span = page.view.span(now)
-                traces = {name: measure(*samples(name, *span)) for name in page.view.fields}
+                traces = {name: self._measured(name, *span) for name in page.view.fields}
                 page.put({"type": "stats", "traces": traces})
-            frame = page.view.frame(now, samples)
+            frame = page.view.frame(now, samples, self._recorder.changed_since)
             connection.send(page.take() + ([frame] if frame is not None else []))
             page.took(began, time.monotonic())
+
+    def _measured(self, name: str, start: float, end: float) -> Dict[str, Any]:
+        """Return what a page's table shows of a field: figures, topic, and the time it goes by."""
+        trace = self._recorder.trace(name)
+        if trace is None:
+            return {}
+        figures = measure(*trace.samples(start, end))
+        return {**figures, "topic": trace.stream.topic, "time": trace.stream.base}

@@ -9,6 +9,9 @@ from topic_scope.ring import Samples
 #: Returns the samples of a field from one time to another, both in s.
 Source = Callable[[str, float, float], Samples]
 
+#: How much later than others a sample may come and still be shown on a page that is paused, s.
+LATE_S = 1.0
+
 
 class LiveView:
     """The frames of one page.
@@ -22,6 +25,7 @@ class LiveView:
         #: First bin that the page does not have in full; None where it has none.
         self._open: Optional[int] = None
         self._complete = False
+        self._frame_at = 0.0
 
     def show(self, view: protocol.View) -> None:
         """Show another span of time."""
@@ -48,11 +52,14 @@ class LiveView:
         end = now if self._view.end is None else self._view.end
         return end - self._view.window, end
 
-    def frame(self, now: float, source: Source) -> Optional[Dict[str, Any]]:
+    def frame(
+        self, now: float, source: Source, changed_since: Callable[[float], float]
+    ) -> Optional[Dict[str, Any]]:
         """Return what the page does not have yet.
 
-        :param now: time up to which all samples are there, s
+        :param now: time up to which what was received is there, s
         :param source: where the samples are
+        :param changed_since: tells from when on there are others than at an earlier time, s
         :returns: the frame, None where nothing can come any more
         """
         if self._complete:
@@ -61,8 +68,12 @@ class LiveView:
         width = self._view.window / self._view.width
         last = bin_of(min(end, now), width)
         first, reset = self._open, False
-        if first is None or last - first > self._view.width:
+        changed = changed_since(self._frame_at)
+        self._frame_at = now
+        if first is None or last - first > self._view.width or changed < start:
             first, reset = bin_of(start, width), True
+        else:
+            first = min(first, bin_of(changed, width))
         count = max(last - first + 1, 0)
         traces = {}
         for field in self.fields:
@@ -70,7 +81,7 @@ class LiveView:
             samples = source(field, (first - 0.5) * width, (last + 1.5) * width)
             traces[field] = as_json(extremes(*samples, first, count, width))
         self._open = max(last, first)
-        self._complete = self._view.end is not None and now > end
+        self._complete = self._view.end is not None and now > end + LATE_S
         return {
             "type": "frame",
             "now": now,

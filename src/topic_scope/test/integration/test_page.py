@@ -49,8 +49,8 @@ class Page(PageTest):
         self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
         with urlopen(str(self.browser.find("#csv").get_property("href"))) as answer:
             head, *rows = csv.reader(io.TextIOWrapper(answer, "utf-8"))
-        self.assertEqual(head[0], "time")
-        return [(float(row[0]), row[1:]) for row in rows]
+        self.assertEqual(head[:2], ["time", "received"])
+        return [(float(row[0]), row[2:]) for row in rows]
 
     def test_traces_move_until_paused(self) -> None:
         self.assertEqual(self.browser.driver.title, "topic_scope")
@@ -63,12 +63,23 @@ class Page(PageTest):
 
     def test_measures_the_traces(self) -> None:
         wait_until(
-            lambda: abs(self.cell(SIGNAL, "frequency") - 1.0) < 0.05
+            lambda: abs(self.cell(SIGNAL, "frequency") - 1.0) < 1e-4
             and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0,
             lambda: self.browser.text("#legend"),
         )
         self.assertAlmostEqual(self.cell(SIGNAL, "max"), 2.0, delta=0.05)
         self.assertAlmostEqual(self.cell(PROCESSED, "min"), 0.0, delta=0.05)
+
+    def test_shows_and_changes_the_time_that_a_trace_goes_by(self) -> None:
+        choice = f"#legend tr[data-field='{SIGNAL}'] select"
+        wait_until(
+            lambda: self.browser.text(f"{choice} option[value='']") == "auto (time_x)",
+            lambda: self.browser.text("#legend"),
+        )
+        self.browser.choose(choice, "received")
+        renamed = f"{SIGNAL}@received"
+        self.browser.wait_for(f"#legend tr[data-field='{renamed}']")
+        wait_until(lambda: self.cell(renamed, "max") > 1.9, lambda: self.browser.text("#legend"))
 
     def test_csv_is_what_a_bag_has(self) -> None:
         self.browser.choose("#window", "2")

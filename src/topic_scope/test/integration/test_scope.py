@@ -30,8 +30,8 @@ class Signals(ScopeTest):
         status, text = fetch(f"{self.scope.url}/data.csv?{query}")
         self.assertEqual(status, 200, text)
         head, *rows = csv.reader(io.StringIO(text))
-        self.assertEqual(head, ["time", *fields])
-        return [(float(row[0]), row[1:]) for row in rows]
+        self.assertEqual(head, ["time", "received", *fields])
+        return [(float(row[0]), row[2:]) for row in rows]
 
     def publish(self, publisher: rospy.Publisher, values: List[float]) -> None:
         for value in values:
@@ -108,12 +108,32 @@ class Signals(ScopeTest):
             self.assertEqual(other, "")
         self.assertEqual([moment for moment, _ in rows], sorted(moment for moment, _ in rows))
 
+    def test_a_trace_goes_by_the_time_of_its_messages_or_by_another_that_is_named(self) -> None:
+        own, received = "/signal/signal_y", "/signal/signal_y@received"
+        page = self.page(own, received, "/proc_signal/data")
+        bases = {own: "time_x", received: "received", "/proc_signal/data": "received"}
+        page.wait_for(
+            "stats",
+            lambda stats: {name: trace.get("time") for name, trace in stats["traces"].items()}
+            == bases,
+        )
+        wait_until(lambda: len(self.samples(received)) > 150, lambda: "no samples")
+        rows = self.samples(own, "/signal/time_x")
+        ends = [(moment, float(cells[1])) for moment, cells in rows if all(cells)]
+        # From one sample to the next, the trace's time is that of the messages, to the microsecond.
+        for (moment, time_x), (later, later_x) in zip(ends, ends[1:]):
+            self.assertAlmostEqual(later - moment, later_x - time_x, delta=2e-6)
+        page.send("select", fields=["/signal/signal_y@stamp"])
+        text = page.wait_for("error")["text"]
+        self.assertIn("there is no time header/stamp in basic_comms/signal_msg", text)
+
     def test_measures_and_triggers(self) -> None:
         page = self.page("/signal/signal_y")
         page.send("view", window=3.0, width=500, end=None)
         found = page.wait_for(
             "stats",
-            lambda stats: abs((stats["traces"]["/signal/signal_y"]["frequency"] or 0) - 1.0) < 0.01,
+            # By the time of the messages it is exact, however late these come.
+            lambda stats: abs((stats["traces"]["/signal/signal_y"]["frequency"] or 0) - 1.0) < 1e-4,
         )["traces"]["/signal/signal_y"]
         self.assertAlmostEqual(found["rate"], 100.0, delta=10.0)
         self.assertAlmostEqual(found["max"], 2.0, delta=0.01)
@@ -133,9 +153,9 @@ class Signals(ScopeTest):
         expected = before + (high - 0.5) / (high - low) * (after - before)
         self.assertAlmostEqual(crossing, expected, delta=1e-6)
         # Held: the span around it is sent once, and then no frame comes any more.
-        page.send("view", window=1.0, width=125, end=crossing - 0.5)
+        page.send("view", window=1.0, width=125, end=crossing - 1.0)
         held = page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.008)
-        first = math.floor((crossing - 1.5) / 0.008)
+        first = math.floor((crossing - 2.0) / 0.008)
         self.assertAlmostEqual(held["first"], first, delta=1)
         count = len(page.messages("stats"))
         wait_until(lambda: len(page.messages("stats")) > count + 2, lambda: "no more stats")

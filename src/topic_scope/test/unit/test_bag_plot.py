@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.image import imread
 from std_msgs.msg import Float64, Float64MultiArray
 
+from basic_comms.msg import signal_msg
 from topic_scope.bag_columns import Column
 from topic_scope.bag_plot import Series, collect, draw, save
 from topic_scope.bag_reading import Sample
@@ -39,6 +40,21 @@ def test_what_cannot_be_plotted_leaves_a_gap() -> None:
     (series,) = collect([Column("/x", ("data", 0))], samples)
     assert [value for value in series.values if not math.isnan(value)] == [2.0]
     assert len(series.values) == len(series.times) == 6
+
+
+def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line() -> None:
+    times = [5.0, 5.1, 5.2, 0.0, 0.1]
+    delays = [0.01, 0.03, 0.01, 0.02, 0.02]
+    samples = [
+        Sample(round((0.1 * index + delay) * 1e9), "/s", signal_msg(2.0, 1.0, time, index))
+        for index, (time, delay) in enumerate(zip(times, delays))
+    ]
+    columns = [Column("/s", ("signal_y",), base) for base in ("", "received")]
+    own, received = collect(columns, samples)
+    assert (own.name, received.name) == ("/s/signal_y", "/s/signal_y@received")
+    assert list(own.times) == pytest.approx([0.01, 0.11, 0.21, 0.21, 0.32, 0.42])
+    assert repr(list(own.values)) == "[0.0, 1.0, 2.0, nan, 3.0, 4.0]"
+    assert list(received.times) == [sample.time / 1e9 for sample in samples]
 
 
 def test_lines_legend_and_titles() -> None:

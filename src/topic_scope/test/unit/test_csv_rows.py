@@ -20,14 +20,16 @@ def test_the_numbers_come_back_exactly(
     numbers = [random.uniform(-1, 1) for _ in range(2 * len(one) + len(other))]  # type: ignore
     x, y, z = numbers[: len(one)], numbers[len(one) : 2 * len(one)], numbers[2 * len(one) :]
     columns = [
-        Column("/a", (numpy.array(one), numpy.array(x))),
-        Column("/b", (numpy.array(other), numpy.array(z))),
-        Column("/a", (numpy.array(one), numpy.array(y))),
+        Column("/a", (numpy.array(one), numpy.array(x)), numpy.array(one) + 0.25),
+        Column("/b", (numpy.array(other), numpy.array(z)), numpy.array(other)),
+        Column("/a", (numpy.array(one), numpy.array(y)), numpy.array(one) + 0.25),
     ]
     fields = ["/a/x", "/b/z", "/a/y"]
     read = list(csv.DictReader(io.StringIO(header(fields) + "".join(rows(columns)))))
     assert len(read) == len(one) + len(other)
     assert [float(row["time"]) for row in read] == sorted(one + other)
+    came = [float(row["received"]) for row in read if row["/a/x"]]
+    assert came == (numpy.array(one) + 0.25).tolist()
     for field, times, values in (("/a/x", one, x), ("/b/z", other, z), ("/a/y", one, y)):
         filled = [(float(row["time"]), float(row[field])) for row in read if row[field]]
         assert filled == list(zip(times, values))
@@ -35,5 +37,12 @@ def test_the_numbers_come_back_exactly(
 
 
 def test_what_is_no_number_stays_visible() -> None:
-    column = Column("/a", (numpy.array([1.0, 2.0]), numpy.array([numpy.nan, numpy.inf])))
-    assert list(rows([column])) == ["1.0,nan\n", "2.0,inf\n"]
+    times = numpy.array([1.0, 2.0])
+    column = Column("/a", (times, numpy.array([numpy.nan, numpy.inf])), times + 0.5)
+    assert list(rows([column])) == ["1.0,1.5,nan\n", "2.0,2.5,inf\n"]
+
+
+def test_messages_of_one_stamp_keep_their_rows() -> None:
+    samples = (numpy.array([1.0, 1.0]), numpy.array([3.0, 4.0]))
+    column = Column("/a", samples, numpy.array([1.5, 2.5]))
+    assert list(rows([column])) == ["1.0,1.5,3.0\n", "1.0,2.5,4.0\n"]

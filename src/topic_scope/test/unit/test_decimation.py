@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from topic_scope import protocol
 from topic_scope.decimation import as_json, bin_of, extremes
 from topic_scope.ring import Samples
-from topic_scope.view import LiveView
+from topic_scope.view import LATE_S, LiveView
 
 EPOCH = 1.7e9
 VALUES = st.floats(allow_nan=True, allow_infinity=True, width=32)
@@ -68,6 +68,11 @@ def source(samples: Samples, until: float) -> Samples:
     return samples[0][seen], samples[1][seen]
 
 
+def _same(moment: float) -> float:
+    """Return from when on samples are new, where all come in the order of their times."""
+    return moment
+
+
 @given(SAMPLES, st.lists(st.floats(0.0, 5.0), max_size=12), st.sampled_from([0.5, 2.0, 4.0]))
 def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, window: float) -> None:
     """However the frames fall, nothing is lost and nothing is left over."""
@@ -76,7 +81,7 @@ def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, windo
     view.select(["/a"])
     for moment in sorted(moments) + [5.0]:
         now = EPOCH + moment
-        frame = view.frame(now, lambda name, start, end: source(samples, now))
+        frame = view.frame(now, lambda name, start, end: source(samples, now), _same)
         assert frame is not None
         screen.show(frame)
     width = window / 50
@@ -89,7 +94,7 @@ def test_a_page_that_was_away_for_long_starts_over() -> None:
     view = LiveView(protocol.View(1.0, 100, None))
     nothing = (numpy.empty(0), numpy.empty(0))
     resets = [
-        (view.frame(EPOCH + moment, lambda *_: nothing) or {})["reset"]
+        (view.frame(EPOCH + moment, lambda *_: nothing, _same) or {})["reset"]
         for moment in (0.0, 0.5, 1.0, 10.0, 10.1)
     ]
     assert resets == [True, False, False, True, False]
@@ -99,20 +104,44 @@ def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
     samples = arrays([(0.5, 1.0), (1.5, -7.0), (2.5, 3.0)])
     view, screen = LiveView(protocol.View(1.0, 10, EPOCH + 2.0)), Screen()
     view.select(["/a"])
-    first = view.frame(EPOCH + 4.0, lambda *_: samples)
+    first = view.frame(EPOCH + 4.0, lambda *_: samples, _same)
     assert first is not None
     screen.show(first)
     assert screen.bins[bin_of(EPOCH + 1.5, 0.1)] == [-7.0, -7.0]
-    assert view.frame(EPOCH + 4.1, lambda *_: samples) is None
+    assert view.frame(EPOCH + 4.1, lambda *_: samples, _same) is None
     view.show(protocol.View(1.0, 10, EPOCH + 3.0))
-    again = view.frame(EPOCH + 4.2, lambda *_: samples)
+    again = view.frame(EPOCH + 4.2, lambda *_: samples, _same)
     assert again is not None and again["reset"]
 
 
 def test_a_span_that_ends_later_goes_on_until_then() -> None:
     view = LiveView(protocol.View(1.0, 10, EPOCH + 2.0))
     frames = [
-        view.frame(EPOCH + moment, lambda *_: (numpy.empty(0), numpy.empty(0)))
-        for moment in (1.0, 1.9, 2.1, 2.2)
+        view.frame(EPOCH + moment, lambda *_: (numpy.empty(0), numpy.empty(0)), _same)
+        for moment in (1.0, 1.9, 2.1, 2.1 + LATE_S, 2.2 + LATE_S)
     ]
-    assert [frame is not None for frame in frames] == [True, True, True, False]
+    assert [frame is not None for frame in frames] == [True, True, True, True, False]
+
+
+@given(SAMPLES, st.lists(st.floats(0.0, 2.0), max_size=60), st.lists(st.floats(0.0, 5.0)))
+def test_samples_that_come_late_are_shown_where_they_belong(
+    pairs: list, delays: list, moments: list
+) -> None:
+    samples, screen = arrays(pairs), Screen()
+    came = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
+    view, before = LiveView(protocol.View(4.0, 50, None)), 0.0
+    view.select(["/a"])
+    for now in [EPOCH + moment for moment in sorted(moments)] + [EPOCH + 8.0]:
+        new = samples[0][(before < came) & (came <= now)]
+        there = came <= now
+        frame = view.frame(
+            now,
+            lambda *_, seen=there: (samples[0][seen], samples[1][seen]),
+            lambda moment, new=new: min([moment, *new.tolist()]),
+        )
+        before = now
+        assert frame is not None
+        screen.show(frame)
+    expected = expected_bins(samples, 0.08)
+    for index in range(bin_of(EPOCH + 4.0, 0.08), bin_of(EPOCH + 8.0, 0.08) + 1):
+        assert screen.bins[index] == expected.get(index, [None, None])

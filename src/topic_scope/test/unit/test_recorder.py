@@ -3,11 +3,17 @@
 import struct
 from typing import Collection, Dict, Iterator, List
 
+import numpy
+from hypothesis import given
+from hypothesis import strategies as st
 from std_msgs.msg import Float32, Float64
 
+from basic_comms.msg import signal_msg
 from topic_scope import fields, recorder
+from topic_scope.definitions import layout_of
 from topic_scope.layouts import Layouts
 from topic_scope.recorder import Recorder
+from topic_scope.streams import Stream
 from topic_scope.taps import Batch
 
 TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "nowhere/Thing"}
@@ -80,8 +86,8 @@ def test_records_what_is_wanted_and_listens_to_no_more() -> None:
     taps.send(Float32, 1.0, 2.0)
     assert made.update() == 1001.0
     assert values(made) == [1.0, 2.0]
-    assert values(made, "/d/later") == [] and made.topic_of("/d/later") == ""
-    assert made.topic_of("/a/data") == "/a"
+    assert values(made, "/d/later") == [] and made.trace("/d/later") is None
+    assert made.trace("/a/data").stream.topic == "/a"  # type: ignore[union-attr]
 
 
 def test_a_type_that_changes_is_read_by_its_own_definition() -> None:
@@ -111,8 +117,8 @@ def test_the_number_of_traces_is_limited() -> None:
     for index in range(recorder.TRACES + 100):
         made.want(["/a/data", f"/b/data[{index}]"], taps.time + index * 1e-3)
     assert len(made._traces) == recorder.TRACES
-    assert made.topic_of("/a/data") and made.topic_of(f"/b/data[{recorder.TRACES + 99}]")
-    assert not made.topic_of("/b/data[0]")
+    assert made.trace("/a/data") and made.trace(f"/b/data[{recorder.TRACES + 99}]")
+    assert not made.trace("/b/data[0]")
 
 
 def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
@@ -122,7 +128,7 @@ def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
     made.want(names, taps.time)
     made.want(["/a/data"] + names[1:], taps.time + 1.0)
     assert len(made._traces) == recorder.TRACES
-    assert made.topic_of("/a/data") and made.topic_of(names[1]) and not made.topic_of(names[0])
+    assert made.trace("/a/data") and made.trace(names[1]) and not made.trace(names[0])
 
 
 def test_the_number_of_fields_that_are_listed_is_limited() -> None:
@@ -164,3 +170,18 @@ def test_names_are_expanded_as_far_as_they_are_known() -> None:
     assert made.expand("/c/x") == ["/c/x"]
     choices = [choice.field for choice in made.choices()]
     assert choices[0] == "/a/data" and "/b/data[0]" in choices
+
+
+@given(st.lists(st.floats(0.0, 3.0), min_size=1, max_size=50, unique=True).map(sorted))
+def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
+    """Own times are finer than the scope's, which are large."""
+    stream = Stream("/a", "time_x")
+    trace = stream.record(("signal_y",), 10.0)
+    data = [struct.pack("<ffdf", 2.0, 1.0, time, index) for index, time in enumerate(times)]
+    stream.add(layout_of(signal_msg), Batch(header(signal_msg), [1.7e9] * len(data), data))
+    ends = sorted({stream.offset + end for end in (-1.0, *times, 5.0)})
+    parts = [
+        trace.samples(begin, float(numpy.nextafter(end, begin)))[1]
+        for begin, end in zip(ends, ends[1:])
+    ]
+    assert numpy.concatenate(parts).tolist() == list(range(len(times)))

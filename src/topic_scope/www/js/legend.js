@@ -3,6 +3,7 @@
 import { colourOf } from "./colours.js";
 import { byId, make, press, say } from "./dom.js";
 import { figure } from "./numbers.js";
+import { TimeChoice } from "./time_base.js";
 
 const MEASURED = [
   ["rate", "rate, Hz"], ["min", "min"], ["max", "max"], ["mean", "mean"], ["rms", "RMS"],
@@ -41,7 +42,7 @@ export class Legend {
     this.columns = [...MEASURED, ...(this.withCursors ? AT_CURSORS : [])];
     const head = (text, className) => make("th", { scope: "col", class: className }, text);
     byId("legend-head").replaceChildren(
-      head("", ""), head("", ""), head("trace", "name"), head("axis", ""),
+      head("", ""), head("", ""), head("trace", "name"), head("axis", ""), head("time", ""),
       ...this.columns.map(([, title]) => head(title, "figure")), head("", ""),
     );
     const before = this.rows;
@@ -82,6 +83,7 @@ export class Legend {
       click: () => state.set({ right: toggled(right, field) }),
     }, right.has(field) ? "right" : "left");
     press(axis, right.has(field));
+    const time = new TimeChoice(state, field);
     const remove = make("button", {
       type: "button",
       class: "quiet",
@@ -92,9 +94,9 @@ export class Legend {
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, shown), make("td", {}, colour), make("td", { class: "name", title: field }, field),
-      make("td", {}, axis), ...cells.values(), make("td", {}, remove),
+      make("td", {}, axis), make("td", {}, time.element), ...cells.values(), make("td", {}, remove),
     );
-    return { element, cells };
+    return { element, cells, time };
   }
 
   /**
@@ -102,8 +104,9 @@ export class Legend {
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
-    for (const [field, { cells }] of this.rows) {
+    for (const [field, { cells, time }] of this.rows) {
       const measured = traces[field] || {};
+      if (measured.topic) time.show(measured.topic, measured.time);
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
       // Of a mean that should be 0, only the rounding of the sum is left.
       const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;

@@ -1,0 +1,143 @@
+"""The samples of fields, by the times of their messages."""
+
+from typing import List, Optional
+
+import numpy
+
+from topic_scope import fields, time_base
+from topic_scope.decoding import Decoder
+from topic_scope.definitions import Record
+from topic_scope.ring import Ring, Samples
+from topic_scope.taps import Batch
+
+#: More than any rounding of a time since the epoch, s.
+_MORE_S = 1e-5
+
+
+class Trace:
+    """The samples of one field.
+
+    :param stream: where they come from
+    :param path: where the field stands in a message
+    :param history: how long samples are kept, s
+
+    :ivar ring: the samples, by the own clock of their messages
+    :ivar used_at: when somebody has looked at it, s
+    """
+
+    def __init__(self, stream: "Stream", path: fields.Path, history: float) -> None:
+        self.stream = stream
+        self.path = path
+        self.ring = Ring(history)
+        self.used_at = 0.0
+        self._decoder: Optional[Decoder] = None
+
+    def read_as(self, layout: Record) -> None:
+        """Read messages of this layout from now on; nothing, where it has no such field."""
+        self._decoder = _decoder(layout, self.path)
+
+    def add(self, batch: Batch, times: numpy.ndarray) -> None:
+        """Take the samples of some messages.
+
+        :param batch: the messages
+        :param times: when they were taken, by their own clock, s
+        """
+        if self._decoder is not None:
+            values = self._decoder.decode(batch.messages)
+            self.ring.append(times, values, numpy.array(batch.times))
+
+    def samples(self, start: float, end: float) -> Samples:
+        """Return times and values of a time span by the scope's clock, its ends included, s."""
+        times, values, _ = self._between(start, end)
+        return times, values
+
+    def received(self, start: float, end: float) -> numpy.ndarray:
+        """Return when the samples of a time span were received, s."""
+        return self._between(start, end)[2]
+
+    def _between(self, start: float, end: float) -> "tuple[numpy.ndarray, ...]":
+        # Sought with some more, as the ends are rounded otherwise than the samples' times.
+        offset = self.stream.offset
+        times, *others = self.ring.between(start - offset - _MORE_S, end - offset + _MORE_S)
+        times = times + offset
+        inside = slice(numpy.searchsorted(times, start), numpy.searchsorted(times, end, "right"))
+        return tuple(row[inside] for row in (times, *others))
+
+
+class Stream:
+    """Traces of one topic that go by one time.
+
+    :param topic: the topic
+    :param base: name of the time; see :func:`.time_base.path_of`
+
+    :ivar traces: those that are recorded
+    """
+
+    def __init__(self, topic: str, base: str) -> None:
+        self.topic = topic
+        self.traces: List[Trace] = []
+        self._base = base
+        self._layout: Optional[Record] = None
+        self._path: Optional[fields.Path] = None
+        self._decoder: Optional[Decoder] = None
+        self._time = time_base.OwnTime(None)
+
+    @property
+    def offset(self) -> float:
+        """What is to be added to the times in the rings to get the scope's, s."""
+        return self._time.offset
+
+    @property
+    def base(self) -> str:
+        """The name of the time that is in use."""
+        return time_base.name_of(self._path)
+
+    def record(self, path: fields.Path, history: float) -> Trace:
+        """Record one more field; see :class:`Trace`."""
+        trace = Trace(self, path, history)
+        if self._layout is not None:
+            trace.read_as(self._layout)
+        self.traces.append(trace)
+        return trace
+
+    def add(self, layout: Record, batch: Batch) -> float:
+        """Take some messages.
+
+        :param layout: their layout
+        :param batch: the messages
+        :returns: the time of the earliest one, s; minus infinity where earlier samples have moved
+        """
+        if layout is not self._layout:
+            self._read_as(layout)
+        times = received = numpy.array(batch.times)
+        offset = self.offset
+        if self._decoder is not None:
+            times, back = self._time.take(self._decoder.decode(batch.messages), received)
+            if back:
+                for trace in self.traces:
+                    trace.ring.move(back)
+        for trace in self.traces:
+            trace.add(batch, times)
+        return float(times.min()) + offset if offset == self.offset else -numpy.inf
+
+    def _read_as(self, layout: Record) -> None:
+        self._layout = layout
+        try:
+            path = time_base.path_of(self._base, layout)
+        except fields.FieldError:  # the topic has got another type
+            path = None
+        if path != self._path:
+            for trace in self.traces:  # what is there goes by the scope's clock from now on
+                trace.ring.move(self.offset)
+            self._time = time_base.OwnTime(path)
+        self._path = path
+        self._decoder = None if path is None else _decoder(layout, path)
+        for trace in self.traces:
+            trace.read_as(layout)
+
+
+def _decoder(layout: Record, path: fields.Path) -> Optional[Decoder]:
+    try:
+        return Decoder(layout, path)
+    except fields.FieldError:  # the topic has got another type
+        return None

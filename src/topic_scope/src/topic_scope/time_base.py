@@ -1,0 +1,132 @@
+"""When a sample was taken: when its message was received, or when the message says so itself.
+
+What a message says is by a clock of its own: time since the start of a node, simulated time, the
+clock of another machine. Between that clock and the scope's lies the median of what the latest
+messages show, so that what is usual in their delay shifts a trace, and what is not does not bend
+it.
+"""
+
+from typing import List, Optional
+
+import numpy
+
+from topic_scope.definitions import Record, Scalar
+from topic_scope.fields import FieldError, Path, leaf_at, to_path, to_text
+
+#: Names of times that every message has, and that messages with a header have.
+RECEIVED, STAMP = "received", "stamp"
+
+_STAMP_PATH: Path = ("header", "stamp")
+#: The field of a message without a header that says when it was made, e.g. signal_msg's.
+_FIELD_PATH: Path = ("time_x",)
+#: How much of what was received counts for the median: s, and most messages.
+_RECENT_S, _RECENT = 2.0, 2000
+#: The clocks' difference is taken anew where it has changed by more than this, s.
+TOLERANCE_S = 0.002
+#: A stamp no further away than this is by the scope's own clock, and is taken as it is, s.
+SAME_CLOCK_S = 0.5
+#: A time so far before those that came earlier was set back, and is not just late, s.
+BACK_S = 0.5
+#: Beyond this a number is no time, s.
+_LARGEST = 1e11
+
+
+def path_of(base: str, layout: Record) -> Optional[Path]:
+    """Return where messages say when they were made.
+
+    :param base: ``received``, ``stamp``, the name of a field, or nothing for what fits best: a
+        header's stamp, else ``time_x``, else the time of receipt
+    :param layout: layout of the messages
+    :returns: where the time stands; None where the time of receipt counts
+    :raises FieldError: if there is no such time in the messages
+    """
+    if base == RECEIVED:
+        return None
+    if not base:
+        wanted = [path for path in (_STAMP_PATH, _FIELD_PATH) if _is_time(layout, path)]
+        return wanted[0] if wanted else None
+    path = _STAMP_PATH if base == STAMP else to_path(base)
+    if not _is_time(layout, path):
+        raise FieldError(f"there is no time {to_text(path)} in {layout.datatype}")
+    return path
+
+
+def name_of(path: Optional[Path]) -> str:
+    """Return the name of a time that :func:`path_of` has returned."""
+    return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
+
+
+def placed(
+    path: Optional[Path], own: numpy.ndarray, received: numpy.ndarray
+) -> "List[numpy.ndarray]":
+    """Return when recorded messages were made, by the clock that recorded them.
+
+    :param path: where their times stand
+    :param own: these times, s
+    :param received: when they were recorded, s
+    :returns: the times, s, in parts: each begins where the clock was set back
+    """
+    ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
+    times = []
+    for said, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
+        time = OwnTime(path)
+        part, _ = time.take(said, came)
+        times.append(part + time.offset)
+    return times
+
+
+def _is_time(layout: Record, path: Path) -> bool:
+    """Tell whether something fine enough for a time stands at a place in messages."""
+    try:
+        leaf = leaf_at(layout, path)
+    except FieldError:
+        return False
+    return isinstance(leaf, Scalar) and leaf.datatype in ("time", "float64")
+
+
+class OwnTime:
+    """Tells the times of a topic's messages by their own clock, and how far that is from here.
+
+    :param path: where the time stands in the messages
+    """
+
+    def __init__(self, path: Optional[Path]) -> None:
+        #: What is to be added to an own time to get the scope's, s.
+        self.offset = 0.0
+        self._is_stamp = path == _STAMP_PATH
+        self._latest = -numpy.inf
+        self._recent = numpy.empty((2, 0))  # times of receipt, and differences
+
+    def take(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
+        """Take the times of some messages.
+
+        :param own: what they say, s; no message's is changed here
+        :param received: when they were received, s
+        :returns: their times by the own clock, and by how much it was set back before them, s:
+            what came earlier is to be moved by that; 0 where it was not
+        """
+        # No time at all: a stamp that nobody has filled in, NaN, what is beyond all clocks.
+        silent = ~(numpy.abs(own) <= _LARGEST)
+        if self._is_stamp:
+            silent |= own == 0.0
+        said = ~silent
+        back = 0.0
+        if said.any():
+            differences = received[said] - own[said]
+            if own[said].max() < self._latest - BACK_S:
+                before, self.offset = self.offset, float(numpy.median(differences))
+                back = before - self.offset
+                self._recent = numpy.empty((2, 0))
+                self._latest = -numpy.inf
+            self._latest = max(self._latest, float(own[said].max()))
+            self._follow(received[said], differences)
+        return numpy.where(silent, received - self.offset, own), back
+
+    def _follow(self, received: numpy.ndarray, differences: numpy.ndarray) -> None:
+        recent = numpy.hstack([self._recent, [received, differences]])[:, -_RECENT:]
+        self._recent = recent[:, recent[0] >= recent[0, -1] - _RECENT_S]
+        median = float(numpy.median(self._recent[1]))
+        if self._is_stamp and abs(median) < SAME_CLOCK_S:
+            median = 0.0
+        if abs(median - self.offset) > TOLERANCE_S:
+            self.offset = median

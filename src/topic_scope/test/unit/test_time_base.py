@@ -1,0 +1,131 @@
+"""A trace goes by the time of its messages, and stands where the scope's clock is."""
+
+from typing import List
+
+import numpy
+import pytest
+from geometry_msgs.msg import PoseStamped
+from hypothesis import given
+from hypothesis import strategies as st
+from std_msgs.msg import Float32
+
+from basic_comms.msg import signal_msg
+from topic_scope import time_base
+from topic_scope.definitions import layout_of
+from topic_scope.fields import FieldError
+from topic_scope.time_base import OwnTime
+
+FIELD, STAMP = ("time_x",), ("header", "stamp")
+EPOCH = 1.7e9
+
+
+def taken(
+    time: OwnTime, own: List[float], received: List[float], batch: int = 5
+) -> "tuple[List[float], List[float]]":
+    """Hand over messages in batches; return their own times and how far they were set back."""
+    times: List[float] = []
+    moves = []
+    for start in range(0, len(own), batch):
+        part = slice(start, start + batch)
+        some, back = time.take(numpy.array(own[part]), numpy.array(received[part]))
+        times += list(some)
+        moves += [back] if back else []
+    return times, moves
+
+
+def test_what_fits_best_is_chosen() -> None:
+    paths = [time_base.path_of("", layout_of(one)) for one in (PoseStamped, signal_msg, Float32)]
+    assert paths == [STAMP, FIELD, None]
+    assert [time_base.name_of(path) for path in paths] == ["stamp", "time_x", "received"]
+
+
+def test_what_is_named_is_taken_or_refused_in_words() -> None:
+    layout = layout_of(signal_msg)
+    assert time_base.path_of("received", layout) is None
+    assert time_base.path_of("time_x", layout) == FIELD
+    for name in ("stamp", "time_y", "signal_y"):  # the last is too coarse for a time
+        with pytest.raises(FieldError, match="there is no time .* in basic_comms/signal_msg"):
+            time_base.path_of(name, layout)
+
+
+@given(
+    st.floats(-1e9, 1e9),
+    st.lists(st.floats(0.0, 0.04), min_size=20, max_size=200),
+    st.integers(1, 50),
+)
+def test_delays_bend_nothing(begin: float, delays: List[float], batch: int) -> None:
+    own = [begin + 0.05 * index for index in range(len(delays))]
+    received = [EPOCH + 0.05 * index + delay for index, delay in enumerate(delays)]
+    time = OwnTime(FIELD)
+    assert taken(time, own, received, batch) == (own, [])
+    recent = numpy.array(received) - numpy.array(own)
+    recent = recent[numpy.array(received) >= received[-1] - 2.0]
+    assert abs(time.offset - numpy.median(recent)) <= time_base.TOLERANCE_S + 1e-6
+
+
+def test_a_delay_of_a_while_does_not_move_the_trace() -> None:
+    """A second in which all messages wait for each other, as on a machine that is busy."""
+    moments = [0.01 * index for index in range(500)]
+    received = [EPOCH + max(moment, 3.0 if 2.7 < moment < 3.0 else 0.0) for moment in moments]
+    time, offsets = OwnTime(FIELD), []
+    for own, came in zip(moments, received):
+        taken(time, [own], [came])
+        offsets.append(time.offset)
+    assert max(offsets) - min(offsets) <= time_base.TOLERANCE_S
+
+
+def test_a_clock_that_is_set_back_begins_a_new_line() -> None:
+    own = [50.0 + 0.1 * index for index in range(10)] + [0.1 * index for index in range(10)]
+    received = [EPOCH + 0.1 * index for index in range(20)]
+    time = OwnTime(FIELD)
+    times, moves = taken(time, own, received)
+    assert times == own
+    assert moves == [pytest.approx(-51.0, abs=1e-6)]
+    assert 50.9 + moves[0] + time.offset == pytest.approx(EPOCH + 0.9, abs=1e-6)
+    assert time.offset == pytest.approx(EPOCH + 1.0, abs=1e-6)
+
+
+def test_what_is_a_little_late_is_no_clock_set_back() -> None:
+    own = [1.0, 1.1, 0.9, 1.2, 1.0]
+    assert taken(OwnTime(FIELD), own, [EPOCH + 0.1 * index for index in range(5)], 1)[1] == []
+
+
+def test_a_clock_at_half_speed_is_followed() -> None:
+    time, now = OwnTime(FIELD), 0.0
+    for index in range(2000):
+        now = EPOCH + 0.01 * index
+        taken(time, [0.005 * index], [now])
+    # The median is that of one second ago, in which the clocks went apart by half a second.
+    assert abs(0.005 * 1999 + time.offset - now) < 0.51
+
+
+@pytest.mark.parametrize("ahead", [-0.4, 0.0, 0.4])
+def test_stamps_of_the_same_clock_stay_as_they_are(ahead: float) -> None:
+    time = OwnTime(STAMP)
+    taken(time, [EPOCH + 0.1 * index + ahead for index in range(20)], moments(20))
+    assert time.offset == 0.0
+
+
+def test_stamps_of_another_clock_are_moved() -> None:
+    time = OwnTime(STAMP)
+    taken(time, [3.0 + 0.1 * index for index in range(20)], moments(20))
+    assert time.offset == pytest.approx(EPOCH - 3.0, abs=1e-6)
+
+
+def test_stamps_that_nobody_has_filled_in_are_as_received() -> None:
+    time = OwnTime(STAMP)
+    assert taken(time, [0.0] * 20, moments(20)) == (moments(20), [])
+    assert time.offset == 0.0
+
+
+@pytest.mark.parametrize("nothing", [numpy.nan, numpy.inf, -1e300])
+def test_what_is_no_time_counts_as_received(nothing: float) -> None:
+    time = OwnTime(FIELD)
+    own = [5.0, nothing, 5.2, nothing, 5.4]
+    times, _ = taken(time, own, moments(5), 1)
+    assert times == pytest.approx([5.0, 5.1, 5.2, 5.3, 5.4], abs=1e-6)
+
+
+def moments(count: int) -> List[float]:
+    """Return when messages at 10 Hz are received."""
+    return [EPOCH + 0.1 * index for index in range(count)]

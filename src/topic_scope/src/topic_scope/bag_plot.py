@@ -3,7 +3,7 @@
 import math
 import textwrap
 from array import array
-from typing import Dict, Iterable, List, NamedTuple, Optional
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import matplotlib
 import numpy
@@ -16,7 +16,7 @@ from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
 from topic_scope.fields import Path, getter
-from topic_scope.time_base import path_of, placed
+from topic_scope.time_base import longest_step, path_of, placed
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
@@ -79,10 +79,20 @@ class _Recorded:
                 times.append(times[-1])
                 values.append(math.nan)
             order = numpy.argsort(part, kind="stable")
-            times.extend(part[order])
-            values.extend(self._values[begin + index] for index in order)
-            begin += len(part)
+            values_of_part = numpy.array(self._values[begin : begin + len(part)])[order]
+            part, values_of_part = _with_gaps(self._path, part[order], values_of_part)
+            times.extend(part)
+            values.extend(values_of_part)
+            begin += len(order)
         return Series(self._column.name, times, values)
+
+
+def _with_gaps(
+    path: Optional[Path], times: numpy.ndarray, values: numpy.ndarray
+) -> "Tuple[numpy.ndarray, numpy.ndarray]":
+    """End the line wherever several samples are missing."""
+    ends = numpy.flatnonzero(numpy.diff(times) > longest_step(path, times)) + 1
+    return numpy.insert(times, ends, times[ends - 1]), numpy.insert(values, ends, numpy.nan)
 
 
 def collect(columns: List[Column], samples: Iterable[Sample]) -> List[Series]:

@@ -5,7 +5,7 @@ are the same, and those of a later moment too: no sample is shown in one bin now
 a moment later, and a peak of a single sample is never lost.
 """
 
-from typing import List, Optional
+from typing import List, Union
 
 import numpy
 
@@ -25,19 +25,27 @@ def extremes(
     first: int,
     count: int,
     width: float,
+    longest: float = numpy.inf,
 ) -> numpy.ndarray:
     """Return the extremes of the samples in each of some bins.
 
-    :param times: ascending, s
+    :param times: ascending, s; from ``longest`` before the first bin on
     :param values: the samples; what is not finite is left out
     :param first: index of the first bin
     :param count: number of bins
     :param width: width of the bins, s
-    :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample
+    :param longest: the longest time between samples of one line, s
+    :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample, infinity for one
+        that no line may cross: with samples of which none is finite, or too long after the last
     """
     result = numpy.full((count, 2), numpy.nan)
+    ends = (first + 1 + numpy.arange(count)) * width
+    before = numpy.concatenate([[-numpy.inf], times])[numpy.searchsorted(times, ends)]
+    result[ends - before > longest] = numpy.inf
     bins = numpy.floor(times / width).astype(numpy.int64) - first
-    used = (bins >= 0) & (bins < count) & numpy.isfinite(values)
+    inside = (bins >= 0) & (bins < count)
+    result[bins[inside & ~numpy.isfinite(values)]] = numpy.inf
+    used = inside & numpy.isfinite(values)
     bins, values = bins[used], values[used]
     if len(bins):
         starts = numpy.flatnonzero(numpy.diff(bins, prepend=-1))
@@ -46,12 +54,12 @@ def extremes(
     return result.ravel()
 
 
-def as_json(values: numpy.ndarray) -> List[Optional[float]]:
-    """Return numbers as JSON knows them: what is not finite becomes None.
+def as_json(values: numpy.ndarray) -> List[Union[float, bool, None]]:
+    """Return extremes as JSON knows them: null for nothing, and false for the end of a line.
 
-    :param values: any numbers
+    :param values: what :func:`extremes` returns
     """
-    numbers: List[Optional[float]] = values.tolist()
+    numbers: List[Union[float, bool, None]] = values.tolist()
     for index in numpy.flatnonzero(~numpy.isfinite(values)):
-        numbers[index] = None
+        numbers[index] = None if numpy.isnan(values[index]) else False
     return numbers

@@ -193,6 +193,11 @@ class Recorder:
         trace = self._traces.get(name)
         return trace.samples(start, end) if trace else _NOTHING
 
+    def longest_step(self, name: str) -> float:
+        """Return how far apart samples of one line of a field may be, s."""
+        trace = self._traces.get(name)
+        return trace.longest_step if trace else math.inf
+
     def trace(self, name: str) -> Optional[Trace]:
         """Return what is recorded of a field, None where nothing is."""
         return self._traces.get(name)

@@ -80,6 +80,13 @@ class Ring:
         last = self._start + int(numpy.searchsorted(times, end, "right"))
         return self._data[:, first:last]
 
+    def latest(self, count: int) -> numpy.ndarray:
+        """Return the times of the latest samples, s.
+
+        :param count: how many at most
+        """
+        return self._data[0, max(self._start, self._end - count) : self._end]
+
     def _forget(self, before: float, more: int) -> None:
         times = self._data[0, self._start : self._end]
         self._start += int(numpy.searchsorted(times, before, "left"))

@@ -1,5 +1,6 @@
 """The oscilloscope between its pages and the graph; all of it runs in the thread of the web."""
 
+import math
 import time
 from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
 
@@ -24,6 +25,8 @@ from topic_scope.web import Socket
 FRAME_S = 0.025
 #: Time between two measurements of the traces, s.
 STATISTICS_S = 0.25
+#: Least time without a sample after which a page says so, s.
+SILENT_S = 1.0
 
 
 class Server:
@@ -201,16 +204,20 @@ class Server:
                 continue  # the next frame holds what this one would have
             if measures:
                 span = page.view.span(now)
-                traces = {name: self._measured(name, *span) for name in page.view.fields}
+                traces = {name: self._measured(name, *span, now) for name in page.view.fields}
                 page.put({"type": "stats", "traces": traces})
-            frame = page.view.frame(now, samples, self._recorder.changed_since)
+            recorder = self._recorder
+            frame = page.view.frame(now, samples, recorder.changed_since, recorder.longest_step)
             connection.send(page.take() + ([frame] if frame is not None else []))
             page.took(began, time.monotonic())
 
-    def _measured(self, name: str, start: float, end: float) -> Dict[str, Any]:
-        """Return what a page's table shows of a field: figures, topic, and the time it goes by."""
+    def _measured(self, name: str, start: float, end: float, now: float) -> Dict[str, Any]:
+        """Return what a page's table shows of a field."""
         trace = self._recorder.trace(name)
         if trace is None:
             return {}
         figures = measure(*trace.samples(start, end))
-        return {**figures, "topic": trace.stream.topic, "time": trace.stream.base}
+        told = {"topic": trace.stream.topic, "time": trace.stream.base}
+        age, usual = trace.age(now), trace.longest_step
+        silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
+        return {**figures, **told, "silent": age if silent else None}

@@ -15,14 +15,17 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
 
     :param times: ascending, s
     :param values: the samples; what is not finite counts for the rate only
-    :returns: rate in Hz, min, max, mean, rms, and frequency in Hz; None for what there is not
+    :returns: rate in Hz, min, max, mean, rms, frequency in Hz, and the part of the samples that
+        is not finite; None for what there is not
     """
     result: Dict[str, Optional[float]] = dict.fromkeys(
-        ("rate", "min", "max", "mean", "rms", "frequency")
+        ("rate", "min", "max", "mean", "rms", "frequency", "nan")
     )
     if len(times) > 1:
         result["rate"] = (len(times) - 1) / float(times[-1] - times[0])
     finite = numpy.isfinite(values)
+    if len(values):
+        result["nan"] = 1.0 - float(finite.mean())
     times, values = times[finite], values[finite]
     if len(values):
         # Scaled, so that squares and sums of large numbers do not overflow.

@@ -12,6 +12,8 @@ from topic_scope.taps import Batch
 
 #: More than any rounding of a time since the epoch, s.
 _MORE_S = 1e-5
+#: How many samples tell what is usual between them.
+_USUAL = 200
 
 
 class Trace:
@@ -55,6 +57,19 @@ class Trace:
         """Return when the samples of a time span were received, s."""
         return self._between(start, end)[2]
 
+    @property
+    def longest_step(self) -> float:
+        """How far apart samples of one line may be, s."""
+        return time_base.longest_step(self.stream.path, self.ring.latest(_USUAL))
+
+    def age(self, now: float) -> Optional[float]:
+        """Return how long ago its last sample was taken, s; None where there is none.
+
+        :param now: the time, s
+        """
+        latest = self.ring.latest(1)
+        return now - float(latest[0]) - self.stream.offset if len(latest) else None
+
     def _between(self, start: float, end: float) -> "tuple[numpy.ndarray, ...]":
         # Sought with some more, as the ends are rounded otherwise than the samples' times.
         offset = self.stream.offset
@@ -71,6 +86,7 @@ class Stream:
     :param base: name of the time; see :func:`.time_base.path_of`
 
     :ivar traces: those that are recorded
+    :ivar path: where the time stands in the messages, None where that of receipt is in use
     """
 
     def __init__(self, topic: str, base: str) -> None:
@@ -78,7 +94,7 @@ class Stream:
         self.traces: List[Trace] = []
         self._base = base
         self._layout: Optional[Record] = None
-        self._path: Optional[fields.Path] = None
+        self.path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
         self._time = time_base.OwnTime(None)
 
@@ -90,7 +106,7 @@ class Stream:
     @property
     def base(self) -> str:
         """The name of the time that is in use."""
-        return time_base.name_of(self._path)
+        return time_base.name_of(self.path)
 
     def record(self, path: fields.Path, history: float) -> Trace:
         """Record one more field; see :class:`Trace`."""
@@ -126,11 +142,11 @@ class Stream:
             path = time_base.path_of(self._base, layout)
         except fields.FieldError:  # the topic has got another type
             path = None
-        if path != self._path:
+        if path != self.path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
                 trace.ring.move(self.offset)
             self._time = time_base.OwnTime(path)
-        self._path = path
+        self.path = path
         self._decoder = None if path is None else _decoder(layout, path)
         for trace in self.traces:
             trace.read_as(layout)

@@ -21,12 +21,16 @@ _STAMP_PATH: Path = ("header", "stamp")
 _FIELD_PATH: Path = ("time_x",)
 #: How much of what was received counts for the median: s, and most messages.
 _RECENT_S, _RECENT = 2.0, 2000
-#: The clocks' difference is taken anew where it has changed by more than this, s.
-TOLERANCE_S = 0.002
+#: The clocks' difference is taken anew where it has changed by more than this, s: at first, and
+#: when enough has been received. From then on a trace does not move for a machine that is busy.
+TOLERANCE_S, SETTLED_S = 0.002, 0.1
 #: A stamp no further away than this is by the scope's own clock, and is taken as it is, s.
 SAME_CLOCK_S = 0.5
 #: A time so far before those that came earlier was set back, and is not just late, s.
 BACK_S = 0.5
+#: How many samples tell what is usual between them; how many times that is a gap; and how long one
+#: is at least where the times are those of receipt, s.
+_FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
 #: Beyond this a number is no time, s.
 _LARGEST = 1e11
 
@@ -75,6 +79,19 @@ def placed(
     return times
 
 
+def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
+    """Return how far apart samples of one line may be, s: beyond that, several are missing.
+
+    :param path: where their times stand in the messages
+    :param times: when the latest samples were taken, ascending, s
+    """
+    if len(times) < _FEW:
+        return float(numpy.inf)
+    several = _MISSING * float(numpy.median(numpy.diff(times)))
+    # What is received is received with delays, and nothing needs to be missing.
+    return several if path is not None else max(several, _LONGEST_DELAY_S)
+
+
 def _is_time(layout: Record, path: Path) -> bool:
     """Tell whether something fine enough for a time stands at a place in messages."""
     try:
@@ -94,8 +111,13 @@ class OwnTime:
         #: What is to be added to an own time to get the scope's, s.
         self.offset = 0.0
         self._is_stamp = path == _STAMP_PATH
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
         self._latest = -numpy.inf
         self._recent = numpy.empty((2, 0))  # times of receipt, and differences
+        self._settles_at = numpy.inf
+        self._tolerance = TOLERANCE_S
 
     def take(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
         """Take the times of some messages.
@@ -116,8 +138,7 @@ class OwnTime:
             if own[said].max() < self._latest - BACK_S:
                 before, self.offset = self.offset, float(numpy.median(differences))
                 back = before - self.offset
-                self._recent = numpy.empty((2, 0))
-                self._latest = -numpy.inf
+                self._begin_anew()
             self._latest = max(self._latest, float(own[said].max()))
             self._follow(received[said], differences)
         return numpy.where(silent, received - self.offset, own), back
@@ -128,5 +149,8 @@ class OwnTime:
         median = float(numpy.median(self._recent[1]))
         if self._is_stamp and abs(median) < SAME_CLOCK_S:
             median = 0.0
-        if abs(median - self.offset) > TOLERANCE_S:
+        self._settles_at = min(self._settles_at, received[0] + _RECENT_S)
+        if received[-1] >= self._settles_at and self._tolerance != SETTLED_S:
+            self.offset, self._tolerance = median, SETTLED_S
+        if abs(median - self.offset) > self._tolerance:
             self.offset = median

@@ -1,5 +1,6 @@
 """What one page sees: which bins it has, and which it needs next."""
 
+import math
 from typing import Any, Callable, Dict, Optional, Sequence
 
 from topic_scope import protocol
@@ -8,6 +9,8 @@ from topic_scope.ring import Samples
 
 #: Returns the samples of a field from one time to another, both in s.
 Source = Callable[[str, float, float], Samples]
+#: Returns how far apart samples of one line of a field may be, s.
+Step = Callable[[str], float]
 
 #: How much later than others a sample may come and still be shown on a page that is paused, s.
 LATE_S = 1.0
@@ -53,13 +56,18 @@ class LiveView:
         return end - self._view.window, end
 
     def frame(
-        self, now: float, source: Source, changed_since: Callable[[float], float]
+        self,
+        now: float,
+        source: Source,
+        changed_since: Callable[[float], float],
+        longest_step: Step = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
         """Return what the page does not have yet.
 
         :param now: time up to which what was received is there, s
         :param source: where the samples are
         :param changed_since: tells from when on there are others than at an earlier time, s
+        :param longest_step: tells where a line ends
         :returns: the frame, None where nothing can come any more
         """
         if self._complete:
@@ -77,9 +85,11 @@ class LiveView:
         count = max(last - first + 1, 0)
         traces = {}
         for field in self.fields:
+            longest = longest_step(field)
             # A little more than the bins, whose edges are rounded otherwise.
-            samples = source(field, (first - 0.5) * width, (last + 1.5) * width)
-            traces[field] = as_json(extremes(*samples, first, count, width))
+            begin = (first - 0.5) * width - (longest if math.isfinite(longest) else 0.0)
+            samples = source(field, begin, (last + 1.5) * width)
+            traces[field] = as_json(extremes(*samples, first, count, width, longest))
         self._open = max(last, first)
         self._complete = self._view.end is not None and now > end + LATE_S
         return {

@@ -4,6 +4,7 @@
 import csv
 import io
 import math
+import re
 import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +18,7 @@ from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
+from std_msgs.msg import Float64
 
 from basic_comms.msg import signal_msg
 
@@ -69,6 +71,23 @@ class Page(PageTest):
         )
         self.assertAlmostEqual(self.cell(SIGNAL, "max"), 2.0, delta=0.05)
         self.assertAlmostEqual(self.cell(PROCESSED, "min"), 0.0, delta=0.05)
+
+    def test_says_what_is_missing(self) -> None:
+        field = "/silent/data"
+        publisher = rospy.Publisher("/silent", Float64, queue_size=10, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(math.nan)
+        self.browser.keys("a", field)
+        wait_until(
+            lambda: self.browser.count("#chooser-list input") == 1,
+            lambda: self.browser.text("#chooser-list"),
+        )
+        self.browser.keys(Keys.ENTER, Keys.ESCAPE)
+        badge = f"#legend tr[data-field='{field}'] .badge"
+        wait_until(
+            lambda: re.fullmatch(r"no data for \d+ s(, NaN 100 %)?", self.browser.text(badge)),
+            lambda: self.browser.text("#legend"),
+        )
 
     def test_shows_and_changes_the_time_that_a_trace_goes_by(self) -> None:
         choice = f"#legend tr[data-field='{SIGNAL}'] select"

@@ -109,6 +109,20 @@ class Modules(unittest.TestCase):
         self.assertEqual([waiting, still], [grown, grown])
         self.assertTrue(0.1 < shrunk[1] < 0.2, shrunk)
 
+    def test_the_end_of_a_line_is_no_number(self) -> None:
+        frame = {"now": 10, "bin": 1, "reset": True, "first": 5}
+        traces = {"f": [1, 2, False, False, None, None, 3, 4]}
+        # Between what is null dygraphs draws on, at NaN it does not.
+        found = self.browser.call(
+            "buffer.js",
+            "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 10);"
+            " return [buffer.rows(['f'], 0).map((row) => String(row[1])), buffer.filled('f'),"
+            " buffer.extent(['f'], 0, 100), buffer.at('f', 6.5)]; })()",
+            {**frame, "traces": traces},
+        )
+        rows = ["1", "2", "NaN", "NaN", "null", "null", "3", "4"]
+        self.assertEqual(found, [rows, 2, [1, 4], 1.5])
+
     def test_frames_are_joined_and_forgotten(self) -> None:
         frames = [
             {"now": 10, "bin": 1, "reset": True, "first": 5, "traces": {"f": [1, 2, 3, 4]}},

@@ -57,6 +57,14 @@ def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line
     assert list(received.times) == [sample.time / 1e9 for sample in samples]
 
 
+def test_a_line_ends_where_several_samples_are_missing() -> None:
+    times = [0.0, 0.1, 0.2, 0.3, 0.4, 2.0, 2.1]
+    samples = [Sample(round(time * 1e9), "/x", Float64(1.0)) for time in times]
+    (series,) = collect([Column("/x", ("data",))], samples)
+    assert repr(list(series.values)) == repr([1.0] * 5 + [math.nan] + [1.0] * 2)
+    assert list(series.times) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.4, 2.0, 2.1]
+
+
 def test_lines_legend_and_titles() -> None:
     other = SINE._replace(name="/y/data")
     (axes,) = draw([SINE, other]).axes

@@ -27,12 +27,15 @@ def arrays(pairs: List[Tuple[float, float]]) -> Samples:
 
 
 def expected_bins(samples: Samples, width: float) -> Dict[int, List[float]]:
-    """Return the extremes by bin, reckoned one by one."""
+    """Return the extremes by bin, reckoned one by one; false where all that came is no number."""
     bins: Dict[int, List[float]] = {}
     for time, value in zip(*(part.tolist() for part in samples)):
-        if math.isfinite(value):
-            bins.setdefault(bin_of(time, width), []).append(value)
-    return {index: [min(values), max(values)] for index, values in bins.items()}
+        bins.setdefault(bin_of(time, width), []).append(value)
+    finite = {index: list(filter(math.isfinite, values)) for index, values in bins.items()}
+    return {
+        index: [min(values), max(values)] if values else [False, False]
+        for index, values in finite.items()
+    }
 
 
 @given(SAMPLES, st.floats(0.001, 2.0), st.integers(-5, 100), st.integers(0, 200))
@@ -47,6 +50,34 @@ def test_each_bin_has_the_extremes_of_its_samples(
     for index in range(count):
         bounds = expected.get(first + index, [None, None])
         assert result[2 * index : 2 * index + 2] == bounds
+
+
+@given(SAMPLES, st.floats(0.1, 2.0), st.lists(st.floats(0.0, 5.0), max_size=12))
+def test_lines_end_where_samples_are_missing_however_the_frames_fall(
+    pairs: list, longest: float, moments: list
+) -> None:
+    pairs = [(time, value) for time, value in pairs if math.isfinite(value)]
+    samples, screen = arrays(pairs), Screen()
+    view, width = LiveView(protocol.View(4.0, 100, None)), 0.04
+
+    def until(now: float, start: float, end: float) -> Samples:
+        times, values = source(samples, now)
+        seen = (start <= times) & (times <= end)
+        return times[seen], values[seen]
+
+    view.select(["/a"])
+    for now in [EPOCH + moment for moment in sorted(moments)] + [EPOCH + 5.0]:
+        frame = view.frame(
+            now, lambda _, start, end: until(now, start, end), _same, lambda _: longest
+        )
+        assert frame is not None
+        screen.show(frame)
+    full = {bin_of(time, width) for time in samples[0]}
+    for index in range(bin_of(EPOCH + 1.0, width), bin_of(EPOCH + 5.0, width) + 1):
+        end = (index + 1) * width
+        waited = end - max(samples[0][samples[0] < end], default=-math.inf)
+        if abs(waited - longest) > 1e-6 and index not in full:
+            assert (screen.bins[index] == [False, False]) == (waited > longest)
 
 
 class Screen:

@@ -50,3 +50,9 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float]) -> N
     assert result["max"] == (max(finite) if finite else None)
     assume(finite)
     assert result["rms"] is None or result["rms"] <= max(map(abs, finite)) * (1 + 1e-9)
+
+
+def test_tells_what_part_is_no_number() -> None:
+    values = numpy.array([1.0, math.nan, 2.0, math.inf])
+    assert measure(numpy.arange(4.0), values)["nan"] == 0.5
+    assert measure(numpy.arange(2.0), values[:1].repeat(2))["nan"] == 0.0

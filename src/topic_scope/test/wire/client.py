@@ -104,7 +104,10 @@ class Client:
         """Return all extremes of a field that are on the screen, by time."""
         with self._lock:
             bins = dict(self.bins.get(field, {}))
-        return [value for _, pair in sorted(bins.items()) for value in pair if value is not None]
+        pairs = (pair for _, pair in sorted(bins.items()))
+        return [
+            value for pair in pairs for value in pair if value is not None and value is not False
+        ]
 
     @property
     def is_closed(self) -> bool:

@@ -7,7 +7,8 @@ export class TraceBuffer {
     this.first = 0; // index of the first bin
     this.count = 0; // how many bins there are
     this.now = 0; // time of the last frame, since the epoch, s
-    this.traces = new Map(); // field -> [min0, max0, min1, max1, …], null where a bin is empty
+    // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
+    this.traces = new Map();
     this.rowsKept = [];
   }
 
@@ -32,7 +33,7 @@ export class TraceBuffer {
     for (const field of fields) {
       const values = this.traces.get(field) || new Array(2 * offset).fill(null);
       values.length = 2 * offset;
-      for (const value of frame.traces[field]) values.push(value);
+      for (const value of frame.traces[field]) values.push(value === false ? NaN : value);
       this.traces.set(field, values);
     }
     this.forget(this.count - Math.ceil(span / this.bin) - 2);
@@ -89,7 +90,7 @@ export class TraceBuffer {
       const values = this.traces.get(field) || [];
       for (let index = 2 * begin; index < 2 * end; index += 1) {
         const value = values[index];
-        if (value === null || value === undefined) continue;
+        if (!isThere(value)) continue;
         if (value < low) low = value;
         if (value > high) high = value;
       }
@@ -105,7 +106,7 @@ export class TraceBuffer {
   filled(field) {
     let count = 0;
     const values = this.traces.get(field) || [];
-    for (let index = 0; index < values.length; index += 2) if (values[index] !== null) count += 1;
+    for (let index = 0; index < values.length; index += 2) if (isThere(values[index])) count += 1;
     return count;
   }
 
@@ -122,12 +123,15 @@ export class TraceBuffer {
     for (let distance = 0; distance < this.count; distance += 1) {
       for (const index of [middle - distance, middle + distance]) {
         const low = values[2 * index];
-        if (low !== null && low !== undefined) return (low + values[2 * index + 1]) / 2;
+        if (isThere(low)) return (low + values[2 * index + 1]) / 2;
       }
     }
     return null;
   }
 }
+
+/** Tell whether there is a number. */
+const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
 
 /** Write a trace into a column of rows, so that its line is as short as can be. */
 function fillColumn(rows, column, values) {
@@ -135,9 +139,9 @@ function fillColumn(rows, column, values) {
   for (let index = 0; index < rows.length; index += 2) {
     const low = values[index] ?? null;
     const high = values[index + 1] ?? null;
-    const falls = low !== null && Math.abs(before - high) < Math.abs(before - low);
+    const falls = isThere(low) && Math.abs(before - high) < Math.abs(before - low);
     rows[index][column] = falls ? high : low;
     if (index + 1 < rows.length) rows[index + 1][column] = falls ? low : high;
-    if (low !== null) before = falls ? low : high;
+    if (isThere(low)) before = falls ? low : high;
   }
 }

@@ -15,6 +15,13 @@ const CURSORS_EVERY_MS = 120;
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
+/** Say in words what is not there of a trace. */
+function missing({ silent, nan }) {
+  const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
+  if (nan > 0) words.push(`NaN ${Math.max(1, Math.round(100 * nan))} %`);
+  return words.join(", ");
+}
+
 /** The legend. */
 export class Legend {
   /**
@@ -84,6 +91,7 @@ export class Legend {
     }, right.has(field) ? "right" : "left");
     press(axis, right.has(field));
     const time = new TimeChoice(state, field);
+    const badge = make("span", { class: "badge", role: "status", hidden: true });
     const remove = make("button", {
       type: "button",
       class: "quiet",
@@ -93,10 +101,10 @@ export class Legend {
     }, "✕");
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
-      make("td", {}, shown), make("td", {}, colour), make("td", { class: "name", title: field }, field),
+      make("td", {}, shown), make("td", {}, colour), make("td", { class: "name", title: field }, field, badge),
       make("td", {}, axis), make("td", {}, time.element), ...cells.values(), make("td", {}, remove),
     );
-    return { element, cells, time };
+    return { element, cells, time, badge };
   }
 
   /**
@@ -104,9 +112,11 @@ export class Legend {
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
-    for (const [field, { cells, time }] of this.rows) {
+    for (const [field, { cells, time, badge }] of this.rows) {
       const measured = traces[field] || {};
       if (measured.topic) time.show(measured.topic, measured.time);
+      say(badge, missing(measured));
+      badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
       // Of a mean that should be 0, only the rounding of the sum is left.
       const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;

@@ -6,11 +6,13 @@ master, and one of them could open the next scope to the network unasked.
 
 import argparse
 import ipaddress
+import json
 import re
-from typing import List, NamedTuple, Sequence
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from rosgraph.names import get_ros_namespace, ns_join
 
+from topic_scope import protocol
 from topic_scope.fields import FieldError, expand
 
 #: Addresses that stand for all of a machine's.
@@ -31,6 +33,7 @@ class Options(NamedTuple):
     :param history: how long samples are kept, s
     :param window: span of time that is shown at first, s
     :param open_browser: whether to open the page where there is a browser
+    :param setup: what a page is set up to show at first, as one has saved it; None for nothing
     """
 
     fields: Sequence[str]
@@ -40,6 +43,7 @@ class Options(NamedTuple):
     history: float
     window: float
     open_browser: bool
+    setup: Optional[Dict[str, Any]] = None
 
     @property
     def ports(self) -> Sequence[int]:
@@ -97,6 +101,7 @@ def parse(arguments: Sequence[str]) -> Options:
         read.history,
         read.window,
         read.open_browser,
+        read.setup,
     )
 
 
@@ -141,6 +146,12 @@ def _parser() -> argparse.ArgumentParser:
         help="span of time that is shown at first, in s (%(default)s)",
     )
     parser.add_argument(
+        "--setup",
+        type=_setup,
+        metavar="FILE",
+        help="show what was saved on the page: traces, axes, trigger, cursors",
+    )
+    parser.add_argument(
         "--open-browser", action="store_true", help="open the page where there is a browser"
     )
     return parser
@@ -149,7 +160,7 @@ def _parser() -> argparse.ArgumentParser:
 def _as_options(arguments: Sequence[str]) -> List[str]:
     words = []
     for argument in arguments:
-        match = re.match(r"_(port|address|history|window):=(.*)\Z", argument)
+        match = re.match(r"_(port|address|history|window|setup):=(.*)\Z", argument)
         if match:
             words += ["--" + match.group(1), match.group(2)]
         elif ":=" not in argument:  # the rest is rospy's
@@ -168,3 +179,15 @@ def _seconds(text: str) -> float:
     if not 0.1 <= seconds <= 3600.0:
         raise argparse.ArgumentTypeError("a time here is a number of seconds from 0.1 to 3600")
     return seconds
+
+
+def _setup(path: str) -> Dict[str, Any]:
+    try:
+        with open(path, encoding="utf-8") as file:
+            setup = json.load(file)
+        protocol.fields_of(setup.get("fields", []))
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{path}: {error.strerror}") from None
+    except (ValueError, AttributeError, RecursionError) as error:
+        raise argparse.ArgumentTypeError(f"{path} is no set-up of a scope: {error}") from None
+    return dict(setup)

@@ -159,6 +159,7 @@ class Server:
             "history": self._options.history,
             "fields": self._initial,
             "defaults": {"window": self._options.window},
+            "setup": self._options.setup,
         }
 
     def _fields(self) -> Dict[str, Any]:

@@ -3,6 +3,7 @@
 
 import csv
 import io
+import json
 import math
 import re
 import threading
@@ -71,6 +72,55 @@ class Page(PageTest):
         )
         self.assertAlmostEqual(self.cell(SIGNAL, "max"), 2.0, delta=0.05)
         self.assertAlmostEqual(self.cell(PROCESSED, "min"), 0.0, delta=0.05)
+
+    def test_the_address_says_what_is_shown_and_so_does_a_file(self) -> None:
+        self.browser.choose("#window", "2")
+        self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
+        self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
+        self.browser.choose("#trigger-mode", "normal")
+        address = str(
+            wait_until(
+                lambda: re.search(r"#.*normal", self.browser.driver.current_url)
+                and self.browser.driver.current_url,
+                lambda: self.browser.driver.current_url,
+            )
+        )
+        setup = self.browser.call(
+            "setup.js", "JSON.parse(decodeURIComponent(location.hash.slice(1)))"
+        )
+        self.browser.driver.get("about:blank")
+        self.browser.open(address)
+        self.shows_the_setup()
+        # A part that makes no sense is named, and all stays as it is.
+        self.load({**setup, "window": -1})
+        wait_until(
+            lambda: self.browser.text("#notice") == "the set-up's window makes no sense",
+            lambda: self.browser.text("#notice"),
+        )
+        self.shows_the_setup()
+        self.browser.driver.get("about:blank")
+        self.browser.open(self.scope.url)
+        self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
+        self.load(setup)
+        self.shows_the_setup()
+
+    def load(self, setup: Any) -> None:
+        with TemporaryDirectory() as folder:
+            path = Path(folder, "setup.json")
+            path.write_text(json.dumps(setup))
+            self.browser.keys("s")
+            self.browser.find("#setup-load").send_keys(str(path))
+            wait_until(lambda: self.browser.value("#setup-load") == "", lambda: "it is not read")
+            self.browser.keys(Keys.ESCAPE)
+
+    def shows_the_setup(self) -> None:
+        wait_until(
+            lambda: self.browser.count("#legend tr") == 1
+            and self.browser.value("#window") == "2"
+            and self.browser.value("#trigger-mode") == "normal"
+            and self.browser.text(f"[aria-label='right axis for {SIGNAL}']") == "right",
+            lambda: self.browser.driver.current_url,
+        )
 
     def test_says_what_is_missing(self) -> None:
         field = "/silent/data"

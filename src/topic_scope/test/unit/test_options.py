@@ -1,5 +1,8 @@
 """The command line."""
 
+from pathlib import Path
+from typing import Optional
+
 import pytest
 
 from topic_scope.options import is_loopback, parse
@@ -64,3 +67,28 @@ def test_what_makes_no_sense_is_refused(
         parse(arguments)
     assert caught.value.code == 2
     assert "usage" in capsys.readouterr().err
+
+
+def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "setup.json"
+    path.write_text('{"fields": ["/a/x"], "window": 2.5}')
+    assert parse(["--setup", str(path)]).setup == {"fields": ["/a/x"], "window": 2.5}
+    assert parse([f"_setup:={path}"]).setup == {"fields": ["/a/x"], "window": 2.5}
+    assert parse([]).setup is None
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [(None, "No such file"), ("{", "no set-up"), ("[1]", "no set-up"), ('{"fields": 3}', "list")],
+)
+def test_what_is_no_setup_is_refused_in_words(
+    tmp_path: Path, capsys: "pytest.CaptureFixture[str]", text: Optional[str], said: str
+) -> None:
+    path = tmp_path / "setup.json"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(SystemExit) as ended:
+        parse(["--setup", str(path)])
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert str(path) in error and said in error

@@ -43,6 +43,7 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key(["p"], "p", "panels", click("show-panels")),
     key(["g"], "g", "scope or graph", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),
+    key(["s"], "s", "save and load what is shown", click("show-setup")),
     key(["d"], "d", "light or dark", click("theme")),
     key(["?"], "?", "these keys", click("show-help")),
     key([], "Wheel", "zoom in time; with Shift or over a vertical axis, zoom that", null),

@@ -15,6 +15,7 @@ import { Panels } from "./panels.js";
 import { Plot } from "./plot.js";
 import { Requests } from "./requests.js";
 import { startScreen } from "./screen.js";
+import { Setup } from "./setup.js";
 import { State } from "./state.js";
 import { Sweep } from "./sweep.js";
 import { startTools } from "./tools.js";
@@ -39,7 +40,8 @@ const connection = new Connection(
   (message) => handlers[message.type]?.(message),
   showLink,
 );
-const requests = new Requests(state, plot, connection);
+const setup = new Setup(state);
+const requests = new Requests(state, plot, connection, setup);
 const panels = new Panels(state, (message) => connection.send(message));
 
 const handlers = {
@@ -75,4 +77,5 @@ state.on(["view"], ({ view: shown }) => {
     press(byId(`show-${name}`), name === shown);
   }
 });
+setup.restoreAddress();
 connection.connect();

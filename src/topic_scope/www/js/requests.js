@@ -8,9 +8,11 @@ export class Requests {
    * @param {import("./state.js").State} state
    * @param {import("./plot.js").Plot} plot
    * @param {import("./connection.js").Connection} connection
+   * @param {import("./setup.js").Setup} setup
    */
-  constructor(state, plot, connection) {
+  constructor(state, plot, connection, setup) {
     this.state = state;
+    this.setup = setup;
     this.plot = plot;
     this.connection = connection;
     this.welcome = false; // whether the server has said hello once
@@ -34,17 +36,20 @@ export class Requests {
   /**
    * At first, take what the server suggests; after a loss, restore what the user had. The server
    * says hello again when it finds more of the fields it was started for.
-   * @param {{readonly: boolean, history: number, fields: string[], defaults: {window: number}}}
-   *   message
+   * @param {{readonly: boolean, history: number, fields: string[], defaults: {window: number},
+   *   setup: ?Object}} message
    */
-  onHello({ readonly, history, fields, defaults }) {
+  onHello({ readonly, history, fields, defaults, setup }) {
     this.sent = {};
     this.greeting = true;
     const { window } = defaults;
     this.state.set({ readonly, history, ...(this.picked ? {} : { fields }) });
-    if (!this.welcome) this.state.set({ window, baseWindow: window });
+    const fresh = !this.welcome && !this.setup.chosen;
+    if (fresh) this.state.set({ window, baseWindow: window });
     this.welcome = true;
     this.greeting = false;
+    if (fresh && setup) this.setup.restore(JSON.stringify(setup));
+    if (fresh || !this.picked) this.setup.begin();
     this.sendSelect();
     this.sendView();
     this.sendTrigger();

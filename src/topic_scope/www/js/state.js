@@ -27,6 +27,7 @@ const INITIAL = {
   },
   cursors: null, // {a, b} on the time axis
   readonly: false,
+  panels: true, // whether they are shown
   view: "scope",
   theme: "light",
 };

@@ -26,6 +26,7 @@ export function startTools(state, view, plot, sweep, open) {
     add: open.chooser,
     "show-axes": open.axes,
     "show-help": () => byId("help").showModal(),
+    "show-setup": () => byId("setup").showModal(),
     "show-scope": () => state.set({ view: "scope" }),
     "show-graph": () => state.set({ view: "graph" }),
     png: () => save(picture(plot, state.shown, (field) => colourOf(state, field)), "scope.png"),
@@ -34,9 +35,10 @@ export function startTools(state, view, plot, sweep, open) {
   select.addEventListener("change", () => view.choose(Number(select.value)));
 
   const panels = byId("show-panels");
-  panels.addEventListener("click", () => {
-    const wide = byId("scope-view").classList.toggle("wide");
-    press(panels, !wide);
+  panels.addEventListener("click", () => state.set({ panels: !state.values.panels }));
+  state.on(["panels"], ({ panels: shown }) => {
+    byId("scope-view").classList.toggle("wide", !shown);
+    press(panels, shown);
   });
 
   const csv = byId("csv");

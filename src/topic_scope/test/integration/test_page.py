@@ -274,6 +274,20 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
+    def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
+        for field in (SIGNAL, PROCESSED):
+            self.browser.find(f"[aria-label='right axis for {field}']").click()
+        wait_until(
+            lambda: self.browser.count(".dygraph-axis-label-y2") > 3
+            and not self.browser.count(".dygraph-axis-label-y1"),
+            lambda: self.browser.text("#plot"),
+        )
+        self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
+        wait_until(
+            lambda: self.browser.count(".dygraph-axis-label-y1") > 3,
+            lambda: self.browser.text("#plot"),
+        )
+
     def test_axes_keep_what_is_typed(self) -> None:
         self.browser.keys("x")
         self.browser.wait_for("[aria-label='left axis, to']").send_keys("7.5", Keys.TAB)

@@ -90,6 +90,8 @@ export class Plot {
   draw(shown) {
     const fields = this.state.shown;
     const { axes, right } = this.state.values;
+    const onLeft = fields.filter((field) => !right.has(field));
+    const onlyRight = fields.length > 0 && !onLeft.length;
     this.shown = shown;
     const options = {
       file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference),
@@ -98,8 +100,13 @@ export class Plot {
       // A tick at the very end would be left out.
       dateWindow: [shown.from - shown.reference, shown.to - shown.reference + 1e-9],
       axes: {
-        y: { valueRange: this.rangeFor("y", fields.filter((field) => !right.has(field))) },
-        y2: { valueRange: this.rangeFor("y2", fields.filter((field) => right.has(field))) },
+        // An axis without a trace has nothing to say: the grid is that of the other one.
+        y: { valueRange: this.rangeFor("y", onLeft), drawAxis: !onlyRight, drawGrid: !onlyRight },
+        y2: {
+          valueRange: this.rangeFor("y2", fields.filter((field) => right.has(field))),
+          drawGrid: onlyRight,
+          independentTicks: onlyRight,
+        },
       },
       xlabel: axes.x.title || null,
       ylabel: axes.y.title || null,

@@ -11,6 +11,7 @@ import threading
 import time
 import tracemalloc
 import unittest
+import weakref
 from typing import Any, Callable, Dict, List, Tuple, Union
 from unittest import mock
 
@@ -37,6 +38,7 @@ from nodekit import (
     Node,
     Outcome,
     ParameterSet,
+    host_all,
 )
 from nodekit.commands import lifecycle
 from nodekit.life.names import Names
@@ -573,6 +575,110 @@ class Made(Managed):
         grown = tracemalloc.get_traced_memory()[0] - held
         print(f"{rounds} rounds: {grown / rounds:.0f} bytes a round")
         self.assertLess(grown / rounds, 2000.0)
+
+
+class Unaware:
+    """A class that knows nothing of managed nodes."""
+
+    alive: "weakref.WeakSet[Unaware]" = weakref.WeakSet()
+
+    def __init__(self, node: Node) -> None:
+        self.alive.add(self)
+        self.settings = node.parameters(Settings)
+        self.state = node.publisher("state", String, latch=True)
+        self.state.publish(f"gain {self.settings.values.gain:g}")
+        self.publisher = node.publisher("out", String)
+        node.subscribe("in", String, self.publisher.publish)
+        node.every(100.0, lambda elapsed: self.publisher.publish(f"{elapsed:.2f}"))
+
+
+class Wanted(Managed):
+    """Any class, where the parameter ``~managed`` wants it."""
+
+    def unaware(self, managed: Any, cls: Callable[[Node], object] = Unaware) -> List[str]:
+        """Host a class as a node would be; return what is heard of it."""
+        self.space = f"/managed{next(self.numbers)}"
+        Unaware.alive.clear()
+        if managed is not None:
+            Server().set(self.space + "/driver/managed", managed)
+        host = Node(Names.hosted(self.space, "host"))
+        self.addCleanup(host.close)
+        heard: List[str] = []
+        for topic in ("state", "out"):
+            host.subscribe(topic, String, lambda message: heard.append(message.data))
+        self.nodes = host_all(host, [("driver", self.space, cls)])
+        host.start()
+        return heard
+
+    def test_is_made_at_configure_speaks_while_active_and_ends_at_cleanup(self) -> None:
+        heard = self.unaware(True)
+        with contextlib.closing(Node(Names.hosted(self.space, "other"))) as other:
+            publisher = other.publisher("in", String)
+            other.start()
+            Server().set(self.space + "/driver/gain", 2.0)  # read when it is configured
+            others = self.registered()
+            self.assertEqual(len(Unaware.alive), 0)
+            for gain in ("2", "3", "3"):
+                self.assertTrue(self.change("configure"))
+                self.assertEqual(self.registered(), sorted([*others, "in", "out"]))
+                with self.assertLogs("rosout", "WARNING") as logged:
+                    publisher.publish("too early")
+                self.assertIn("/out: messages are dropped, as the node", logged.output[0])
+                self.assertEqual(heard, [])
+                self.assertTrue(self.change("activate"))
+                wait_until(lambda: len(heard) > 2, lambda: str(heard))
+                self.assertEqual(heard[:2], [f"gain {gain}", "0.00"])
+                publisher.publish("one")
+                self.assertIn("one", heard)
+                self.assertTrue(self.change("deactivate"))
+                self.assertTrue(self.change("cleanup"))
+                gc.collect()
+                self.assertEqual(self.registered(), others)
+                # The scheduler's thread holds the timer that has ticked last.
+                self.assertLessEqual(len(Unaware.alive), 1)
+                Server().set(self.space + "/driver/gain", 3.0)
+                heard.clear()
+
+    def test_refused_parameters_leave_it_unconfigured(self) -> None:
+        self.unaware(True)
+        others = self.registered()
+        Server().set(self.space + "/driver/gain", "much")
+        with self.assertLogs("rosout", "ERROR") as logged:
+            self.assertFalse(self.change("configure"))
+        sentence = f"parameter {self.space}/driver/gain: refused 'much': must be a number"
+        self.assertIn(sentence, logged.output[0])
+        self.assertNotIn("Traceback", logged.output[0])
+        self.assertEqual((self.state(), self.registered()), ("unconfigured", others))
+        Server().set(self.space + "/driver/gain", 4.0)
+        self.assertTrue(self.change("configure"))
+
+    def test_is_as_ever_where_it_is_not_wanted(self) -> None:
+        for managed in (None, False):
+            with mock.patch.object(rospy, "logwarn") as warn:
+                heard = self.unaware(managed)
+            warn.assert_not_called()  # of a parameter that is not used
+            wait_until(lambda: len(heard) > 2, lambda: str(heard))
+            self.assertEqual(heard[0], "gain 1")
+            self.assertNotIn(self.space + "/driver/get_state", Server().services())
+
+    def test_what_is_no_truth_value_is_refused(self) -> None:
+        with self.assertLogs("rosout", "ERROR") as logged:
+            self.unaware("maybe")
+        sentence = f"parameter {self.space}/driver/managed: refused 'maybe': must be true or false"
+        self.assertIn(sentence, logged.output[0])
+        self.assertEqual(self.nodes, [])
+
+    def test_class_of_a_managed_node_is_that_itself_and_reads_late(self) -> None:
+        read: List[float] = []
+
+        class Aware(ManagedNode):
+            def on_configure(self, made: Lifetime) -> None:
+                read.append(made.parameters(Settings).values.gain)
+
+        self.unaware(True, Aware)
+        Server().set(self.space + "/driver/gain", 5.0)
+        self.assertTrue(self.change("configure"))
+        self.assertEqual(read, [5.0])
 
 
 class Command(Managed):

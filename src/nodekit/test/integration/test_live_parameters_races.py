@@ -571,8 +571,8 @@ class Races(unittest.TestCase):
         with mock.patch.object(
             self.server, "_request_part", wraps=self.server._request_part
         ) as asks:
-            self.watcher.read_ahead(keys)
-            many = [LiveParameters(GaugeParameters, key, self.watcher) for key in keys]
+            with self.watcher.reading_ahead(keys):
+                many = [LiveParameters(GaugeParameters, key, self.watcher) for key in keys]
             open_all(many)
         for live in many:
             self.addCleanup(live.close)

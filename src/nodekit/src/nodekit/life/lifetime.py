@@ -6,6 +6,7 @@ from typing import Any, Callable, Collection, Optional, Type
 from std_srvs.srv import Trigger
 
 from nodekit.execution.groups import Group, Outside, ReentrantGroup
+from nodekit.life.own_parameters import OwnParameters
 from nodekit.life.telling import Change, Followed
 from nodekit.life.timers import NodeTimer, Rate
 from nodekit.life.topics import TopicMaker
@@ -68,7 +69,8 @@ class Lifetime(TopicMaker):
         :returns: an object whose ``values`` are those in force
         :raises ParameterError: if a value on the server is not allowed
         """
-        live = LiveParameters(declaration, self.name, get_watcher(), exempt)
+        used = {*exempt, *OwnParameters.declared}
+        live = LiveParameters(declaration, self.name, get_watcher(), used)
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
             self._open(Change(group or self._surroundings.group, live, on_change))

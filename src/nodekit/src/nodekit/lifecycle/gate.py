@@ -1,7 +1,7 @@
 """What speaks only while its node is active: publishers and timers."""
 
 import threading
-from typing import Any, Optional, Sequence, Set
+from typing import Any, Optional, Sequence, Set, Union
 
 import rospy
 
@@ -22,23 +22,23 @@ class Gate:
         self.publishes = self.ticks = False
         self.closings = 0
         self._lock = threading.Lock()
-        self._timers: Set[ManagedTimer] = set()
+        self._told: Set[Union[ManagedPublisher, ManagedTimer]] = set()
 
-    def add(self, timer: "ManagedTimer") -> None:
-        """Tell a timer from now on.
+    def add(self, thing: "Union[ManagedPublisher, ManagedTimer]") -> None:
+        """Tell a publisher or a timer from now on.
 
-        :param timer: one that is held
+        :param thing: one that is held
         """
         with self._lock:
-            self._timers.add(timer)
+            self._told.add(thing)
 
-    def forget(self, timer: "ManagedTimer") -> None:
-        """Tell a timer nothing any more.
+    def forget(self, thing: "Union[ManagedPublisher, ManagedTimer]") -> None:
+        """Tell one nothing any more.
 
-        :param timer: one that was added
+        :param thing: one that was added
         """
         with self._lock:
-            self._timers.discard(timer)
+            self._told.discard(thing)
 
     def let_publish(self, publishes: bool) -> None:
         """Let messages pass, or keep them.
@@ -47,6 +47,7 @@ class Gate:
         """
         self.closings += self.publishes and not publishes
         self.publishes = publishes
+        self._tell()
 
     def let_tick(self, ticks: bool) -> None:
         """Let timers tick, the first time at once, or hold them.
@@ -54,14 +55,20 @@ class Gate:
         :param ticks: whether they tick
         """
         self.ticks = ticks
+        self._tell()
+
+    def _tell(self) -> None:
         with self._lock:
-            timers = list(self._timers)
-        for timer in timers:  # without the lock: it asks the node's code for its rate
-            timer.heed()
+            told = list(self._told)
+        for thing in told:  # without the lock: a timer asks the node's code for its rate
+            thing.heed()
 
 
 class ManagedPublisher(Publisher):
     """A publisher that publishes only while its node is active.
+
+    What it is given at other times is dropped; of a latched topic, which tells a state, the last
+    message is kept and sent when the node becomes active.
 
     :param gate: says whether it is
     :param name: topic, resolved
@@ -75,12 +82,16 @@ class ManagedPublisher(Publisher):
         super().__init__(name, data_class, latch)
         self.dropped = 0
         self._gate = gate
+        self._kept: Any = None
         self._warned_of: Optional[int] = None
+        gate.add(self)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, see :meth:`.Publisher.publish`, or drop it if the node is not active."""
         if self._gate.publishes or self._is_closed:
             super().publish(*args, **kwds)
+        elif self._latch:
+            self._keep(rospy.msg.args_kwds_to_message(self.data_class, args, kwds))
         else:
             self._drop(1)
 
@@ -88,8 +99,26 @@ class ManagedPublisher(Publisher):
         """Send messages, see :meth:`.Publisher.publish_all`, or drop them likewise."""
         if self._gate.publishes or self._is_closed:
             super().publish_all(messages)
-        else:
+        elif not self._latch:
             self._drop(len(messages))
+        elif messages:
+            self._keep(messages[-1])
+
+    def heed(self) -> None:
+        """Send what was kept, if the gate is open."""
+        if self._gate.publishes and self._kept is not None:
+            kept, self._kept = self._kept, None
+            super().publish(kept)
+
+    def close(self) -> None:
+        """Publish no longer."""
+        self._gate.forget(self)
+        self._kept = None
+        super().close()
+
+    def _keep(self, message: Any) -> None:
+        self._kept = message
+        self.heed()  # it may have been opened meanwhile
 
     def _drop(self, count: int) -> None:
         self.dropped += count

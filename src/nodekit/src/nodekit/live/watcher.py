@@ -6,10 +6,11 @@ while three of its subscribers hang. So a notification only rings a bell. One
 thread for each process then reads the truth, and reads it once a second anyway.
 """
 
+import contextlib
 import threading
 import time
 import traceback
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -71,22 +72,25 @@ class Watcher:
         value = reading.values[key]
         parameters.cache(key, value if value is not MISSING else False)
 
-    def read_ahead(self, keys: Sequence[str]) -> None:
-        """Read many keys together, for as many calls of :meth:`first_reading`.
+    @contextlib.contextmanager
+    def reading_ahead(self, keys: Sequence[str]) -> Iterator[Dict[str, Any]]:
+        """Read many keys together, for one call of :meth:`first_reading` each, within this.
 
+        :returns: the raw values by key
         :raises MasterUnreachable: if the master does not answer
         """
         self._ahead = dict(self.client.read(keys).values)
+        try:
+            yield dict(self._ahead)
+        finally:  # what is read later is to be as it is then
+            self._ahead = {}
 
     def first_reading(self, key: str) -> Any:
         """Return the raw value of a key: as read ahead, or else as it is now.
 
         :raises MasterUnreachable: if the master does not answer
         """
-        try:
-            return self._ahead.pop(key)
-        except KeyError:
-            return self.client.read([key]).values[key]
+        return self._ahead.pop(key) if key in self._ahead else self.client.read([key]).values[key]
 
     def subscribe(self, followers: Sequence[Follower]) -> None:
         """Follow keys from now on; the followers are told when something is news to them.

@@ -8,6 +8,7 @@ from nodekit.life.names import Names
 from nodekit.live.watcher import get_watcher
 from nodekit.node import Node
 from nodekit.parameters.kinds import ParameterError
+from nodekit.process.managed import as_wanted
 from nodekit.process.run import run
 from nodekit.rospy_internals import parameters
 
@@ -34,14 +35,14 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     :returns: those that are up
     :raises MasterUnreachable: if the master does not answer
     """
-    get_watcher().read_ahead([Names.hosted(where, base).node for base, where, _ in members])
     # Or rospy sends the names of all topics, theirs too, with each line of the log.
     parameters.cache(parameters.ROSOUT_PARAMETER, True)
     up = []
-    for base, namespace, cls in members:
-        try:
-            up.append(node.host(base, namespace, cls))
-        except ParameterError as error:
-            down = Names.hosted(namespace, base).node
-            rospy.logerr("%s; %s stays down", error, down)
+    names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
+    with get_watcher().reading_ahead(names) as held:
+        for name, (base, namespace, cls) in zip(names, members):
+            try:
+                up.append(node.host(base, namespace, as_wanted(cls, name, held[name])))
+            except ParameterError as error:
+                rospy.logerr("%s; %s stays down", error, name)
     return up

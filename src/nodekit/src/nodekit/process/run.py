@@ -17,6 +17,7 @@ from nodekit.node import Node
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process import arguments, timer_slack
 from nodekit.process.ending import end
+from nodekit.process.managed import as_wanted
 from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often
 
@@ -110,7 +111,8 @@ def _start_beside(name: str, cls: Callable[[Node], object]) -> List[object]:
     def work() -> None:
         try:
             node = register(name)
-            made.extend([node, cls(node)])
+            with get_watcher().reading_ahead([node.name]) as held:
+                made.extend([node, as_wanted(cls, node.name, held[node.name])(node)])
             node.start()
         except BaseException as error:
             errors.append(error)

@@ -1,0 +1,45 @@
+"""Whether a node is managed: what its parameter may be, and what it costs where it is not."""
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+from nodekit.parameters.kinds import ParameterError
+from nodekit.parameters.no_value import MISSING
+from nodekit.process.managed import as_wanted
+
+
+class Plain:
+    """A class of a node."""
+
+    def __init__(self, node: object) -> None:
+        pass
+
+
+@pytest.mark.parametrize("held", [MISSING, {}, {"rate": 5.0}, {"managed": False}, "a scalar", 1])
+def test_class_stays_itself(held: Any) -> None:
+    assert as_wanted(Plain, "/lab/node", held) is Plain
+
+
+@pytest.mark.parametrize("value", ["true", 1, 0, None, [True], {}])
+def test_no_truth_value_is_refused(value: Any) -> None:
+    with pytest.raises(ParameterError) as caught:
+        as_wanted(Plain, "/lab/node", {"managed": value})
+    text = str(caught.value)
+    assert text.startswith("parameter /lab/node/managed: refused ")
+    assert text.endswith(": must be true or false")
+
+
+def test_nothing_of_managed_nodes_is_imported_where_they_are_not_wanted() -> None:
+    program = """
+import sys
+from nodekit.process.managed import as_wanted
+found = lambda: [name for name in sys.modules if "lifecycle" in name]
+as_wanted(int, "/node", {"managed": False})
+assert not found(), found()
+assert as_wanted(int, "/node", {"managed": True}) is not int
+assert found()
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -22,7 +22,7 @@ NODES = [
     ("cw1.launch", "process_", ProcessParameters, "process"),
 ]
 #: Arguments that are not parameters of a node.
-OWN = {"terminals", "ns", "plot", "record", "record_prefix"}
+OWN = {"terminals", "managed", "ns", "plot", "record", "record_prefix"}
 
 Declaration = Type[ParameterSet]
 
@@ -72,7 +72,15 @@ def test_every_argument_reaches_its_parameter(
         for key, parameter in load(name, *arguments).params.items()
         if key.startswith(prefix)
     }
+    assert found.pop("managed") is False
     assert found == wanted
+
+
+@pytest.mark.parametrize("name", ["signal_gen.launch", "process.launch"])
+def test_managed_reaches_the_node(name: str) -> None:
+    (node,) = load(name).nodes
+    for text, is_managed in (("true", True), ("on", True), ("no", False)):
+        assert load(name, f"managed:={text}").params[f"/{node.name}/managed"].value is is_managed
 
 
 def unlike(parameter: Parameter[Any], number: int) -> Any:

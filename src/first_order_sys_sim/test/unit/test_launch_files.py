@@ -38,12 +38,12 @@ def load(name: str, *arguments: str) -> ROSLaunchConfig:
 
 
 def settings(config: ROSLaunchConfig, node: str = NODE) -> Dict[str, Any]:
-    """Return the private parameters of a node by name."""
+    """Return the private parameters of a node by name, without ``managed``."""
     prefix = node + "/"
     return {
         key[len(prefix) :]: parameter.value
         for key, parameter in config.params.items()
-        if key.startswith(prefix)
+        if key.startswith(prefix) and key != prefix + "managed"
     }
 
 
@@ -67,7 +67,7 @@ def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
         for tag in children(root, "arg")
         if not tag.hasAttribute("value")
     }
-    assert set(docs) == {*ARGUMENTS, "terminals"}
+    assert set(docs) == {*ARGUMENTS, "terminals", "managed"}
     for argument, (name, value) in ARGUMENTS.items():
         expected = SystemParameters(**{name: value}).as_dict()
         assert settings(load("system.launch", f"{argument}:={value}")) == expected
@@ -75,6 +75,12 @@ def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
         unit = f" [{declared.unit}]" if declared.unit else ""
         choices = f" {declared.range}" if declared.type_name == "enum" else ""
         assert docs[argument] == declared.help + unit + choices
+
+
+def test_managed_reaches_the_node() -> None:
+    for text, is_managed in (("false", False), ("yes", True)):
+        params = load("system.launch", f"managed:={text}").params
+        assert params[NODE + "/managed"].value is is_managed
 
 
 def test_tuned_overrides_three_arguments_and_keeps_the_rest() -> None:

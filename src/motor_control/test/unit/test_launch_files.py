@@ -33,12 +33,12 @@ def nodes(config: ROSLaunchConfig) -> Dict[str, str]:
 
 
 def settings(config: ROSLaunchConfig, node: str) -> Dict[str, Any]:
-    """Return the private parameters of a node by name."""
+    """Return the private parameters of a node by name, without ``managed``."""
     prefix = node + "/"
     return {
         key[len(prefix) :]: parameter.value
         for key, parameter in config.params.items()
-        if key.startswith(prefix)
+        if key.startswith(prefix) and key != prefix + "managed"
     }
 
 
@@ -63,6 +63,13 @@ def test_motor_2() -> None:
 
 def test_motor_3() -> None:
     assert nodes(load("motor_3.launch")) == pairs(["/group1", "/group2", "/group3"])
+
+
+def test_managed_is_for_the_motor_alone() -> None:
+    for text, is_managed in (("false", False), ("yes", True)):
+        params = load("motor.launch", f"managed:={text}").params
+        assert params["/motor_sys/managed"].value is is_managed
+        assert "/sp_gen/managed" not in params
 
 
 @pytest.mark.parametrize("count", [0, 1, 3, 10, 150])

@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.messaging.subscription import Latest as Latest
     from nodekit.node import Node as Node
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
+    from nodekit.parameters.declaration import read_once as read_once
     from nodekit.parameters.declaration import rule as rule
     from nodekit.parameters.kinds import BoolParameter as BoolParameter
     from nodekit.parameters.kinds import EnumParameter as EnumParameter
@@ -60,6 +61,7 @@ _HOMES: Dict[str, str] = {
     "Latest": "messaging.subscription",
     "Node": "node",
     "ParameterSet": "parameters.declaration",
+    "read_once": "parameters.declaration",
     "rule": "parameters.declaration",
     "BoolParameter": "parameters.kinds",
     "EnumParameter": "parameters.kinds",

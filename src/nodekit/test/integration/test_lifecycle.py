@@ -18,6 +18,7 @@ from unittest import mock
 import rosgraph
 import rospy
 import rostest
+import yaml
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -32,13 +33,16 @@ from lifecycle_msgs.srv import (
 from nodekit import (
     FloatParameter,
     Lifetime,
+    LiveParameters,
     ManagedNode,
     MultiThreadedExecutor,
     NestedCall,
     Node,
     Outcome,
     ParameterSet,
+    StringParameter,
     host_all,
+    read_once,
 )
 from nodekit.commands import lifecycle
 from nodekit.life.names import Names
@@ -91,6 +95,7 @@ def ending() -> None:
 
 class Settings(ParameterSet):
     gain = FloatParameter(1.0, help="a gain")
+    port = read_once(StringParameter("a", help="a port"))
 
 
 class Driver(ManagedNode):
@@ -432,7 +437,9 @@ class Made(Managed):
         for gain in (2.0, 3.0):
             Server().set(f"{driver.node.name}/gain", gain)
             self.assertTrue(self.change("configure"))
-            self.assertIn("gain", self.call("describe", Trigger).message)
+            gain, port = yaml.safe_load(self.call("describe", Trigger).message)
+            self.assertEqual(gain["takes_effect"], "at once")
+            self.assertEqual(port["help"], "a port; takes effect at the next configure")
             if reconfigure.AVAILABLE:  # its topics are heard in any state
                 updates = driver.node.name + "/parameter_updates"
                 rospy.wait_for_message(updates, rospy.AnyMsg, TIMEOUT_S)
@@ -444,6 +451,26 @@ class Made(Managed):
         with self.assertLogs("rosout", "ERROR") as logged:
             self.assertFalse(self.change("configure"))
         self.assertIn("gain", logged.output[0].splitlines()[-1])
+
+    def test_parameters_that_are_read_once_say_when_they_take_effect(self) -> None:
+        live = self.driver().node.parameters(Settings)
+        self.assert_told_when(live, "start")
+        driver = self.driver("inactive")
+        made: List[LiveParameters[Settings]] = []
+
+        def make() -> None:
+            made.append(driver.made.lifetime().parameters(Settings))
+
+        driver.plan["on_activate"] = make
+        self.assertTrue(self.change("activate"))
+        self.assert_told_when(made[0], "activate")
+
+    def assert_told_when(self, live: "LiveParameters[Settings]", when: str) -> None:
+        with self.assertLogs("rosout", "INFO") as logged:
+            live.update(gain=2.0, port=when)
+        self.assertIn("gain: 1 -> 2", logged.output[0])
+        self.assertFalse("takes effect" in logged.output[0], logged.output)
+        self.assertIn(f"port: 'a' -> '{when}', takes effect at the next {when}", logged.output[1])
 
     def test_what_cannot_be_opened_is_an_error(self) -> None:
         taken = "~get_state"

@@ -20,6 +20,7 @@ from nodekit.parameters.declaration import (
     ParameterSet,
     RateParameter,
     StringParameter,
+    read_once,
 )
 from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
 
@@ -60,6 +61,29 @@ class Gauge(ParameterSet):
     files = ListParameter([], element=FileParameter("", help=""), help="files")
 
 
+class Port(ParameterSet):
+    """Parameters of which one is read once."""
+
+    device = read_once(StringParameter("/dev/motor", help="the port"))
+    gain = FloatParameter(1.0, help="a gain")
+
+
+def test_what_is_read_once_is_marked_with_when_a_change_takes_effect() -> None:
+    assert Port(device="/dev/other").device == "/dev/other"
+    when = "at the next configure"
+    for description, expected in (
+        (describe(Port()), "at the next start"),
+        (describe(Port(), when), when),
+    ):
+        device, gain = yaml.safe_load(as_yaml(description))
+        assert device["takes_effect"] == expected
+        assert device["help"] == f"the port; takes effect {expected}"
+        assert (gain["takes_effect"], gain["help"]) == ("at once", "a gain")
+        first, second = as_table(description).splitlines()
+        assert first.endswith(f"  the port; takes effect {expected}")
+        assert second.endswith("  a gain")
+
+
 def entry(name: str) -> Any:
     """Return an entry as a client gets it."""
     described = yaml.safe_load(as_yaml(describe(Gauge())))
@@ -76,6 +100,7 @@ def test_an_entry_says_what_is_declared_and_what_is_in_force() -> None:
         "range": "[-6.28318530718, 0.333333333333)",
         "default": 0.1,
         "help": "an angle: from -2 pi",
+        "takes_effect": "at once",
         "minimum": -2 * math.pi,
         "below": 1 / 3,
         "exact": True,

@@ -18,6 +18,7 @@ from nodekit.live.watcher import get_watcher
 from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog
 from nodekit.parameters.declaration import Snapshot
+from nodekit.parameters.schema import AT_START
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit_msgs.srv import SetParameters
 
@@ -27,6 +28,9 @@ class Lifetime(TopicMaker):
 
     What is made before the node's start is opened with it; what is made later, at once.
     """
+
+    #: When it is made anew: then changes of parameters that are read once take effect.
+    _anew = AT_START
 
     def every(
         self,
@@ -70,7 +74,7 @@ class Lifetime(TopicMaker):
         :raises ParameterError: if a value on the server is not allowed
         """
         used = {*exempt, *OwnParameters.declared}
-        live = LiveParameters(declaration, self.name, get_watcher(), used)
+        live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
             self._open(Change(group or self._surroundings.group, live, on_change))

@@ -90,7 +90,8 @@ class Lifecycle:
             if state not in (CONFIGURING, ACTIVATING):
                 outcome = _outcome(callback())
             else:
-                stage = self._node.own(Stage(self._node, self._gate))
+                made_at = "configure" if state == CONFIGURING else "activate"
+                stage = self._node.own(Stage(self._node, self._gate, made_at))
                 self._stages.append(stage)
                 outcome = _outcome(callback(stage))
                 if outcome is Outcome.SUCCESS:

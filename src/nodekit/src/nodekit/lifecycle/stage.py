@@ -18,11 +18,16 @@ class Stage(Part):
 
     :param whole: what it is closed with
     :param gate: says whether the node is active
+    :param made_at: label of the transition that makes it
     :param opener: opens what is made; one of its own by default
     """
 
-    def __init__(self, whole: Lifetime, gate: Gate, opener: Optional[Opener] = None) -> None:
+    def __init__(
+        self, whole: Lifetime, gate: Gate, made_at: str, opener: Optional[Opener] = None
+    ) -> None:
         super().__init__(whole)
+        self._made_at = made_at
+        self._anew = f"at the next {made_at}"
         self._opener = opener or Opener()
         self._gate = gate
 
@@ -41,7 +46,7 @@ class Stage(Part):
 
     def lifetime(self) -> Lifetime:
         """Return a maker of its own; see :meth:`.Lifetime.lifetime`."""
-        return self.own(Stage(self, self._gate, self._opener))
+        return self.own(Stage(self, self._gate, self._made_at, self._opener))
 
     def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
         if isinstance(group, Outside):  # the toolkit's own

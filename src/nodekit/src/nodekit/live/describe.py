@@ -20,4 +20,4 @@ def description_handler(
     :returns: a function; its answer's ``message`` is a YAML list with one entry for each
         parameter, in the order of declaration
     """
-    return lambda _request: TriggerResponse(True, as_yaml(describe(live.values)))
+    return lambda _request: TriggerResponse(True, as_yaml(describe(live.values, live.anew)))

@@ -15,6 +15,7 @@ from nodekit.parameters.declaration import Snapshot
 from nodekit.parameters.kinds import ParameterError, format_value
 from nodekit.parameters.no_value import MISSING
 from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
+from nodekit.parameters.schema import AT_START
 
 Bell = Callable[[], None]
 
@@ -30,6 +31,7 @@ class LiveParameters(Generic[Snapshot]):
     :param namespace: where they stand, a global name
     :param watcher: reads the server
     :param exempt: names in the namespace that are used but not declared
+    :param anew: when changes of what is read once take effect
     :raises ParameterError: if values on the server are not allowed; names all of them
     :raises MasterUnreachable: if the master does not answer
 
@@ -44,9 +46,11 @@ class LiveParameters(Generic[Snapshot]):
         namespace: str,
         watcher: Watcher,
         exempt: Collection[str] = (),
+        anew: str = AT_START,
     ) -> None:
         self.declaration = declaration
         self.namespace = namespace.rstrip("/")
+        self.anew = anew
         self._watcher = watcher
         self._reconciler = Reconciler(declaration, exempt)
         self._follower = Follower(self.namespace, self._is_news, self._take)
@@ -178,7 +182,8 @@ class LiveParameters(Generic[Snapshot]):
         for name, value in outcome.values.as_dict().items():
             if value != before[name]:
                 texts = format_value(before[name]), format_value(value)
-                rospy.loginfo("%s/%s: %s -> %s", self.namespace, name, *texts)
+                late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
+                rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
 
 
 def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:

@@ -21,6 +21,7 @@ from nodekit.parameters.declaration import (
     ParameterError,
     ParameterSet,
 )
+from nodekit.parameters.schema import help_of
 
 try:
     from dynamic_reconfigure.msg import (
@@ -71,7 +72,8 @@ class ReconfigureInterface:
         self._live = live
         name = live.namespace + "/%s"
         descriptions = publisher(name % "parameter_descriptions", ConfigDescription, latch=True)
-        descriptions.publish(_description(type(live.values)))  # type: ignore[arg-type]
+        description = _description(type(live.values), live.anew)  # type: ignore[arg-type]
+        descriptions.publish(description)
         self._updates = publisher(name % "parameter_updates", Config, latch=True)
         service(name % "set_parameters", Reconfigure, self._set)
         #: Publishes no more changes.
@@ -104,10 +106,10 @@ def _offered(values: ParameterSet) -> Dict[str, Any]:
 
 
 @functools.lru_cache(maxsize=None)
-def _description(kind: Type[ParameterSet]) -> "ConfigDescription":
+def _description(kind: Type[ParameterSet], anew: str) -> "ConfigDescription":
     declared = {k: p for k, p in kind.declared.items() if not isinstance(p, ListParameter)}
     described = [
-        ParamDescription(name, _TYPES[item.type_name], 0, _help(item), _edit_method(item))
+        ParamDescription(name, _TYPES[item.type_name], 0, _help(item, anew), _edit_method(item))
         for name, item in declared.items()
     ]
     return ConfigDescription(
@@ -118,8 +120,9 @@ def _description(kind: Type[ParameterSet]) -> "ConfigDescription":
     )
 
 
-def _help(item: Parameter[Any]) -> str:
-    return f"{item.help} ({item.unit})" if item.unit else item.help
+def _help(item: Parameter[Any], anew: str) -> str:
+    text = help_of(item, anew)
+    return f"{text} ({item.unit})" if item.unit else text
 
 
 def _edit_method(item: Parameter[Any]) -> str:

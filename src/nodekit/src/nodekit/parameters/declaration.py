@@ -53,12 +53,27 @@ __all__ = [
     "RuleError",
     "StringParameter",
     "format_value",
+    "read_once",
     "rule",
     "to_wire",
 ]
 
 Snapshot = TypeVar("Snapshot", bound="ParameterSet")
 Rule = Callable[[Any], None]
+Kind = TypeVar("Kind", bound=Parameter[Any])
+
+
+def read_once(parameter: Kind) -> Kind:
+    """Mark a parameter that a node reads as it is made, and not again.
+
+    A change is judged as any other, and takes effect at the next start or, of what a managed node
+    makes, at the next configure or activate. Descriptions say so.
+
+    :param parameter: the parameter
+    :returns: the same
+    """
+    parameter.read_once = True
+    return parameter
 
 
 def rule(*names: str) -> Callable[[Rule], Rule]:

@@ -53,6 +53,8 @@ class Parameter(Generic[Value]):
 
     #: Name of the kind as shown to users.
     type_name: ClassVar[str] = ""
+    #: Whether a change takes effect only when the node is made anew.
+    read_once = False
 
     def __init__(self, default: Value, *, unit: str = "", help: str) -> None:
         self.name = ""

@@ -28,15 +28,19 @@ _KINDS: Dict[str, Type[Parameter[Any]]] = {
     "enum": EnumParameter,
     "list": ListParameter,
 }
+#: When what is read once takes effect, in a node that is not managed.
+AT_START = "at the next start"
 _NUMBERS = ("minimum", "maximum", "above", "below", "step", "min_length", "max_length")
 
 
-def describe(values: ParameterSet) -> List[Dict[str, Any]]:
+def describe(values: ParameterSet, anew: str = AT_START) -> List[Dict[str, Any]]:
     """Describe each parameter of a set with its value in force.
 
     :param values: the snapshot to describe
+    :param anew: when changes of what is read once take effect
     :returns: for each parameter its ``name``, ``value``, ``type``, ``unit``,
-        ``range`` in words, ``default`` and ``help``; as far as declared its
+        ``range`` in words, ``default``, ``help``, and when a change
+        ``takes_effect``; as far as declared its
         ``minimum``, ``maximum``, ``above``, ``below``, ``step``, ``choices``,
         ``min_length``, ``max_length`` and ``element`` (``type``, ``unit``,
         ``range`` and the same again);
@@ -50,11 +54,21 @@ def describe(values: ParameterSet) -> List[Dict[str, Any]]:
             "unit": parameter.unit,
             "range": parameter.range,
             "default": to_wire(parameter.default),
-            "help": parameter.help,
+            "help": help_of(parameter, anew),
+            "takes_effect": anew if parameter.read_once else "at once",
             **_limits(parameter),
         }
         for name, parameter in values.declared.items()
     ]
+
+
+def help_of(parameter: Parameter[Any], anew: str) -> str:
+    """Return what a parameter is for, and when a change takes effect where that is not at once.
+
+    :param parameter: the parameter
+    :param anew: when changes of what is read once take effect
+    """
+    return f"{parameter.help}; takes effect {anew}" if parameter.read_once else parameter.help
 
 
 def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:

@@ -7,7 +7,16 @@ import rospy
 
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
-from nodekit import IntParameter, Node, ParameterSet, StringParameter, host_all, rule, run
+from nodekit import (
+    IntParameter,
+    Node,
+    ParameterSet,
+    StringParameter,
+    host_all,
+    read_once,
+    rule,
+    run,
+)
 from nodekit.life.legal_names import MUST_BE_GLOBAL, is_legal
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
@@ -16,10 +25,12 @@ _SWITCH_INTERVAL_S = 0.0005
 
 
 class FleetParameters(ParameterSet):
-    """Private parameters of the fleet; read at the start."""
+    """Private parameters of the fleet."""
 
-    count = IntParameter(2, minimum=0, maximum=5000, help="how many groups there are")
-    prefix = StringParameter("Group", help="what the groups' names start with, before 1, 2, ...")
+    count = read_once(IntParameter(2, minimum=0, maximum=5000, help="how many groups there are"))
+    prefix = read_once(
+        StringParameter("Group", help="what the groups' names start with, before 1, 2, ...")
+    )
 
     @rule("prefix")
     def _gives_legal_names(self) -> None:

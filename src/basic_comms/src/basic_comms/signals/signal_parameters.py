@@ -14,6 +14,7 @@ from nodekit.parameters.declaration import (
     ParameterSet,
     RateParameter,
     StringParameter,
+    read_once,
     rule,
 )
 
@@ -164,8 +165,8 @@ class SignalParameters(ParameterSet):
         0.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="time the signal runs; 0 for ever"
     )
     stop_value = _value(0.0, "what is published while the signal does not run")
-    autostart = BoolParameter(
-        True, help="run from the start on, without a call of ~enable; read at the start only"
+    autostart = read_once(
+        BoolParameter(True, help="run from the start on, without a call of ~enable")
     )
 
     @property

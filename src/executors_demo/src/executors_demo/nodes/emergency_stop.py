@@ -3,21 +3,17 @@
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import BoolParameter, IntParameter, Node, run
+from nodekit import BoolParameter, IntParameter, Node, read_once, run
 
 
 class EmergencyStopParameters(ExecutorParameters):
     """Parameters of emergency_stop."""
 
     threads = IntParameter(2, minimum=1, maximum=100, help="threads of the executor multi")
-    jobs = IntParameter(
-        8, minimum=1, maximum=100, help="timers that work slowly; read at the start"
-    )
+    jobs = read_once(IntParameter(8, minimum=1, maximum=100, help="timers that work slowly"))
     job_period = period_of(1.0, "each job")
     job_sleep = sleep_of(0.5, "each job")
-    urgent = BoolParameter(
-        True, help="whether the stop goes before all that waits; read at the start"
-    )
+    urgent = read_once(BoolParameter(True, help="whether the stop goes before all that waits"))
 
 
 class EmergencyStop(Demo[EmergencyStopParameters]):

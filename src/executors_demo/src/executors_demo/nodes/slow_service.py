@@ -3,14 +3,14 @@
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import BoolParameter, Node, run
+from nodekit import BoolParameter, Node, read_once, run
 
 
 class SlowServiceParameters(ExecutorParameters):
     """Parameters of slow_service."""
 
-    exclusive = BoolParameter(
-        False, help="whether one call of the service waits for the other; read at the start"
+    exclusive = read_once(
+        BoolParameter(False, help="whether one call of the service waits for the other")
     )
     service_sleep = sleep_of(3.0, "slow_service")
     timer_period = period_of(0.5, "timer")

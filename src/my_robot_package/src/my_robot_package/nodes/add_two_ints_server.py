@@ -11,7 +11,15 @@ from my_robot_package_interfaces.srv import (
     AddTwoIntsRequest,
     AddTwoIntsResponse,
 )
-from nodekit import FloatParameter, IntParameter, MultiThreadedExecutor, Node, ParameterSet, run
+from nodekit import (
+    FloatParameter,
+    IntParameter,
+    MultiThreadedExecutor,
+    Node,
+    ParameterSet,
+    read_once,
+    run,
+)
 
 
 class AddTwoIntsServerParameters(ParameterSet):
@@ -20,8 +28,8 @@ class AddTwoIntsServerParameters(ParameterSet):
     delay = FloatParameter(
         0.0, minimum=0.0, maximum=3600.0, unit="s", help="time that an answer takes"
     )
-    threads = IntParameter(
-        4, minimum=1, maximum=100, help="calls answered at the same time; read at the start"
+    threads = read_once(
+        IntParameter(4, minimum=1, maximum=100, help="calls answered at the same time")
     )
 
 

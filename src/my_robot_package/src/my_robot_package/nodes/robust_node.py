@@ -6,18 +6,14 @@ import time
 import rospy
 
 from my_robot_package.recovery import SetupFailed, set_up
-from nodekit import FloatParameter, IntParameter, Node, ParameterSet, run
+from nodekit import FloatParameter, IntParameter, Node, ParameterSet, read_once, run
 
 
 class RobustNodeParameters(ParameterSet):
     """Parameters of robust_node."""
 
-    failures = IntParameter(
-        1, minimum=0, help="how often the sensors fail to start; read at the start"
-    )
-    attempts = IntParameter(
-        3, minimum=1, maximum=100, help="how often to try to start; read at the start"
-    )
+    failures = read_once(IntParameter(1, minimum=0, help="how often the sensors fail to start"))
+    attempts = read_once(IntParameter(3, minimum=1, maximum=100, help="how often to try to start"))
     recovery_time = FloatParameter(
         0.5, minimum=0.0, maximum=3600.0, unit="s", help="time that the recovery procedure takes"
     )

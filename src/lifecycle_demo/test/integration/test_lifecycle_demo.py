@@ -60,7 +60,8 @@ class Demos(unittest.TestCase):
         expected = ["Node created (unconfigured)"]
         expected += ["Configuring...", "Configured for robot: marvin"]
         expected += ["/lifecycle_aware_node: robot_name='marvin'"]
-        expected += ["Activating...", "Active and running", "Deactivating...", "Cleaning up..."]
+        expected += ["Activating...", "Active and running", "Deactivating...", "Deactivated"]
+        expected += ["Cleaning up..."]
         expected += expected[1:4] + ["Shutting down, was inactive"]
         self.assertEqual([text for text in said(process) if "heart" not in text], expected)
         self.assertTrue(process.logged("activate is not allowed in the state unconfigured"))

@@ -51,6 +51,8 @@ class ManagedNodes(unittest.TestCase):
             f"basic_comms process.launch managed:=on __ns:={SPACE}",
             f"first_order_sys_sim system.launch managed:=yes __ns:={SPACE}",
             f"motor_control motor.launch managed:=1 __ns:={SPACE}",
+            f"lifecycle_demo lifecycle_aware_node.launch robot_name:=marvin __ns:={SPACE}",
+            f"lifecycle_demo example_node.launch rate:=5 __ns:={SPACE}",
         ) as launch:
             self.graph = launch.graph
             self.ears = {
@@ -60,10 +62,18 @@ class ManagedNodes(unittest.TestCase):
             self.log = Ear("/rosout", Log)
             for node in OUTPUTS:
                 rospy.wait_for_service(f"{SPACE}/{node}/change_state", TIMEOUT_S)
+            self.check_demos()
             self.check_unconfigured()
             self.check_configure()
             self.check_activate()
             self.check_deactivate_and_cleanup()
+
+    def check_demos(self) -> None:
+        for label in ("configure", "activate"):
+            self.assertTrue(self.change("lifecycle_aware_node", label))
+        self.log.wait_for(lambda line: line.msg == "marvin: heartbeat")
+        self.log.wait_for(lambda line: line.msg == "Info message")
+        self.assertEqual(self.graph.parameter(f"{SPACE}/example_node/rate"), 5.0)
 
     def check_unconfigured(self) -> None:
         for node, (topic, _) in OUTPUTS.items():

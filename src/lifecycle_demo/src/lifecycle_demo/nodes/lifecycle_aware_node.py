@@ -40,6 +40,7 @@ class LifecycleAwareNode(ManagedNode):
     def on_deactivate(self) -> None:
         """Tell of it; the timer is stopped without further ado."""
         rospy.loginfo("Deactivating...")
+        rospy.loginfo("Deactivated")
 
     def on_cleanup(self) -> None:
         """Tell of it; the parameters are given up without further ado."""

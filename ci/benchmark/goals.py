@@ -4,8 +4,9 @@ from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import startup
 import timing
+import transitions
 from results import Results
-from stacks import COURSE, OURS, RCLPY, RELAY, ROSCPP
+from stacks import COURSE, MANAGED, OURS, RCLPY, RELAY, ROSCPP
 
 
 class Verdict(NamedTuple):
@@ -150,6 +151,17 @@ GOALS: List[Goal] = [
     _itself("executor", "to an idle thread of an executor", 100.0, "hop_us", " us"),
     _itself("overlap", "scenarios as they should be", 6.0, "agree", "", at_most=False),
     _itself("overlap", "the same, rclpy", 6.0, "agree", "", subject=RCLPY, at_most=False),
+    _against("latency-1khz", "p50 at 1 kHz, managed", 1.05, "p50_us", " us", MANAGED, OURS),
+    _itself("transition", "request to reply, median", 5.0, "p50_ms", " ms"),
+    _itself(
+        "lifecycle",
+        "managed nodes as rclpy's",
+        float(len(transitions.cases())),
+        "agree",
+        " cases",
+        subject=RCLPY,
+        at_most=False,
+    ),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

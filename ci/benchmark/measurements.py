@@ -6,6 +6,7 @@ import callbacks
 import executors
 import groups
 import latency
+import lifecycles
 import live
 import overlap
 import startup
@@ -35,7 +36,7 @@ MEASUREMENTS = [
     Measurement(
         "latency-1khz",
         "generator -> process -> observer at 1 kHz",
-        [stacks.OURS, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
+        [stacks.OURS, stacks.MANAGED, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
         latency.at_1_khz,
         warm_up=True,
     ),
@@ -115,6 +116,20 @@ MEASUREMENTS = [
         [stacks.OURS, stacks.RCLPY],
         overlap.agreement,
         repeats=1,
+    ),
+    Measurement(
+        "lifecycle",
+        "cases in which managed nodes do what rclpy's do",
+        [stacks.RCLPY],
+        lifecycles.agreement,
+        repeats=1,
+    ),
+    Measurement(
+        "transition",
+        "a transition of a managed node",
+        [stacks.OURS],
+        lifecycles.request,
+        repeats=3,
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),

@@ -14,6 +14,8 @@ from peers import HERE, SCRIPTS, WORKSPACE, Peers, rclpy_environment
 from processes import Session, cpu_share
 
 OURS, ROSCPP, RELAY, RCLPY, COURSE = "basic_comms", "roscpp", "relay", "rclpy", "course"
+#: The workspace's own, with a process node that is managed, and active.
+MANAGED = "managed"
 
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "basic_comms"
 
@@ -50,6 +52,8 @@ def process_command(peers: Peers, stack: str) -> List[str]:
     """Return the command of a stack's process node."""
     if stack == OURS:
         return ours("process.py")
+    if stack == MANAGED:
+        return ours("process.py", "_managed:=true")
     if stack == ROSCPP:
         return [str(peers.roscpp / "process")]
     if stack == RELAY:
@@ -104,6 +108,8 @@ def run(
                 generator_command(peers, stack, file, rate),
             ]
             with session.running(*commands) as pids:
+                if stack == MANAGED:
+                    _activate(session, group + "/process")
                 recorder.wait()
                 time.sleep(warm_up)
                 cpu = cpu_share(pids, seconds)
@@ -112,6 +118,13 @@ def run(
             for name in course_parameters or {}:
                 node.master("deleteParam", name)
     return Run(record.read(file), received, cpu, until)
+
+
+def _activate(session: Session, node: str) -> None:
+    session.wait_for(node)
+    for transition in ("configure", "activate"):
+        command = ["rosrun", "nodekit", "lifecycle", "set", node, transition]
+        subprocess.run(command, env=session.environment, check=True, stdout=subprocess.DEVNULL)
 
 
 def _run_rclpy(

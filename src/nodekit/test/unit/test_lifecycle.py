@@ -188,6 +188,16 @@ def test_one_transition_at_a_time() -> None:
     assert machine.claim(2).label == "cleanup"
 
 
+def test_claim_does_not_wait_unless_it_is_told_to(monkeypatch: "pytest.MonkeyPatch") -> None:
+    machine = Machine(lambda step: None)
+    machine.claim("configure")
+    waits: List[float] = []
+    monkeypatch.setattr(machine._free, "wait", waits.append)
+    with pytest.raises(NotAllowed):
+        machine.claim("shutdown")
+    assert set(waits) <= {0.0}
+
+
 def test_claim_may_wait() -> None:
     machine = Machine(lambda transition: None)
     machine.claim("configure")

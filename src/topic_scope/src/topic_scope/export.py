@@ -24,8 +24,10 @@ async def parts(
     :param start: begin of the time span, s
     :param end: end of the time span, s
     """
-    now = recorder.update()
-    begin, end = max(start, now - recorder.history), min(end, now)
+    recorder.update()
+    spans = [trace.span for trace in map(recorder.trace, names) if trace and trace.span]
+    begin = max(start, min([first for first, _ in spans], default=end))
+    end = min(end, max([last for _, last in spans], default=start))
     yield header(names)
     while begin <= end:
         stop = begin + PART_S

@@ -22,6 +22,7 @@ _ARRAYS = 1000
 #: How many updates are remembered for pages that have not had a frame since.
 _UPDATES = 400
 
+_NEVER = (math.inf, -math.inf)
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
 
@@ -146,6 +147,14 @@ class Recorder:
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
         self._taps.want([topic for topic, _ in self._streams] + self._unknown())
+
+    def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
+        """Keep the samples of fields for as long as these spans are named.
+
+        :param spans: begin and end by name of the field, s
+        """
+        for name, trace in self._traces.items():
+            trace.pin(*spans.get(name, _NEVER))
 
     def _record(self, name: str) -> None:
         bare, base = fields.parted(name)

@@ -24,6 +24,7 @@ class Ring:
         self._limit = limit
         self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
         self._start = self._end = 0
+        self._pinned = self._data[:, :0]
 
     def __len__(self) -> int:
         return self._end - self._start
@@ -63,6 +64,7 @@ class Ring:
         :param by: how far, s
         """
         self._data[0, self._start : self._end] += by
+        self._pinned[0] += by
         if len(self):
             gap = self._data[:, self._end - 1 : self._end].copy()
             gap[1] = numpy.nan
@@ -75,10 +77,20 @@ class Ring:
         :param end: end of the span, s
         :returns: times, values and times of receipt; views that hold until samples are added
         """
-        times = self._data[0, self._start : self._end]
-        first = self._start + int(numpy.searchsorted(times, start, "left"))
-        last = self._start + int(numpy.searchsorted(times, end, "right"))
-        return self._data[:, first:last]
+        recent = self._data[:, self._start : self._end]
+        found = _between(recent, start, end)
+        if not self._pinned.shape[1]:
+            return found
+        forgotten = numpy.searchsorted(self._pinned[0], recent[0, 0], "left")
+        return numpy.hstack([_between(self._pinned[:, :forgotten], start, end), found])
+
+    def pin(self, start: float, end: float) -> None:
+        """Keep the samples of a time span, and no others, when their time is over.
+
+        :param start: begin of the span, s
+        :param end: end of the span, s; before its begin to keep nothing
+        """
+        self._pinned = self.between(start, end).copy()
 
     def latest(self, count: int) -> numpy.ndarray:
         """Return the times of the latest samples, s.
@@ -101,3 +113,8 @@ class Ring:
         data = numpy.empty((3, max(capacity, kept.shape[1] + count)))
         data[:, : kept.shape[1]] = kept
         self._data, self._start, self._end = data, 0, kept.shape[1]
+
+
+def _between(samples: numpy.ndarray, start: float, end: float) -> numpy.ndarray:
+    first = numpy.searchsorted(samples[0], start, "left")
+    return samples[:, first : numpy.searchsorted(samples[0], end, "right")]

@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import Any, AsyncIterator, Dict, List, Optional, Sequence
+from typing import Any, AsyncIterator, Dict, List, Optional, Sequence, Tuple
 
 import rospy
 import tornado.ioloop
@@ -85,6 +85,7 @@ class Server:
         """Forget a page."""
         if connection in self.sockets:
             self.sockets.remove(connection)
+            self._pin()
 
     def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
         """Return the parts of a CSV file.
@@ -109,6 +110,7 @@ class Server:
             self._watch.ring()
         elif isinstance(request, protocol.View):
             page.view.show(request)
+            self._pin()
         elif isinstance(request, protocol.Trigger):
             page.trigger = TriggerWatch(request, self._recorder.update())
         elif isinstance(request, protocol.Graph):
@@ -186,6 +188,18 @@ class Server:
     def _record(self) -> None:
         names = set(self._initial).union(*(page.view.fields for page in self._pages()))
         self._recorder.want(names, self._recorder.update())
+        self._pin()
+
+    def _pin(self) -> None:
+        """Keep what stands still on a page."""
+        spans: Dict[str, Tuple[float, float]] = {}
+        for page in self._pages():
+            if page.view.pinned is not None:
+                start, end = page.view.pinned
+                for name in page.view.fields:
+                    before = spans.get(name, (start, end))
+                    spans[name] = (min(start, before[0]), max(end, before[1]))
+        self._recorder.pin(spans)
 
     def _send_frames(self) -> None:
         now = self._recorder.update()

@@ -1,6 +1,7 @@
 """The samples of fields, by the times of their messages."""
 
-from typing import List, Optional
+import math
+from typing import List, Optional, Tuple
 
 import numpy
 
@@ -32,6 +33,7 @@ class Trace:
         self.path = path
         self.ring = Ring(history)
         self.used_at = 0.0
+        self._pinned = (math.inf, -math.inf)
         self._decoder: Optional[Decoder] = None
 
     def read_as(self, layout: Record) -> None:
@@ -56,6 +58,18 @@ class Trace:
     def received(self, start: float, end: float) -> numpy.ndarray:
         """Return when the samples of a time span were received, s."""
         return self._between(start, end)[2]
+
+    def pin(self, start: float, end: float) -> None:
+        """Keep the samples of a time span, and no others, when their time is over, s."""
+        if (start, end) != self._pinned:
+            self._pinned = (start, end)
+            self.ring.pin(start - self.stream.offset, end - self.stream.offset)
+
+    @property
+    def span(self) -> Optional[Tuple[float, float]]:
+        """The times of the first and the last sample, s; None where there is none."""
+        times, _, _ = self._between(-math.inf, math.inf)
+        return (float(times[0]), float(times[-1])) if len(times) else None
 
     @property
     def longest_step(self) -> float:

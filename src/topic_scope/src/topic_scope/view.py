@@ -1,7 +1,7 @@
 """What one page sees: which bins it has, and which it needs next."""
 
 import math
-from typing import Any, Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from topic_scope import protocol
 from topic_scope.decimation import as_json, bin_of, extremes
@@ -29,10 +29,14 @@ class LiveView:
         self._open: Optional[int] = None
         self._complete = False
         self._frame_at = 0.0
+        #: What was shown since the page stands still, from start to end, s; None while it moves.
+        self.pinned: Optional[Tuple[float, float]] = None
+        self._pin()
 
     def show(self, view: protocol.View) -> None:
         """Show another span of time."""
         self._view = view
+        self._pin()
         self.restart()
 
     def select(self, fields: Sequence[str]) -> None:
@@ -54,6 +58,14 @@ class LiveView:
         """Return start and end of what is shown, s."""
         end = now if self._view.end is None else self._view.end
         return end - self._view.window, end
+
+    def _pin(self) -> None:
+        if self._view.end is None:
+            self.pinned = None
+            return
+        start, end = self._view.end - self._view.window, self._view.end + LATE_S
+        before = self.pinned or (start, end)
+        self.pinned = (min(start, before[0]), max(end, before[1]))
 
     def frame(
         self,

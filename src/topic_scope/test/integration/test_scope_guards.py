@@ -17,6 +17,7 @@ from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
 
+from basic_comms.msg import signal_msg
 from nodekit.testing.waiting import wait_until
 
 FIELDS = [f"/signal/{name}" for name in ("signal_y", "time_x", "amplitude", "frequency")]
@@ -121,6 +122,29 @@ class Guards(ScopeTest):
             return True
         except HTTPClientError:
             return False
+
+    def test_what_stands_still_on_a_page_is_kept_longer_than_the_history(self) -> None:
+        field = "/pinned/signal_y"
+        page = self.page(field)
+        publisher = self.publisher("/pinned", signal_msg, page)
+        for index in range(20):
+            publisher.publish(signal_msg(time_x=0.01 * index, signal_y=float(index)))
+        wait_until(lambda: self.rows(field) == 20, lambda: self.rows(field))
+        now = page.messages("frame")[-1]["now"]
+        page.send("view", window=2.0, width=100, end=now + 1.0)
+        page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.02)
+        # By their own clock a minute passes: the history is one of three seconds.
+        publisher.publish(signal_msg(time_x=60.0, signal_y=99.0))
+        publisher.publish(signal_msg(time_x=60.1, signal_y=99.0))
+        wait_until(lambda: self.rows(field, now + 30.0) == 2, lambda: self.rows(field))
+        self.assertEqual(self.rows(field), 22, "twenty that are shown, two that are new")
+        page.send("view", window=2.0, width=100, end=None)
+        wait_until(lambda: self.rows(field) == 2, lambda: self.rows(field))
+
+    def rows(self, field: str, start: float = 0.0) -> int:
+        """Return how many samples the CSV has from a time on."""
+        _, text = fetch(f"{self.scope.url}/data.csv?field={field}&start={start}")
+        return len(text.splitlines()) - 1
 
     def test_a_topic_that_nobody_looks_at_any_more_is_left(self) -> None:
         page = self.page("/left/data")

@@ -1,5 +1,6 @@
 """Rings keep what is recent, exactly, and no more than they may."""
 
+import math
 from typing import List, Tuple
 
 import numpy
@@ -104,3 +105,22 @@ def test_what_is_moved_makes_a_line_of_its_own() -> None:
     ring.move(-8.5)
     filled(ring, [[(0.5, 3.0)]])
     assert repr(content(ring)) == "[(-1.5, 1.0), (-0.5, 2.0), (-0.5, nan), (0.5, 3.0)]"
+
+
+@given(BATCHES, BATCHES, st.floats(0.0, 40.0), st.floats(0.0, 40.0))
+def test_what_is_pinned_is_kept_however_long_ago_it_was(
+    first: list, later: list, start: float, length: float
+) -> None:
+    ring = Ring(HISTORY)
+    filled(ring, first)
+    shown = content(ring, start, start + length)
+    ring.pin(start, start + length)
+    now = content(ring)[-1][0] if len(ring) else 0.0
+    for index, batch in enumerate(later):
+        times = now + 3.0 * index + numpy.arange(len(batch)) / 100.0
+        ring.append(times, numpy.arange(len(batch)), times)
+        assert content(ring, start, start + length)[: len(shown)] == shown
+    everything = content(ring)
+    assert everything == sorted(everything, key=lambda sample: sample[0])
+    ring.pin(math.inf, -math.inf)
+    assert len(content(ring)) == len(ring)

@@ -21,6 +21,7 @@ extensions = [
     "launch_tables",
     "lifecycle_graphs",
     "plant_plots",
+    "state_graphs",
     "waveform_plots",
 ]
 exclude_patterns = ["_build", "_generated"]

@@ -1,0 +1,172 @@
+"""Any number of robots that are found by themselves; it knows no ROS."""
+
+from typing import Dict, Iterable, List, Sequence, Tuple
+
+from robot_interfaces_demo.presence import Presence
+from robot_interfaces_demo.problems import Level
+from robot_interfaces_demo.robot import Finding, Note, Robot
+from robot_interfaces_demo.settings import LONGEST_NAME, FleetMonitorParameters, is_name
+
+#: Most lines that are told at once.
+MOST_NOTES = 10
+#: How long simulated time may stand still before that is told, s of the machine's clock.
+STILL_S = 5.0
+#: How long messages that are left out are told of, s.
+LEFT_OUT_S = 60.0
+
+
+class Fleet:
+    """Hears robots, and looks who has fallen silent.
+
+    Not more robots are kept than the settings allow, nor more that is to be told than
+    :data:`MOST_NOTES`; of the rest there is a count.
+
+    :param settings: limits and more
+    :param now: time, s, of which all that follow are on the same scale
+
+    :ivar still_s: for how long the time has stood still, s of the machine's clock
+    """
+
+    def __init__(self, settings: FleetMonitorParameters, now: float) -> None:
+        self._robots: Dict[str, Robot] = {}
+        self._notes: List[Note] = []
+        self._more = 0
+        self._found = 0
+        self._is_full = False
+        #: By the reason, how many messages were left out, and when the last one was.
+        self._left_out: Dict[str, Tuple[int, float]] = {}
+        self.still_s = 0.0
+        self.set(settings, now)
+
+    @property
+    def robots(self) -> List[Robot]:
+        """All robots, by name."""
+        return sorted(self._robots.values(), key=lambda robot: robot.name)
+
+    def set(self, settings: FleetMonitorParameters, now: float) -> None:
+        """Go by other settings from now on.
+
+        :param settings: the new ones
+        :param now: time, s
+        """
+        self._settings = settings
+        expected = set(settings.expected)
+        for name in expected - set(self._robots):
+            self._robots[name] = Robot(name, now)
+        for robot in list(self._robots.values()):
+            robot.is_expected = robot.name in expected
+            if not (robot.is_expected or robot.was_seen):
+                del self._robots[robot.name]
+        self._found = sum(not robot.is_expected for robot in self._robots.values())
+
+    def hear(
+        self, name: str, publisher: str, mode: int, readings: Sequence[float], now: float
+    ) -> None:
+        """Note a message.
+
+        :param name: of the robot
+        :param publisher: name of the node that sent it
+        :param mode: number of the robot's mode
+        :param readings: as in the message
+        :param now: time, s
+        """
+        robot = self._robots.get(name)
+        if robot is None:
+            why = self._reason_against(name)
+            if why:
+                self._leave_out(why, name, now)
+                return
+            robot = self._robots[name] = Robot(name, now)
+            self._found += 1
+        self._note(robot.hear(publisher, mode, readings, now, self._settings))
+
+    def look(self, now: float) -> None:
+        """Note what time alone has changed.
+
+        :param now: time, s
+        """
+        self._is_full = False
+        for why, (_, last) in list(self._left_out.items()):
+            if now - last > LEFT_OUT_S:
+                del self._left_out[why]
+        for robot in list(self._robots.values()):
+            self._note(robot.look(now, self._settings))
+            if robot.age(now) > self._settings.forget_after and self._is_dispensable(robot):
+                self._forget(robot)
+
+    def notes(self) -> List[Note]:
+        """Return what is new since the last call, oldest first."""
+        notes, more = self._notes, self._more
+        self._notes, self._more = [], 0
+        if more:
+            notes.append(Note(Level.WARN, f"... and {more} more; ~report has all"))
+        return notes
+
+    def findings(self, now: float) -> List[Finding]:
+        """Return how the fleet is, and after that each robot.
+
+        :param now: time, s
+        """
+        findings = [robot.finding(now, self._settings) for robot in self.robots]
+        return [self._summary(findings), *findings]
+
+    def _summary(self, findings: List[Finding]) -> Finding:
+        count = len(findings)
+        values = {"robots": str(count)}
+        for presence in Presence:
+            there = sum(robot.presence is presence for robot in self._robots.values())
+            values[presence.value] = str(there)
+        wrong = [finding.name for finding in findings if finding.level is not Level.OK]
+        parts = [f"{count} robot{'' if count == 1 else 's'}, {len(wrong) or 'nothing'} wrong"]
+        if not count:
+            parts = ["no robot was heard"]
+        elif wrong:
+            rest = ", ..." if len(wrong) > MOST_NOTES else ""
+            parts[0] += f": {', '.join(wrong[:MOST_NOTES])}{rest}"
+        own = [
+            f"messages left out: {number}, as {why}" for why, (number, _) in self._left_out.items()
+        ]
+        if self.still_s > STILL_S:
+            own.append("simulated time stands still, so nobody grows stale")
+        level = max([Level.OK, *(finding.level for finding in findings)])
+        if own or not count:
+            level = max(level, Level.WARN)
+        return Finding("", level, "; ".join(parts + own), values)
+
+    def _reason_against(self, name: str) -> str:
+        """Return why a new robot is left out, nothing if it is not."""
+        if not is_name(name):
+            return f"a name is not 1 to {LONGEST_NAME} printable characters"
+        return "" if self._make_room() else f"max_robots is {self._settings.max_robots}"
+
+    def _make_room(self) -> bool:
+        """Return whether there is room for one more, after a lost one has made it if need be."""
+        if self._found < self._settings.max_robots:
+            return True
+        if not self._is_full:  # until the next look, as nobody is lost by then
+            lost = next(filter(self._is_dispensable, self._robots.values()), None)
+            self._is_full = lost is None
+            if lost is not None:
+                self._forget(lost)
+        return not self._is_full
+
+    def _leave_out(self, why: str, name: str, now: float) -> None:
+        if why not in self._left_out:
+            text = f"{name[:LONGEST_NAME]!r} and others are left out: {why}"
+            self._note([Note(Level.WARN, text)])
+        self._left_out[why] = (self._left_out.get(why, (0, 0.0))[0] + 1, now)
+
+    @staticmethod
+    def _is_dispensable(robot: Robot) -> bool:
+        return robot.presence is Presence.LOST and not robot.is_expected
+
+    def _forget(self, robot: Robot) -> None:
+        del self._robots[robot.name]
+        self._found -= 1
+
+    def _note(self, notes: Iterable[Note]) -> None:
+        for note in notes:
+            if len(self._notes) < MOST_NOTES:
+                self._notes.append(note)
+            else:
+                self._more += 1

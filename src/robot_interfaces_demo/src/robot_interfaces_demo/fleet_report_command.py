@@ -1,0 +1,67 @@
+"""The command ``rosrun robot_interfaces_demo fleet_report``."""
+
+import argparse
+import sys
+from typing import NoReturn
+
+import rosgraph
+import rospy
+from std_srvs.srv import Trigger
+
+from nodekit import CallError, MasterUnreachable
+from nodekit.commands.calling import ask, master, say_what_there_is
+
+#: Base name of the service of a fleet_monitor.
+SERVICE = "report"
+#: What the exit status says.
+ALL_WELL, SOMETHING_WRONG, NO_ANSWER = 0, 1, 2
+
+
+def main() -> None:
+    """Print the table of a fleet_monitor; the exit status says whether all is well."""
+    arguments = _parser().parse_args(rospy.myargv()[1:])
+    node = rosgraph.names.make_global_ns(arguments.node).rstrip("/")
+    try:
+        client = master("fleet_report")
+        if client.lookup_service(f"{node}/{SERVICE}") is None:
+            problem = f"fleet_report: there is no fleet_monitor {node}"
+            say_what_there_is(client, SERVICE, node, problem)
+            sys.exit(NO_ANSWER)
+        answer = ask(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
+    except MasterUnreachable as error:
+        _give_up(f"no master at {error}")
+    except CallError as error:
+        _give_up(f"{node} does not answer: {error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+    print(answer.message)
+    sys.exit(ALL_WELL if answer.success else SOMETHING_WRONG)
+
+
+def _give_up(why: str) -> NoReturn:
+    print(f"fleet_report: {why}", file=sys.stderr)
+    sys.exit(NO_ANSWER)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fleet_report",
+        description="Print how the robots of a fleet_monitor are.",
+        epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if nobody answers.",
+    )
+    parser.add_argument(
+        "node", metavar="NODE", nargs="?", default="fleet_monitor", help="its name (%(default)s)"
+    )
+    wait = "longest wait for the answer, s (%(default)g)"
+    parser.add_argument("--timeout", metavar="S", type=_seconds, default=2.0, help=wait)
+    return parser
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 0.0 < seconds <= 3600.0:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number above 0, at most 3600")
+    return seconds

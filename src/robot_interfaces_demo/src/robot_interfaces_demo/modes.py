@@ -1,0 +1,25 @@
+"""What a robot does: the constants of RobotStatus, for code that knows no ROS."""
+
+import enum
+
+
+class Mode(enum.IntEnum):
+    """Modes of a robot, with the numbers of the message."""
+
+    IDLE = 0
+    MOVING = 1
+    WORKING = 2
+    CHARGING = 3
+    ERROR = 4
+
+
+#: Modes by number.
+KNOWN = {int(mode): mode for mode in Mode}
+
+
+def name_of(mode: int) -> str:
+    """Return a mode in a word, an unknown one as its number.
+
+    :param mode: number, as a message carries it
+    """
+    return KNOWN[mode].name.lower() if mode in KNOWN else str(mode)

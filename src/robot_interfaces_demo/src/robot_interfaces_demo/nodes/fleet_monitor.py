@@ -1,0 +1,90 @@
+"""A monitor of any number of robots."""
+
+import time
+from typing import List
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from nodekit import Node, run
+from robot_custom_interfaces.msg import RobotStatus
+from robot_interfaces_demo.awake_clock import AwakeClock
+from robot_interfaces_demo.diagnostics import as_message
+from robot_interfaces_demo.fleet import Fleet
+from robot_interfaces_demo.problems import Level
+from robot_interfaces_demo.settings import FleetMonitorParameters
+from robot_interfaces_demo.table import as_table
+
+#: How often it looks who has fallen silent, Hz.
+LOOK_HZ = 5.0
+_LOGS = {Level.OK: rospy.loginfo, Level.WARN: rospy.logwarn, Level.ERROR: rospy.logerr}
+
+
+class FleetMonitor:
+    """Finds robots by the names in their messages, and tells which are missing or not well.
+
+    Times are those of arrival. They go by the machine's clock or, with /use_sim_time set, by
+    ``/clock``: while that stands still, nobody grows stale, and the diagnostics say so.
+
+    :ROS Subscribers:
+        - ``robot_status`` (robot_custom_interfaces/RobotStatus)
+
+    :ROS Publishers:
+        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray): the fleet, and each robot
+
+    :ROS Services:
+        - ``~report`` (std_srvs/Trigger): the same as a table; success if all is well
+
+    :ROS Parameters:
+        - those of :class:`.FleetMonitorParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._name = node.name
+        self._parameters = node.parameters(FleetMonitorParameters, on_change=self._on_change)
+        self._ros_time = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
+        self._clock = AwakeClock(1.0 / LOOK_HZ)
+        self._fleet = Fleet(self._parameters.values, self._now())
+        self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
+        node.subscribe_batches("robot_status", RobotStatus, self.hear)
+        node.service("~report", Trigger, self.report)
+        # By the machine's clock: what stands still has to be told, too.
+        node.every(LOOK_HZ, self.look, steady=True)
+        node.every(lambda: self._parameters.values.rate, self.tell, steady=True)
+
+    def _now(self) -> float:
+        return self._clock.read(self._ros_time(), time.monotonic())
+
+    def _on_change(self, new: FleetMonitorParameters, old: FleetMonitorParameters) -> None:
+        self._fleet.set(new, self._now())
+
+    def hear(self, messages: List[RobotStatus]) -> None:
+        """Note messages that have arrived together."""
+        now = self._now()
+        for message in messages:
+            publisher = message._connection_header.get("callerid", "")
+            readings = message.sensor_readings
+            self._fleet.hear(message.robot_name, publisher, message.mode, readings, now)
+
+    def look(self, elapsed: float) -> None:
+        """See who has fallen silent."""
+        self._fleet.look(self._now())
+        self._fleet.still_s = self._clock.still_s
+
+    def tell(self, elapsed: float) -> None:
+        """Log what is new, and publish how all are."""
+        for level, text in self._fleet.notes():
+            _LOGS[level]("%s", text)
+        self._diagnostics.publish(as_message(self._name, self._fleet.findings(self._now())))
+
+    def report(self, request: TriggerRequest) -> TriggerResponse:
+        """Answer with a table."""
+        self.look(0.0)
+        findings = self._fleet.findings(self._now())
+        return TriggerResponse(findings[0].level is Level.OK, as_table(findings))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("fleet_monitor", FleetMonitor)

@@ -1,0 +1,70 @@
+"""A robot that tells how it is."""
+
+import rospy
+from std_msgs.msg import Header
+
+from nodekit import (
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    Node,
+    ParameterSet,
+    StringParameter,
+    run,
+)
+from robot_custom_interfaces.msg import RobotStatus
+from robot_interfaces_demo.modes import name_of
+from robot_interfaces_demo.robot_model import FAULTS, RobotModel
+
+#: A fault that is not in what it tells: it tells nothing.
+SILENT = "silent"
+
+
+class RobotMonitorParameters(ParameterSet):
+    """Parameters of robot_monitor."""
+
+    robot_name = StringParameter("robot_01", help="name of the robot")
+    period = FloatParameter(
+        2.0, minimum=0.001, maximum=3600.0, unit="s", help="time from one message to the next"
+    )
+    messages_per_mode = IntParameter(
+        15, minimum=1, help="messages after which it goes on to the next mode"
+    )
+    fault = EnumParameter(
+        "none", choices=(*FAULTS, SILENT), help="what is wrong with what it tells"
+    )
+
+
+class RobotMonitor:
+    """A robot that goes through its modes, and tells each period how it is.
+
+    :ROS Publishers:
+        - ``robot_status`` (robot_custom_interfaces/RobotStatus)
+
+    :ROS Parameters:
+        - those of :class:`RobotMonitorParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(RobotMonitorParameters)
+        self._model = RobotModel()
+        self._log = node.stream_log()
+        self._publisher = node.publisher("robot_status", RobotStatus)
+        node.every(lambda: 1.0 / self._parameters.values.period, self.publish_status)
+
+    def publish_status(self, elapsed: float) -> None:
+        """Tell how it is."""
+        settings = self._parameters.values
+        status = self._model.step(settings.messages_per_mode)
+        if settings.fault == SILENT:
+            return
+        mode, readings = FAULTS[settings.fault](status)
+        header = Header(stamp=rospy.get_rostime(), frame_id="base_link")
+        self._publisher.publish(RobotStatus(header, settings.robot_name, mode, readings))
+        shown = ", ".join(f"{reading:.2f}" for reading in readings)
+        self._log.line(f"{settings.robot_name}: {name_of(mode)}, {shown}")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("robot_monitor", RobotMonitor)

@@ -1,0 +1,114 @@
+"""What may be wrong with a robot, judged from what it tells."""
+
+import enum
+import math
+from typing import FrozenSet, Iterator, NamedTuple, Sequence
+
+from robot_interfaces_demo.modes import KNOWN, Mode
+from robot_interfaces_demo.settings import FleetMonitorParameters
+
+#: How many readings a robot has to tell.
+READINGS = 3
+
+
+class Level(enum.IntEnum):
+    """How bad something is, with the numbers of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+
+
+class Problem(enum.Enum):
+    """What is wrong: how bad that is, and in words."""
+
+    TWO_PUBLISHERS = (Level.ERROR, "several nodes publish under this name")
+    ERROR_MODE = (Level.ERROR, "error mode")
+    UNKNOWN_MODE = (Level.WARN, "unknown mode")
+    SHORT = (Level.WARN, "readings are missing")
+    NOT_FINITE = (Level.WARN, "a reading is not finite")
+    LOW_BATTERY = (Level.WARN, "battery is low")
+    HOT = (Level.WARN, "too hot")
+    NEAR_OBSTACLE = (Level.WARN, "obstacle is near")
+
+    @property
+    def level(self) -> Level:
+        """How bad it is."""
+        return self.value[0]
+
+    @property
+    def text(self) -> str:
+        """What it is, in words."""
+        return self.value[1]
+
+
+#: Defects of a message; of these, the first of a kind is told, and no other.
+DEFECTS = frozenset((Problem.UNKNOWN_MODE, Problem.SHORT, Problem.NOT_FINITE))
+
+
+class Limit(NamedTuple):
+    """A reading and its limit.
+
+    :param problem: what it is when the limit is exceeded
+    :param name: of the reading
+    :param unit: its unit
+    :param parameter: the one that holds the limit
+    :param sign: 1.0 where more than the limit is wrong, -1.0 where less is
+    """
+
+    problem: Problem
+    name: str
+    unit: str
+    parameter: str
+    sign: float
+
+
+#: The readings in the order of the message.
+LIMITS = (
+    Limit(Problem.LOW_BATTERY, "battery", "V", "battery_low", -1.0),
+    Limit(Problem.HOT, "temperature", "°C", "temperature_high", 1.0),
+    Limit(Problem.NEAR_OBSTACLE, "obstacle", "m", "obstacle_near", -1.0),
+)
+
+
+def judge(
+    mode: int,
+    readings: Sequence[float],
+    before: FrozenSet[Problem],
+    settings: FleetMonitorParameters,
+) -> FrozenSet[Problem]:
+    """Return what is wrong according to a message.
+
+    :param mode: number of the mode
+    :param readings: as in the message; those beyond the third are not looked at
+    :param before: what was wrong so far, for the hysteresis; a reading that is missing or not
+        finite leaves its own problem as it was
+    :param settings: the limits
+    """
+    return frozenset(_wrong(mode, readings, before, settings))
+
+
+def _wrong(
+    mode: int,
+    readings: Sequence[float],
+    before: FrozenSet[Problem],
+    settings: FleetMonitorParameters,
+) -> Iterator[Problem]:
+    if mode == Mode.ERROR:
+        yield Problem.ERROR_MODE
+    elif mode not in KNOWN:
+        yield Problem.UNKNOWN_MODE
+    if len(readings) < READINGS:
+        yield Problem.SHORT
+    for index, (problem, _, _, parameter, sign) in enumerate(LIMITS):
+        reading = readings[index] if index < len(readings) else None
+        if reading is None or not math.isfinite(reading):
+            if reading is not None:
+                yield Problem.NOT_FINITE
+            if problem in before:
+                yield problem
+            continue
+        limit = getattr(settings, parameter)
+        margin = abs(limit) * settings.hysteresis if problem in before else 0.0
+        if sign * (reading - limit) > -margin:
+            yield problem

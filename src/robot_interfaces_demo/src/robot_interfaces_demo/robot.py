@@ -1,0 +1,195 @@
+"""All that is known of one robot."""
+
+import math
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set
+
+from robot_interfaces_demo.modes import name_of
+from robot_interfaces_demo.period import PeriodLearner
+from robot_interfaces_demo.presence import Attendance, Presence
+from robot_interfaces_demo.problems import DEFECTS, LIMITS, READINGS, Level, Problem, judge
+from robot_interfaces_demo.settings import FleetMonitorParameters
+from robot_interfaces_demo.sources import Sources
+
+#: How bad it is to be in each state.
+LEVELS: Dict[Presence, Level] = {
+    Presence.AWAITED: Level.WARN,
+    Presence.NEVER_SEEN: Level.ERROR,
+    Presence.PRESENT: Level.OK,
+    Presence.STALE: Level.WARN,
+    Presence.LOST: Level.ERROR,
+    Presence.RETURNING: Level.WARN,
+}
+
+
+class Note(NamedTuple):
+    """Something new, to be logged.
+
+    :param level: how bad it is
+    :param text: what it is
+    """
+
+    level: Level
+    text: str
+
+
+class Finding(NamedTuple):
+    """How a robot is, or the fleet.
+
+    :param name: of the robot, empty for the fleet
+    :param level: how bad it is
+    :param message: in a sentence
+    :param values: in detail, by name
+    """
+
+    name: str
+    level: Level
+    message: str
+    values: Dict[str, str]
+
+
+class Robot:
+    """One robot.
+
+    :param name: its name
+    :param now: time, s
+
+    :ivar is_expected: whether it has to be there
+    """
+
+    __slots__ = (
+        *("name", "is_expected", "_attendance", "_period", "_sources"),
+        *("_problems", "_told", "_mode", "_readings", "_count"),
+    )
+
+    def __init__(self, name: str, now: float) -> None:
+        self.name, self.is_expected = name, False
+        self._attendance = Attendance(Presence.AWAITED, now)
+        self._period, self._sources = PeriodLearner(), Sources()
+        self._problems: FrozenSet[Problem] = frozenset()
+        self._told: Set[Problem] = set()
+        self._mode, self._count = 0, 0
+        self._readings: Sequence[float] = ()
+
+    @property
+    def presence(self) -> Presence:
+        """Whether it is there."""
+        return self._attendance.state
+
+    @property
+    def was_seen(self) -> bool:
+        """Whether it was ever heard."""
+        return self._count > 0
+
+    @property
+    def problems(self) -> FrozenSet[Problem]:
+        """What is wrong with it."""
+        if self._sources.has_rivals:
+            return self._problems | {Problem.TWO_PUBLISHERS}
+        return self._problems
+
+    @property
+    def level(self) -> Level:
+        """How bad all of it is."""
+        return max([LEVELS[self.presence], *(problem.level for problem in self.problems)])
+
+    def age(self, now: float) -> float:
+        """Return the time since its last message, or since it is expected, s."""
+        return self._attendance.age(now)
+
+    def period(self, settings: FleetMonitorParameters) -> float:
+        """Return the time from one of its messages to the next, s."""
+        return settings.period or self._period.period(settings.longest_period)
+
+    def look(self, now: float, settings: FleetMonitorParameters) -> List[Note]:
+        """Note what time alone has changed.
+
+        :param now: time, s
+        :param settings: those in force
+        :returns: what is new
+        """
+        before, had_rivals = self.presence, self._sources.has_rivals
+        period = self.period(settings)
+        self._attendance.look(now, settings.stale_after * period, settings.lost_after * period)
+        self._sources.forget(now, settings.lost_after * period)
+        news = []
+        if had_rivals and not self._sources.has_rivals:
+            news.append(Note(Level.OK, f"{self.name}: one node publishes under this name again"))
+        if self.presence is not before:
+            news.append(self._change(f", nothing heard for {self.age(now):.1f} s"))
+        return news
+
+    def hear(
+        self,
+        publisher: str,
+        mode: int,
+        readings: Sequence[float],
+        now: float,
+        settings: FleetMonitorParameters,
+    ) -> List[Note]:
+        """Note a message.
+
+        :param publisher: name of the node that sent it
+        :param mode: number of the mode
+        :param readings: as in the message
+        :param now: time, s
+        :param settings: those in force
+        :returns: what is new
+        """
+        before, had_rivals = self.presence, self._sources.has_rivals
+        period = self.period(settings)
+        self._attendance.hear(now, settings.stale_after * period, settings.lost_after * period)
+        self._period.note(now, settings.longest_period)
+        self._sources.note(publisher, now, settings.lost_after * period)
+        problems = judge(mode, readings, self._problems, settings)
+        was, self._problems = self._problems, problems
+        self._mode, self._readings, self._count = mode, readings[:READINGS], self._count + 1
+        news = [self._change("")] if self.presence is not before else []
+        if self._sources.has_rivals and not had_rivals:
+            text = f"{self.name}: {Problem.TWO_PUBLISHERS.text}: {', '.join(self._sources.names())}"
+            news.append(Note(Level.ERROR, text))
+        if problems != was:
+            news += self._news(was, problems)
+        return news
+
+    def finding(self, now: float, settings: FleetMonitorParameters) -> Finding:
+        """Return how it is.
+
+        :param now: time, s
+        :param settings: those in force
+        """
+        texts = [self.presence.value, *(self._text(p) for p in Problem if p in self.problems)]
+        if self.presence is Presence.PRESENT and len(texts) > 1:
+            del texts[0]
+        values = {"presence": self.presence.value, "age": f"{self.age(now):.1f} s"}
+        if self.was_seen:
+            values["period"] = f"{self.period(settings):.2f} s"
+            values["mode"] = name_of(self._mode)
+            for limit, reading in zip(LIMITS, self._readings):
+                values[limit.name] = f"{reading:.2f} {limit.unit}"
+            values["messages"] = str(self._count)
+            values["publisher"] = ", ".join(self._sources.names())
+        return Finding(self.name, self.level, ", ".join(texts), values)
+
+    def _change(self, more: str) -> Note:
+        return Note(LEVELS[self.presence], f"{self.name}: {self.presence.value}{more}")
+
+    def _news(self, was: FrozenSet[Problem], now: FrozenSet[Problem]) -> Iterator[Note]:
+        for problem in Problem:
+            if problem in now and problem not in was and problem not in self._told:
+                if problem in DEFECTS:
+                    self._told.add(problem)
+                yield Note(problem.level, f"{self.name}: {self._text(problem)}")
+            elif problem in was and problem not in now and problem not in DEFECTS:
+                yield Note(Level.OK, f"{self.name}: no longer: {problem.text}")
+
+    def _text(self, problem: Problem) -> str:
+        if problem is Problem.UNKNOWN_MODE:
+            return f"{problem.text} {self._mode}"
+        if problem is Problem.SHORT:
+            return f"{problem.text}: {len(self._readings)} of {READINGS} have come"
+        for limit, reading in zip(LIMITS, self._readings):
+            if problem is Problem.NOT_FINITE and not math.isfinite(reading):
+                return f"{problem.text}: {limit.name} {reading}"
+            if problem is limit.problem:
+                return f"{problem.text}: {reading:.2f} {limit.unit}"
+        return problem.text

@@ -25,6 +25,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     "executors_demo": {"nodekit"},
     "lifecycle_demo": {"nodekit"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
+    "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
@@ -38,6 +39,10 @@ ROOMS: Dict[str, List[str]] = {
         *("events", "diary", "bars", "picture", "timeline_command"),
         *("demo", "four_timers", "nodes"),
     ],
+    "robot_interfaces_demo": [
+        *("modes", "robot_model", "awake_clock", "period", "presence", "sources", "settings"),
+        *("problems", "robot", "fleet", "table", "diagnostics", "fleet_report_command", "nodes"),
+    ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
@@ -47,6 +52,11 @@ PURE = (
     *("basic_comms.signals", "basic_comms.chatter"),
     *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
     *("executors_demo.picture", "executors_demo.timeline_command"),
+    *("robot_interfaces_demo.modes", "robot_interfaces_demo.robot_model"),
+    *("robot_interfaces_demo.awake_clock", "robot_interfaces_demo.period"),
+    *("robot_interfaces_demo.presence", "robot_interfaces_demo.sources"),
+    *("robot_interfaces_demo.settings", "robot_interfaces_demo.problems"),
+    *("robot_interfaces_demo.robot", "robot_interfaces_demo.fleet", "robot_interfaces_demo.table"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.messaging.publisher import Publisher as Publisher
     from nodekit.messaging.subscription import Latest as Latest
     from nodekit.node import Node as Node
+    from nodekit.parameters.bytes_kind import BytesParameter as BytesParameter
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
     from nodekit.parameters.declaration import rule as rule
@@ -64,6 +65,7 @@ _HOMES: Dict[str, str] = {
     "read_once": "parameters.declaration",
     "rule": "parameters.declaration",
     "BoolParameter": "parameters.kinds",
+    "BytesParameter": "parameters.bytes_kind",
     "EnumParameter": "parameters.kinds",
     "FloatParameter": "parameters.number_kinds",
     "IntParameter": "parameters.number_kinds",

@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 import yaml
 
+from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.kinds import ListParameter, Parameter, ParameterError, to_wire
 from nodekit.parameters.schema import parameter_of
 
@@ -79,11 +80,12 @@ class Panel:
         """Return the value that the node would make of one.
 
         :param name: name of the parameter
-        :param value: as the page, or the parameter server, has it; a page writes a list as YAML
+        :param value: as the page, or the parameter server, has it; a page writes a list or bytes
+            as YAML
         :raises ParameterError: if it is not allowed, in the node's own words
         """
         parameter = self.entries[name].parameter
-        if isinstance(parameter, ListParameter) and isinstance(value, str):
+        if isinstance(parameter, (ListParameter, BytesParameter)) and isinstance(value, str):
             try:
                 value = yaml.load(value, _LOADER)
             except yaml.YAMLError:

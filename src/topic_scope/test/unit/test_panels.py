@@ -1,5 +1,6 @@
 """Panels are what the nodes' own declarations say, and judge values as the nodes do."""
 
+import json
 import math
 from typing import Any
 
@@ -8,6 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -114,6 +116,19 @@ def test_a_list_is_written_as_yaml(value: Any, expected: Any) -> None:
 def test_what_is_no_list_is_refused(value: Any) -> None:
     with pytest.raises(ParameterError, match="must be a list of 0 to 1000 elements, each a number"):
         panel().judge("marks", value)
+
+
+def test_bytes_are_shown_and_written_as_yaml() -> None:
+    class Lock(ParameterSet):
+        key = BytesParameter(b"\x00\xff", max_length=2, help="what opens it")
+
+    locked = Panel(NODE, as_yaml(describe(Lock())), {})
+    assert json.loads(json.dumps(locked.message()))["parameters"][0]["value"] == "[0, 255]"
+    for text in ("[1]", "!!binary AQ=="):
+        assert locked.judge("key", text) == b"\x01"
+    for value in ("AQ==", "[1, 2, 3]", "[1", 5):
+        with pytest.raises(ParameterError, match="must be at most 2 bytes"):
+            locked.judge("key", value)
 
 
 def test_follows_what_is_allowed_only() -> None:

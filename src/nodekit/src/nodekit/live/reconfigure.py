@@ -3,7 +3,7 @@
 With it ``dynamic_reconfigure.client.Client`` and rqt_reconfigure work on the
 same values as ``rosparam``. Only the messages of the package are used: its own
 server does not follow ``rosparam set``, clamps silently and lets NaN through.
-Lists are left out, because the interface has none.
+Lists and bytes are left out, because the interface has none.
 """
 
 import functools
@@ -16,7 +16,6 @@ from nodekit.live.live_parameters import LiveParameters
 from nodekit.live.master import MasterUnreachable
 from nodekit.parameters.declaration import (
     EnumParameter,
-    ListParameter,
     Parameter,
     ParameterError,
     ParameterSet,
@@ -102,12 +101,12 @@ class ReconfigureInterface:
 
 
 def _offered(values: ParameterSet) -> Dict[str, Any]:
-    return {k: v for k, v in values.as_dict().items() if not isinstance(v, tuple)}
+    return {k: v for k, v in values.as_dict().items() if not isinstance(v, (tuple, bytes))}
 
 
 @functools.lru_cache(maxsize=None)
 def _description(kind: Type[ParameterSet], anew: str) -> "ConfigDescription":
-    declared = {k: p for k, p in kind.declared.items() if not isinstance(p, ListParameter)}
+    declared = {k: p for k, p in kind.declared.items() if p.type_name in _TYPES}
     described = [
         ParamDescription(name, _TYPES[item.type_name], 0, _help(item, anew), _edit_method(item))
         for name, item in declared.items()

@@ -213,9 +213,9 @@ def to_wire(value: Any) -> Any:
     """Return a value as the parameter server takes it.
 
     :param value: a coerced value
-    :returns: lists for tuples, plain text for what is derived from text
+    :returns: lists for tuples and bytes, plain text for what is derived from text
     """
-    if isinstance(value, tuple):
+    if isinstance(value, (tuple, bytes)):
         return [to_wire(item) for item in value]
     return str(value) if isinstance(value, str) else value
 

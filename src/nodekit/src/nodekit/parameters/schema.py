@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Mapping, Type
 
 import yaml
 
+from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.kinds import (
     BoolParameter,
@@ -22,6 +23,7 @@ from nodekit.parameters.number_kinds import FloatParameter, IntParameter
 
 _KINDS: Dict[str, Type[Parameter[Any]]] = {
     "bool": BoolParameter,
+    "bytes": BytesParameter,
     "int": IntParameter,
     "float": FloatParameter,
     "str": StringParameter,

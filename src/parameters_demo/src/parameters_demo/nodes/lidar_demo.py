@@ -1,0 +1,52 @@
+"""A lidar in a room, of a model that can be chosen."""
+
+import rospy
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
+
+from nodekit import EnumParameter, IntParameter, Node, ParameterSet, StringParameter, run
+from parameters_demo.messages import laser_scan
+from parameters_demo.room import MODELS, scan
+
+
+class LidarDemoParameters(ParameterSet):
+    """Parameters of lidar_demo."""
+
+    lidar_name = StringParameter("lidar", help="Name of the lidar")
+    lidar_rate = IntParameter(
+        20, minimum=20, maximum=100, step=20, unit="Hz", help="Lidar scan rate in Hz"
+    )
+    lidar_model = EnumParameter("OS2", choices=tuple(MODELS), help="Model of the lidar")
+
+
+class LidarDemo:
+    """Publishes scans of a room in which somebody walks around.
+
+    The model tells how far the lidar sees, how wide and how fine.
+
+    :ROS Publishers:
+        - ``lidar/points`` (sensor_msgs/LaserScan): in the frame ``NAME_frame``
+
+    :ROS Parameters:
+        - those of :class:`LidarDemoParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(LidarDemoParameters)
+        self._scans = node.publisher("lidar/points", LaserScan)
+        node.every(lambda: self._parameters.values.lidar_rate, self.publish)
+
+    def publish(self, elapsed: float) -> None:
+        """Publish a scan."""
+        settings, now = self._parameters.values, rospy.get_rostime()
+        header = Header(stamp=now, frame_id=f"{settings.lidar_name}_frame")
+        scanner = MODELS[settings.lidar_model]
+        ranges = scan(scanner, now.to_sec())
+        self._scans.publish(laser_scan(header, scanner, ranges, 1.0 / settings.lidar_rate))
+        text = f"Published scan from: {settings.lidar_name} ({settings.lidar_model})"
+        rospy.loginfo_throttle(1.0, text)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("lidar_demo", LidarDemo)

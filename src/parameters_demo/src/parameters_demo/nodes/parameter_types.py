@@ -1,0 +1,63 @@
+"""A parameter of every type, and a dictionary."""
+
+from typing import Any
+
+import rospy
+
+from nodekit import (
+    BoolParameter,
+    BytesParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    Node,
+    ParameterSet,
+    StringParameter,
+    run,
+)
+
+
+class ParameterTypesParameters(ParameterSet):
+    """Parameters of parameter_types."""
+
+    flag = BoolParameter(True, help="a truth value")
+    count = IntParameter(42, help="a whole number")
+    ratio = FloatParameter(0.5, help="a number")
+    title = StringParameter("robot", help="a text")
+    flags = ListParameter([True, False], element=BoolParameter(False, help=""), help="truth values")
+    counts = ListParameter([1, 2, 3], element=IntParameter(0, help=""), help="whole numbers")
+    ratios = ListParameter([0.5, 1.5], element=FloatParameter(0.0, help=""), help="numbers")
+    titles = ListParameter(["a", "b"], element=StringParameter("", help=""), help="texts")
+    blob = BytesParameter(b"\x00\x7f\xff", help="bytes")
+
+
+class ParameterTypes:
+    """Logs each change of its parameters, and of a dictionary that has any keys.
+
+    On the parameter server, a dictionary is a namespace. Where its keys are known they are
+    parameters, as of every node; where they are not, it is followed as a whole.
+
+    :ROS Parameters:
+        - those of :class:`ParameterTypesParameters`, private and live
+        - ``~limits`` (a dictionary): read live, never written
+    """
+
+    def __init__(self, node: Node) -> None:
+        node.parameters(ParameterTypesParameters, on_change=self._on_change, exempt=["limits"])
+        node.follow("~limits", self._on_limits)
+
+    def _on_change(self, new: ParameterTypesParameters, old: ParameterTypesParameters) -> None:
+        before = old.as_dict()
+        for name, value in new.as_dict().items():
+            if value != before[name]:
+                rospy.loginfo("Parameter changed: %s = %r", name, value)
+
+    def _on_limits(self, limits: Any) -> None:
+        if isinstance(limits, dict):
+            told = ", ".join(f"{key} up to {value}" for key, value in sorted(limits.items()))
+            rospy.loginfo("Limits: %s", told)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("parameter_types", ParameterTypes)

@@ -1,0 +1,42 @@
+"""A publisher whose text and rate are parameters: the course's first exercise."""
+
+from std_msgs.msg import String
+
+from nodekit import Node, ParameterSet, RateParameter, StringParameter, run
+
+
+class ParameterizedPublisherParameters(ParameterSet):
+    """Parameters of parameterized_publisher."""
+
+    message_prefix = StringParameter("Hello", help="what each message begins with")
+    publish_rate = RateParameter(2.0, help="how often a message is published")
+
+
+class ParameterizedPublisher:
+    """Publishes ``PREFIX NUMBER``, counted from 0.
+
+    :ROS Publishers:
+        - ``chatter`` (std_msgs/String)
+
+    :ROS Parameters:
+        - those of :class:`ParameterizedPublisherParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(ParameterizedPublisherParameters)
+        self._count = 0
+        self._publisher = node.publisher("chatter", String)
+        self._log = node.stream_log()
+        node.every(lambda: self._parameters.values.publish_rate, self.publish)
+
+    def publish(self, elapsed: float) -> None:
+        """Publish the next message."""
+        text = f"{self._parameters.values.message_prefix} {self._count}"
+        self._publisher.publish(text)
+        self._count += 1
+        self._log.line(f"Publishing: '{text}'")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("parameterized_publisher", ParameterizedPublisher)

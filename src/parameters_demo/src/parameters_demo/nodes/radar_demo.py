@@ -1,0 +1,45 @@
+"""A radar beside a road."""
+
+import rospy
+from std_msgs.msg import Header
+
+from nodekit import IntParameter, Node, ParameterSet, StringParameter, run
+from parameters_demo.messages import radar_tracks
+from parameters_demo.traffic import returns
+from parameters_demo_msgs.msg import RadarTracks
+
+
+class RadarDemoParameters(ParameterSet):
+    """Parameters of radar_demo."""
+
+    radar_name = StringParameter("radar", help="Name of the radar")
+    radar_rate = IntParameter(60, minimum=55, maximum=80, unit="Hz", help="Radar frame rate in Hz")
+
+
+class RadarDemo:
+    """Publishes what moves in front of it: cars, and somebody who walks.
+
+    :ROS Publishers:
+        - ``radar/tracks`` (parameters_demo_msgs/RadarTracks): in the frame ``NAME_frame``
+
+    :ROS Parameters:
+        - those of :class:`RadarDemoParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(RadarDemoParameters)
+        self._tracks = node.publisher("radar/tracks", RadarTracks)
+        node.every(lambda: self._parameters.values.radar_rate, self.publish)
+
+    def publish(self, elapsed: float) -> None:
+        """Publish what is seen now."""
+        name, now = self._parameters.values.radar_name, rospy.get_rostime()
+        header = Header(stamp=now, frame_id=f"{name}_frame")
+        seen = returns(now.to_sec())
+        self._tracks.publish(radar_tracks(header, seen))
+        rospy.loginfo_throttle(1.0, f"Published {len(seen)} returns from: {name}")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("radar_demo", RadarDemo)

@@ -1,0 +1,47 @@
+"""What the launch files would start; nothing is started here."""
+
+import os
+from typing import List
+
+import pytest
+import rospkg
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+LAUNCH = os.path.join(rospkg.RosPack().get_path("launch_files_demo"), "launch")
+NAVIGATION = ["/camera_demo_node", "/lidar_demo_node"]
+
+
+def nodes(name: str, *arguments: str) -> List[str]:
+    """Return the names of the nodes that a launch file starts with these arguments."""
+    config, loader = ROSLaunchConfig(), XmlLoader()
+    loader.ignore_unset_args = False
+    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
+    assert config.config_errors == []
+    assert all(node.output == "screen" for node in config.nodes)
+    return sorted(node.namespace + node.name for node in config.nodes)
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_there_are_three_ways_to_start_the_same_two_nodes(number: int) -> None:
+    """Course 001-launch-1, 001-launch-2, 001-launch-3."""
+    assert nodes(f"demo{number}.launch") == ["/listener", "/talker"]
+
+
+def test_a_node_is_started_where_the_argument_says_so() -> None:
+    """Course 001-launch-4."""
+    assert nodes("demo4.launch") == nodes("demo4.launch", "talker_arg:=false") == ["/listener"]
+    assert nodes("demo4.launch", "talker_arg:=true") == ["/listener", "/talker"]
+
+
+def test_a_group_is_started_with_a_node_outside_of_it() -> None:
+    """Course 001-launch-5."""
+    others = ["/processing_demo_node", "/temperature_demo_node"]
+    assert nodes("demo5.launch") == sorted(NAVIGATION + others)
+
+
+def test_a_group_is_started_where_the_argument_says_so() -> None:
+    """Course 001-launch-6, err-2."""
+    assert nodes("demo6.launch") == ["/temperature_demo_node"]
+    started = nodes("demo6.launch", "enable_nav_sensors:=true")
+    assert started == [*NAVIGATION, "/temperature_demo_node"]

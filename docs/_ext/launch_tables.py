@@ -74,7 +74,9 @@ class LaunchFileTable(LaunchArgs):
     """What one launch file is for, and its args."""
 
     def run(self) -> List[nodes.Node]:
-        return [paragraph(_one_line(self.read().comment))] + super().run()
+        told = self.read()
+        what = paragraph(_one_line(told.comment))
+        return [what] + super().run() if told.rows else [what]
 
 
 class LaunchIndex(LaunchArgs):

@@ -22,6 +22,12 @@ SIBLINGS: Dict[str, Set[str]] = {
         "basic_comms.signals",
     },
     "topic_scope": {"nodekit", "nodekit_msgs"},
+    "parameters_demo": {"nodekit", "parameters_demo_msgs"},
+    # The sensors of both see the same: what they see is in the one, and not written twice.
+    "launch_files_demo": {
+        *("nodekit", "parameters_demo.messages", "parameters_demo.picture"),
+        *("parameters_demo.room", "parameters_demo.sensors"),
+    },
     "executors_demo": {"nodekit"},
     "lifecycle_demo": {"nodekit"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
@@ -35,6 +41,10 @@ ROOMS: Dict[str, List[str]] = {
         *("commands", "testing"),
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
+    "parameters_demo": [
+        *("pixel_font", "picture", "room", "traffic", "messages", "sensors", "nodes"),
+    ],
+    "launch_files_demo": ["temperature", "nodes"],
     "executors_demo": [
         *("events", "diary", "bars", "picture", "timeline_command"),
         *("demo", "four_timers", "nodes"),
@@ -57,6 +67,8 @@ PURE = (
     *("robot_interfaces_demo.presence", "robot_interfaces_demo.sources"),
     *("robot_interfaces_demo.settings", "robot_interfaces_demo.problems"),
     *("robot_interfaces_demo.robot", "robot_interfaces_demo.fleet", "robot_interfaces_demo.table"),
+    *("parameters_demo.pixel_font", "parameters_demo.picture", "parameters_demo.room"),
+    *("parameters_demo.traffic", "launch_files_demo.temperature"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 

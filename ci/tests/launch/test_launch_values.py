@@ -71,6 +71,13 @@ PARAMETERS: Dict[str, Dict[str, str]] = {
     "basic_comms/launch/talker_listener.launch": {"scope": "/talker/message_scope"},
     "basic_comms/launch/features/arg.launch": {"text": "/arg_talker/Message"},
     "first_order_sys_sim/launch/system.launch": {"method": "/first_order_sys/method"},
+    "parameters_demo/launch/demo3.launch": {
+        "lidar_model": "/lidar_demo/lidar_model",
+        "processing_mode": "/processing_demo/processing_mode",
+    },
+    "parameters_demo/launch/talker_listener_launch.launch": {
+        "message_prefix": "/robot1/talker/message_prefix",
+    },
 }
 
 

@@ -37,7 +37,7 @@ def _row(item: Dict[str, Any]) -> List[str]:
         f"`~{item['name']}`",
         item["type"],
         "`%s`" % (default or '""' if isinstance(default, str) else format_value(default)),
-        _unbroken(item["range"]),
+        _unbroken(item["range"]) + (f", step {item['step']}" if "step" in item else ""),
         item["unit"],
         item["help"],
     ]

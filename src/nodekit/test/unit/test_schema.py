@@ -241,7 +241,7 @@ def test_yaml_is_readable() -> None:
 def test_a_table_has_a_row_for_each_parameter() -> None:
     rows = as_table(describe(Gauge())).split("\n")
     assert len(rows) == len(Gauge.declared)
-    assert rows[1].split() == "level = 0.25 float (0, 1e+10] a level".split()
+    assert rows[1].split() == "level = 0.25 float (0, 1e+10] step 0.25 a level".split()
     marks = rows[list(Gauge.declared).index("marks")]
     assert marks.split() == "marks = [1.0] list 0 to 3 of (0.1, inf) marks".split()
     assert len({row.index("= ") for row in rows}) == 1

@@ -17,6 +17,7 @@ from nodekit.parameters.kinds import (
     ListParameter,
     Parameter,
     StringParameter,
+    format_value,
     to_wire,
 )
 from nodekit.parameters.number_kinds import FloatParameter, IntParameter
@@ -140,7 +141,7 @@ def as_table(description: List[Dict[str, Any]]) -> str:
         (
             entry["name"],
             "= " + yaml.safe_dump(entry["value"], default_flow_style=True).split("\n")[0],
-            " ".join(filter(None, (entry["type"], entry["range"], entry["unit"]))),
+            " ".join(filter(None, (entry["type"], entry["range"], _step(entry), entry["unit"]))),
             entry["help"],
         )
         for entry in description
@@ -150,3 +151,7 @@ def as_table(description: List[Dict[str, Any]]) -> str:
         f"  {'  '.join(cell.ljust(width) for cell, width in zip(row, widths))}  {row[3]}"
         for row in rows
     )
+
+
+def _step(entry: Mapping[str, Any]) -> str:
+    return f"step {format_value(entry['step'])}" if "step" in entry else ""

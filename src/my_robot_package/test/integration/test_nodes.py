@@ -5,22 +5,28 @@ import math
 import os
 import signal
 import unittest
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import rosnode
+import rosparam
 import rospy
 import rostest
+import yaml
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
 
 from my_robot_package.adding import INT64_MAX, INT64_MIN
+from my_robot_package_interfaces.msg import RobotCommand
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.hearing import Ear
-from nodekit.testing.processes import Process
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.launching import launched
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
+PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+SCRIPTS = os.path.join(PACKAGE, "scripts")
+CONFIG = os.path.join(PACKAGE, "config", "robot_config.yaml")
 #: The nodes that all tests share, with their parameters.
 NODES: Dict[str, List[str]] = {
     "service_client_node": ["_period:=0.1"],
@@ -28,6 +34,9 @@ NODES: Dict[str, List[str]] = {
     "logging_node": [],
     "robust_node": ["_recovery_time:=0.05"],
     "efficient_node": ["_processing_time:=0.3"],
+    "my_node": ["input_topic:=words"],
+    "parameterized_node": [],
+    "command_node": ["_velocity:=0.25"],
 }
 
 
@@ -39,6 +48,13 @@ def start(name: str, *arguments: str) -> Process:
 def results(process: Process, how: str) -> int:
     """Return how many answers a client has told."""
     return len(process.logged("Result: 5", f"({how},"))
+
+
+def in_force(node: str) -> Dict[str, Any]:
+    """Return the values that a node says it uses."""
+    rospy.wait_for_service(f"{node}/describe", TIMEOUT_S)
+    described = rospy.ServiceProxy(f"{node}/describe", Trigger)().message
+    return {entry["name"]: entry["value"] for entry in yaml.safe_load(described)}
 
 
 class Nodes(unittest.TestCase):
@@ -65,6 +81,67 @@ class Nodes(unittest.TestCase):
         server = start("add_two_ints_server", *arguments)
         self.addCleanup(server.end)
         return server
+
+    def test_my_node_says_hello_and_hears(self) -> None:
+        """Course 002-pkg-1."""
+        node, ear = self.nodes["my_node"], Ear("/topic_name", String)
+        node.wait_for_log("MyRobotNode initialized")
+        ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+        publisher = rospy.Publisher("words", String, queue_size=10, latch=True)
+        publisher.publish("good morning")
+        node.wait_for_log("[INFO]", "I heard: good morning")
+        self.assert_ends_well(node)
+
+    def test_parameterized_node_tells_of_a_new_velocity_only(self) -> None:
+        """Course 002-pkg-2, err-5."""
+        node, server = self.nodes["parameterized_node"], Server()
+        node.wait_for_log("default_robot: up to 1.0 m/s, safety on")
+        server.wait_for("/parameterized_node/max_velocity", 1.0)
+        server.set("/parameterized_node/robot_name", "marvin")
+        node.wait_for_log("robot_name: 'default_robot' -> 'marvin'")
+        server.set("/parameterized_node/max_velocity", -1.0)
+        server.wait_for("/parameterized_node/max_velocity", 1.0)
+        server.set("/parameterized_node/max_velocity", 2.5)
+        node.wait_for_log("Max velocity updated to: 2.5")
+        self.assertEqual(len(node.logged("Max velocity updated")), 1)
+        self.assert_ends_well(node)
+
+    def test_command_node_sends_what_its_parameters_say(self) -> None:
+        """Course 002-pkg-3."""
+        ear = Ear("/robot_command", RobotCommand)
+        first = ear.wait_for(lambda command: True)
+        self.assertEqual((first.command_type, first.velocity), ("move_to", 0.25))
+        Server().set("/command_node/target_position", [1.0, 2.0, 3])
+        target = ear.wait_for(lambda command: command.target_position.x == 1.0).target_position
+        self.assertEqual((target.y, target.z), (2.0, 3.0))
+        self.assert_ends_well(self.nodes["command_node"])
+
+    def test_launch_file_hands_over_arguments_and_renames_topics(self) -> None:
+        """Course 002-pkg-4."""
+        ear = Ear("/launched/remapped_output_topic", String)
+        arguments = "robot_name:=my_robot max_velocity:=0.5 safety_mode:=No __ns:=launched"
+        with launched(f"my_robot_package my_launch_file.launch {arguments}") as launch:
+            ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+            graph, node = launch.graph, "/launched/my_robot_node"
+            wanted = {"robot_name": "my_robot", "max_velocity": 0.5, "safety_mode": False}
+            graph.wait_for_parameters(node, wanted)
+            graph.wait_for_parameters("/launched/another_robot_node", {"param1": "value1"})
+            topic = "/launched/remapped_input_topic"
+            graph.wait_for_publishers(topic, "/launched/another_robot_node")
+            graph.wait_for_subscribers(topic, node)
+
+    def test_configuration_file_sets_every_parameter_lists_too(self) -> None:
+        """Course 002-pkg-5, 004-bridge-10."""
+        ((config, _),) = rosparam.load_file(CONFIG)
+        with launched("my_robot_package robot_config.launch __ns:=configured") as launch:
+            launch.wait_until_up()
+            node = "/configured/my_robot_node"
+            self.assertEqual(in_force(node), config)
+            self.assertEqual(config["control_topics"], ["/cmd_vel", "/joint_commands"])
+            # A dictionary is a namespace: it sets several at once, and the others stay.
+            rosparam.set_param(node, "{max_velocity: 0.5, sensor_topics: [/scan]}")
+            config.update(max_velocity=0.5, sensor_topics=["/scan"])
+            wait_until(lambda: in_force(node) == config, lambda: str(in_force(node)))
 
     def test_client_waits_asks_in_both_ways_and_outlives_its_server(self) -> None:
         """Course 002-pkg-7."""

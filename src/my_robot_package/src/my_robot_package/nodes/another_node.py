@@ -1,0 +1,36 @@
+"""A second node, for a launch file to put beside the first."""
+
+from std_msgs.msg import String
+
+from nodekit import Node, ParameterSet, StringParameter, run
+
+
+class AnotherNodeParameters(ParameterSet):
+    """Parameters of another_node."""
+
+    param1 = StringParameter("default", help="what it says")
+
+
+class AnotherNode:
+    """Says its parameter each second.
+
+    :ROS Publishers:
+        - ``output_topic`` (std_msgs/String)
+
+    :ROS Parameters:
+        - those of :class:`AnotherNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(AnotherNodeParameters)
+        self._publisher = node.publisher("output_topic", String)
+        node.every(1.0, self.speak)
+
+    def speak(self, elapsed: float) -> None:
+        """Say it once."""
+        self._publisher.publish(self._parameters.values.param1)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("another_node", AnotherNode)

@@ -1,0 +1,60 @@
+"""Publish a message of one's own package."""
+
+from typing import Sequence
+
+from geometry_msgs.msg import Point
+
+from my_robot_package_interfaces.msg import RobotCommand
+from nodekit import FloatParameter, ListParameter, Node, ParameterSet, StringParameter, run
+
+
+class CommandNodeParameters(ParameterSet):
+    """Parameters of command_node: the command that it sends."""
+
+    command_type = StringParameter("move_to", help="what is to be done at the target")
+    target_position = ListParameter(
+        [0.0, 0.0, 0.0],
+        element=FloatParameter(0.0, help="a coordinate"),
+        min_length=3,
+        max_length=3,
+        unit="m",
+        help="x, y and z of the target",
+    )
+    velocity = FloatParameter(
+        0.5, minimum=0.0, maximum=100.0, unit="m/s", help="how fast to get there"
+    )
+
+
+class CommandNode:
+    """Sends the command that its parameters hold, at the start and after each change.
+
+    :ROS Publishers:
+        - ``robot_command`` (my_robot_package_interfaces/RobotCommand), latched
+
+    :ROS Parameters:
+        - those of :class:`CommandNodeParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.publisher("robot_command", RobotCommand, latch=True)
+        self.on_change(node.parameters(CommandNodeParameters, on_change=self.on_change).values)
+
+    def on_change(self, new: CommandNodeParameters, *old: CommandNodeParameters) -> None:
+        """Send what the parameters say."""
+        self.send_command(new.command_type, new.target_position, new.velocity)
+
+    def send_command(
+        self, command_type: str, target_position: Sequence[float], velocity: float
+    ) -> None:
+        """Send a command.
+
+        :param command_type: what is to be done at the target
+        :param target_position: x, y and z, m
+        :param velocity: how fast to get there, m/s
+        """
+        self._publisher.publish(RobotCommand(command_type, Point(*target_position), velocity))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("command_node", CommandNode)

@@ -1,0 +1,29 @@
+"""A node that is told when its parameters change."""
+
+import rospy
+
+from my_robot_package.robot_parameters import RobotParameters
+from nodekit import Node, run
+
+
+class ParameterizedNode:
+    """Tells how fast its robot may go, at the start and after each change.
+
+    :ROS Parameters:
+        - those of :class:`.RobotParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        values = node.parameters(RobotParameters, on_change=self.on_change).values
+        mode = "on" if values.safety_mode else "off"
+        rospy.loginfo("%s: up to %s m/s, safety %s", values.robot_name, values.max_velocity, mode)
+
+    def on_change(self, new: RobotParameters, old: RobotParameters) -> None:
+        """Tell of a new velocity; what is called here has been judged already."""
+        if new.max_velocity != old.max_velocity:
+            rospy.loginfo("Max velocity updated to: %s", new.max_velocity)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("parameterized_node", ParameterizedNode)

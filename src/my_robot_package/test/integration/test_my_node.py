@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""One node, made within the test, as the course's book tests it."""
+
+import unittest
+
+import rospy
+import rostest
+import yaml
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from my_robot_package.nodes.my_node import MyRobotNode
+from nodekit.process.run import register
+from nodekit.testing.hearing import Ear
+
+
+class TestMyRobotNode(unittest.TestCase):
+    """The node itself, not its process. Course 002-pkg-11."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.node = register("my_robot_node")
+        cls.robot = MyRobotNode(cls.node)
+        cls.node.start()
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.node.close()
+
+    def test_node_initialization(self) -> None:
+        self.assertEqual(self.node.name, "/my_robot_node")
+        self.assertTrue(self.node.is_up)
+
+    def test_parameter_declaration(self) -> None:
+        """They are declared, and on the server. The book's own node fails here."""
+        described = yaml.safe_load(rospy.ServiceProxy("~describe", Trigger)().message)
+        names = [entry["name"] for entry in described]
+        topics = ["sensor_topics", "control_topics"]
+        self.assertEqual(names, ["robot_name", "max_velocity", "safety_mode", *topics])
+        for name in names:
+            self.assertTrue(rospy.has_param("~" + name), name)
+
+    def test_it_says_hello(self) -> None:
+        ear = Ear("topic_name", String)
+        self.addCleanup(ear.close)
+        ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+
+
+if __name__ == "__main__":
+    rostest.rosrun("my_robot_package", "my_robot_node", TestMyRobotNode)

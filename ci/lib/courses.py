@@ -20,12 +20,6 @@ WAITING = {
     "001-params": "src/parameters_demo",
     "001-command": "docs/ros2_course.md",
     "001-if": "src/robot_interfaces_demo",
-    "002-pkg-1": "src/my_robot_package/scripts/my_node",
-    "002-pkg-2": "src/my_robot_package/scripts/parameterized_node",
-    "002-pkg-3": "src/my_robot_package/scripts/command_node",
-    "002-pkg-4": "src/my_robot_package/launch/my_launch_file.launch",
-    "002-pkg-5": "src/my_robot_package/config/robot_config.yaml",
-    "002-pkg-11": "src/my_robot_package/scripts/my_node",
     "002-pkg-17": "src/nodekit/scripts/new",
     "004-bridge-3": "src/parameters_demo/scripts/configurable_node",
     "004-bridge-4": "src/parameters_demo/scripts/configurable_node",
@@ -33,10 +27,8 @@ WAITING = {
     "004-bridge-6": "src/parameters_demo/launch/talker_listener_launch.launch",
     "004-bridge-7": "src/parameters_demo/scripts/parameterized_publisher",
     "004-bridge-8": "src/parameters_demo/launch/talker_listener_launch.launch",
-    "004-bridge-10": "src/my_robot_package/config/robot_config.yaml",
     "err-2": "src/launch_files_demo",
     "err-4": "src/parameters_demo",
-    "err-5": "src/my_robot_package/scripts/parameterized_node",
 }
 
 #: Whatever begins like an id is taken for one, so that a slip of the pen is found.

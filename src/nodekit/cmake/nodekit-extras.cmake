@@ -7,8 +7,10 @@
 #   endif()
 #catkin_lint: ignore_once literal_project_name
 macro(nodekit_tests)
-  catkin_run_tests_target("pytest" "unit" "pytest-unit.xml"
-    COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
+  if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/test/unit)
+    catkin_run_tests_target("pytest" "unit" "pytest-unit.xml"
+      COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
+  endif()
 
   find_package(rostest REQUIRED)
   file(GLOB rostest_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test)

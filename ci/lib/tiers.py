@@ -47,13 +47,15 @@ def runs_with(language: str, path: pathlib.Path) -> bool:
 def lint() -> List[Step]:
     files = python_files()
     libraries = [str(package / "src") for package in packages() if (package / "src").is_dir()]
+    # A package too, but one that catkin is not to find.
+    template = SOURCES / "nodekit" / "template" / "package_name"
     commands = {
-        "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES)],
+        "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES), str(template)],
         "flake8": ["flake8", "--config", str(WORKSPACE / ".flake8")] + files,
         "black": ["black", "--check", "--diff", "--quiet"] + files,
         "mypy": ["mypy", "--exclude", "/peers/"]
         + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
-        + libraries,
+        + [*libraries, str(template / "src")],
         "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib"] + shell_scripts(),
@@ -88,6 +90,7 @@ def install() -> List[Step]:
     return [
         pytest_step("install", "install", place / "test_install_space.py"),
         pytest_step("install", "own workspace", place / "test_own_workspace.py"),
+        pytest_step("install", "new package", place / "test_new_package.py"),
     ]
 
 

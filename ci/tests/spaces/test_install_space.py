@@ -94,3 +94,9 @@ def test_the_course_runs(install_space: pathlib.Path, start: Start) -> None:
     finally:
         launch.send_signal(signal.SIGINT)
         launch.communicate(timeout=60)
+
+
+def test_a_new_package_can_be_made(start: Start, tmp_path: pathlib.Path) -> None:
+    made = output(start("rosrun", "nodekit", "new", "first_robot", str(tmp_path)))
+    assert made.startswith(f"made {tmp_path}/first_robot\n")
+    assert os.access(str(tmp_path / "first_robot" / "scripts" / "my_node"), os.X_OK)

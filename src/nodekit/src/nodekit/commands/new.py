@@ -1,0 +1,126 @@
+"""The command ``rosrun nodekit new NAME [FOLDER]``."""
+
+import argparse
+import importlib.util
+import keyword
+import os
+import pathlib
+import re
+import shutil
+import sys
+from typing import Dict, Optional
+
+import rospkg
+
+#: What stands in the template, in its texts and in its paths, for the name of the package.
+PLACEHOLDER = "package_name"
+#: What REP 144 allows, and Python as well.
+_NAME = re.compile(r"[a-z](_?[a-z0-9])+")
+_MUST_BE = "must be small letters, digits and single underscores, a letter first, at least two"
+
+
+class Refused(Exception):
+    """What cannot be made; the text is the sentence for the user."""
+
+
+def main() -> None:
+    """Make a package that builds, runs and passes its test."""
+    parser = argparse.ArgumentParser(
+        prog="new",
+        description="Make a package with a node, its live parameters, its launch file and its"
+        " test: it builds, runs and passes its test as it is.",
+    )
+    parser.add_argument("name", metavar="NAME", help="name of the package")
+    where = "where to make it; the src of the workspace that you are in by default"
+    parser.add_argument("folder", metavar="FOLDER", nargs="?", help=where)
+    arguments = parser.parse_args()
+    packages = rospkg.RosPack()
+    template = pathlib.Path(packages.get_path("nodekit"), "template", PLACEHOLDER)
+    try:
+        judge_name(arguments.name, packages)
+        folder = arguments.folder or source_folder(pathlib.Path.cwd())
+        made = make(arguments.name, pathlib.Path(folder), template)
+    except Refused as refusal:
+        sys.exit(f"new: {refusal}")
+    print(f"made {made}\nnext: build the workspace with catkin_make, source devel/setup.bash, then")
+    print(f"  roslaunch {arguments.name} my_node.launch")
+
+
+def judge_name(name: str, packages: rospkg.RosPack) -> None:
+    """Judge the name of a package that does not exist yet.
+
+    :param packages: knows those that exist
+    :raises Refused: if the name is not allowed, or taken
+    """
+    if _NAME.fullmatch(name) is None:
+        raise Refused(f"package name '{name}': {_MUST_BE}")
+    if name == PLACEHOLDER or keyword.iskeyword(name) or _is_taken_by_python(name):
+        raise Refused(f"package name '{name}': Python has another use for it")
+    if name in packages.list():
+        raise Refused(f"package name '{name}': there is one in {packages.get_path(name)}")
+
+
+def _is_taken_by_python(name: str) -> bool:
+    """Tell whether the system has a module of that name.
+
+    One in a workspace may be what is left of a package that was removed.
+    """
+    spec = importlib.util.find_spec(name)
+    if spec is None:
+        return False
+    places = [spec.origin or "", *(spec.submodule_search_locations or [])]
+    system = os.path.join(sys.base_prefix, "")
+    return spec.origin in ("built-in", "frozen") or any(p.startswith(system) for p in places)
+
+
+def source_folder(here: pathlib.Path) -> pathlib.Path:
+    """Return the src of the workspace that a folder is in.
+
+    :param here: the folder
+    :raises Refused: if it is in none
+    """
+    for folder in (here, *here.parents):
+        if (folder / "src").is_dir() and not _package_around(folder):
+            return folder / "src"
+    raise Refused(f"{here} is in no workspace: go to one that has a src, or name a FOLDER")
+
+
+def _package_around(folder: pathlib.Path) -> Optional[pathlib.Path]:
+    """Return the package that a folder is in, if any."""
+    around = (folder, *folder.parents)
+    return next((place for place in around if (place / "package.xml").is_file()), None)
+
+
+def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Path:
+    """Make a package, or nothing.
+
+    :param name: its name, which has been judged
+    :param folder: where to make it
+    :param template: what to make it from
+    :returns: its folder
+    :raises Refused: if it cannot be made
+    """
+    folder = folder.resolve()
+    package, around = folder / name, _package_around(folder)
+    if around:
+        raise Refused(f"{folder} is part of the package {around}, where catkin finds no other")
+    files: Dict[str, str] = {}
+    for path in sorted(template.rglob("*")):
+        if path.is_file() and path.suffix != ".pyc":
+            relative = str(path.relative_to(template)).replace(PLACEHOLDER, name)
+            files[relative] = path.read_text("utf-8").replace(PLACEHOLDER, name)
+    try:
+        package.mkdir()
+    except OSError as error:
+        raise Refused(f"{package} cannot be made: {error.strerror}") from None
+    try:
+        for relative, text in files.items():
+            path = package / relative
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, "utf-8")
+            if text.startswith("#!"):
+                path.chmod(path.stat().st_mode | 0o111)
+    except OSError as error:
+        shutil.rmtree(str(package), ignore_errors=True)
+        raise Refused(f"{package} cannot be made: {error.strerror}") from None
+    return package

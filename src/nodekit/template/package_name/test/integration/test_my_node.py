@@ -1,0 +1,27 @@
+#!/usr/bin/env python3
+"""Use the node as its users do: launch it, listen, change a parameter."""
+
+import unittest
+
+import rospy
+import rostest
+from std_msgs.msg import String
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
+
+
+class MyNodeTest(unittest.TestCase):
+    """The launch file starts the node."""
+
+    def test_it_says_its_text_and_follows_a_change(self) -> None:
+        ear = Ear("/test/output", String)
+        with launched("package_name my_node.launch rate:=20 __ns:=test") as launch:
+            ear.wait_for(lambda message: message.data == "Hello")
+            launch.graph.set_parameter("/test/my_node/text", "Good morning")
+            ear.wait_for(lambda message: message.data == "Good morning")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_my_node")
+    rostest.rosrun("package_name", "my_node", MyNodeTest)

@@ -1,0 +1,117 @@
+"""Make a package from the template, or nothing and say why. Course 002-pkg-17."""
+
+import errno
+import os
+import pathlib
+from typing import Any, List
+
+import pytest
+import rospkg
+from catkin_pkg.package import parse_package
+
+from nodekit.commands import new
+
+TEMPLATE = pathlib.Path(__file__).resolve().parents[2] / "template" / new.PLACEHOLDER
+
+
+class Packages(rospkg.RosPack):
+    """The only packages that there are."""
+
+    def list(self) -> List[str]:
+        return ["my_old_package"]
+
+    def get_path(self, name: str) -> str:
+        return "/somewhere/" + name
+
+
+def test_what_is_made_is_a_package_of_that_name(tmp_path: pathlib.Path) -> None:
+    made = new.make("first_robot", tmp_path, TEMPLATE)
+    assert made == tmp_path / "first_robot"
+    assert parse_package(str(made)).name == "first_robot"
+    files = [path for path in made.rglob("*") if path.is_file()]
+    assert len(files) == 10
+    for path in files:
+        text = path.read_text("utf-8")
+        assert new.PLACEHOLDER not in f"{path}{text}"
+        assert os.access(str(path), os.X_OK) == text.startswith("#!")
+        if path.suffix == ".py" or path.parent.name == "scripts":
+            compile(text, str(path), "exec")
+
+
+@pytest.mark.parametrize("name", ["first_robot", "r2", "a_1", "my_older_package"])
+def test_names_that_are_allowed(name: str) -> None:
+    new.judge_name(name, Packages())
+
+
+@pytest.mark.parametrize(
+    "name, why",
+    [
+        ("", "must be small letters"),
+        *((name, "must be small letters") for name in ("a", "1a", "Robot", "my-robot", "a b")),
+        *((name, "must be small letters") for name in ("a__b", "ab_", "_ab", "a/b", "ab\n", "ä1")),
+        *((name, "Python has another use") for name in ("class", "json", "sys", "yaml")),
+        ("package_name", "Python has another use"),
+        ("my_old_package", "there is one in /somewhere/my_old_package"),
+    ],
+)
+def test_names_that_are_refused(name: str, why: str) -> None:
+    with pytest.raises(new.Refused) as caught:
+        new.judge_name(name, Packages())
+    assert str(caught.value).startswith(f"package name '{name}': {why}")
+
+
+def test_what_is_there_stays(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "first_robot").mkdir()
+    (tmp_path / "second_robot").write_text("mine")
+    for name in ("first_robot", "second_robot"):
+        with pytest.raises(new.Refused, match=f"{name} cannot be made: File exists$"):
+            new.make(name, tmp_path, TEMPLATE)
+    assert list((tmp_path / "first_robot").iterdir()) == []
+    assert (tmp_path / "second_robot").read_text() == "mine"
+
+
+def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(new.Refused, match="cannot be made: No such file or directory$"):
+        new.make("first_robot", tmp_path / "none", TEMPLATE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_package_within_a_package_is_refused(tmp_path: pathlib.Path) -> None:
+    outer = new.make("first_robot", tmp_path, TEMPLATE)
+    before = sorted(outer.rglob("*"))
+    with pytest.raises(new.Refused, match="is part of the package .*/first_robot, where catkin"):
+        new.make("second_robot", outer / "src", TEMPLATE)
+    assert sorted(outer.rglob("*")) == before
+
+
+def test_nothing_stays_of_what_could_not_be_written(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    written = []
+
+    def write_text(path: pathlib.Path, *arguments: Any) -> None:
+        if len(written) == 3:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        written.append(path)
+        path.touch()
+
+    monkeypatch.setattr(pathlib.Path, "write_text", write_text)
+    with pytest.raises(new.Refused, match="cannot be made: No space left on device$"):
+        new.make("first_robot", tmp_path, TEMPLATE)
+    assert len(written) == 3 and list(tmp_path.iterdir()) == []
+
+
+def test_the_workspace_is_the_one_around_wherever_one_stands_in_it(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(new.Refused, match="is in no workspace"):
+        new.source_folder(tmp_path)
+    (tmp_path / "src").mkdir()
+    package = new.make("first_robot", tmp_path / "src", TEMPLATE)
+    for place in (tmp_path, tmp_path / "src", package, package / "src" / "first_robot"):
+        assert new.source_folder(place) == tmp_path / "src", place
+
+
+def test_a_refusal_is_one_sentence(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr("sys.argv", ["new", "Robot"])
+    with pytest.raises(SystemExit) as caught:
+        new.main()
+    assert str(caught.value.code).startswith("new: package name 'Robot': must be")

@@ -20,7 +20,6 @@ WAITING = {
     "001-params": "src/parameters_demo",
     "001-command": "docs/ros2_course.md",
     "001-if": "src/robot_interfaces_demo",
-    "002-pkg-17": "src/nodekit/scripts/new",
     "004-bridge-3": "src/parameters_demo/scripts/configurable_node",
     "004-bridge-4": "src/parameters_demo/scripts/configurable_node",
     "004-bridge-5": "src/parameters_demo/launch/talker_listener_launch.launch",

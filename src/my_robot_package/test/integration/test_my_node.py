@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """One node, made within the test, as the course's book tests it."""
 
+import threading
 import unittest
+from typing import List
 
 import rospy
 import rostest
@@ -10,8 +12,11 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from my_robot_package.nodes.my_node import MyRobotNode
+from my_robot_package.nodes.service_client_node import ServiceClientNode
+from nodekit import Node
 from nodekit.process.run import register
 from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import TIMEOUT_S
 
 
 class TestMyRobotNode(unittest.TestCase):
@@ -44,6 +49,18 @@ class TestMyRobotNode(unittest.TestCase):
         ear = Ear("topic_name", String)
         self.addCleanup(ear.close)
         ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+
+    def test_client_that_is_closed_waits_no_longer(self) -> None:
+        made: List[ServiceClientNode] = []
+
+        def make(node: Node) -> None:
+            made.append(ServiceClientNode(node))
+
+        self.node.host("client", "/closed", make).close()
+        thread = threading.Thread(target=made[0].ask, args=(0.0,), daemon=True)
+        thread.start()
+        thread.join(TIMEOUT_S)
+        self.assertFalse(thread.is_alive())
 
 
 if __name__ == "__main__":

@@ -48,6 +48,7 @@ class ServiceClientNode:
     """
 
     def __init__(self, node: Node) -> None:
+        self._node = node
         self._parameters = node.parameters(ServiceClientNodeParameters)
         MultiThreadedExecutor(2).add_node(node)
         self._client = node.client("add_two_ints", AddTwoInts)
@@ -62,9 +63,9 @@ class ServiceClientNode:
             self.send_request(settings.a, settings.b)
 
     def _wait_for_service(self) -> bool:
-        while not (self._has_found or rospy.is_shutdown()):
+        while self._node.is_up and not (self._has_found or rospy.is_shutdown()):
             self._has_found = self._client.wait_for_service(_WAIT_S)
-            if not self._has_found:
+            if self._node.is_up and not self._has_found:
                 rospy.loginfo("Service not available, waiting again...")
         return self._has_found
 

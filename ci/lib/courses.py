@@ -18,7 +18,6 @@ LATER = {"6", "8", "9"}
 WAITING = {
     "001-launch": "src/launch_files_demo",
     "001-params": "src/parameters_demo",
-    "001-command": "docs/ros2_course.md",
     "001-if": "src/robot_interfaces_demo",
     "004-bridge-3": "src/parameters_demo/scripts/configurable_node",
     "004-bridge-4": "src/parameters_demo/scripts/configurable_node",

@@ -57,6 +57,9 @@ NOT_TYPED = {
         line: "builds for a minute: test_own_workspace.py of ci/test does it"
         for line in ("cp -r", "cd ~/my_ws", "source devel", "roslaunch")
     },
+    "docs/tutorials/package_in_python.md": {
+        line: _TIER for line in ("catkin_make run_tests", "rostest", "python3 -m pytest")
+    },
     "docs/tutorials/test_your_node.md": {
         "catkin_make run_tests_PACKAGE": "is for a package of the reader's own",
         "catkin_test_results": "is for a package of the reader's own",

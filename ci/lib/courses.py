@@ -8,26 +8,12 @@ import ast
 import csv
 import pathlib
 import re
-from typing import Dict, Iterator, List, Mapping, Set
+from typing import Dict, Iterator, List, Set
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 
 #: The parts of the project that are not finished: their rows may name a test, but need none.
 LATER = {"6", "8", "9"}
-#: What is being built: rows with an id that begins so need no test until there is such a path.
-WAITING = {
-    "001-launch": "src/launch_files_demo",
-    "001-params": "src/parameters_demo",
-    "001-if": "src/robot_interfaces_demo",
-    "004-bridge-3": "src/parameters_demo/scripts/configurable_node",
-    "004-bridge-4": "src/parameters_demo/scripts/configurable_node",
-    "004-bridge-5": "src/parameters_demo/launch/talker_listener_launch.launch",
-    "004-bridge-6": "src/parameters_demo/launch/talker_listener_launch.launch",
-    "004-bridge-7": "src/parameters_demo/scripts/parameterized_publisher",
-    "004-bridge-8": "src/parameters_demo/launch/talker_listener_launch.launch",
-    "err-2": "src/launch_files_demo",
-    "err-4": "src/parameters_demo",
-}
 
 #: Whatever begins like an id is taken for one, so that a slip of the pen is found.
 _ID = re.compile(r"(?<![\w-])(?:00\d|err)-\w+(?:-\w+)*")
@@ -60,14 +46,6 @@ def carried(path: pathlib.Path) -> Set[str]:
     return {found for text in texts for found in _ID.findall(text)}
 
 
-def is_required(row: Mapping[str, str], workspace: pathlib.Path) -> bool:
-    """Tell whether a row needs a test by now."""
-    awaited = [
-        place for start, place in WAITING.items() if (row["id"] + "-").startswith(start + "-")
-    ]
-    return row["part"] not in LATER and all((workspace / place).exists() for place in awaited)
-
-
 def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[str]:
     """Return a sentence for each thing in which the rows and the tests differ.
 
@@ -85,6 +63,6 @@ def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[s
         identifier, test = row["id"], row["test"]
         if test and identifier not in found.get(test, ()):
             yield f"{identifier}: {test} does not carry it, or is no test of the workspace"
-        if not test and is_required(row, workspace):
+        if not test and row["part"] not in LATER:
             carriers = [path for path, ids in found.items() if identifier in ids]
             yield f"{identifier}: names no test; carried by {', '.join(carriers) or 'none'}"

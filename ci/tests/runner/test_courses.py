@@ -17,16 +17,9 @@ def test_each_item_that_is_due_has_a_test_that_carries_its_id() -> None:
     assert list(courses.breaches(items, courses.WORKSPACE)) == []
 
 
-def test_each_row_is_waited_for_by_a_name_that_exists() -> None:
-    items = courses.rows((courses.WORKSPACE / "docs" / "courses.csv").read_text("utf-8"))
-    for start in courses.WAITING:
-        assert any((row["id"] + "-").startswith(start + "-") for row in items), start
-
-
 @pytest.fixture
-def workspace(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
-    """A workspace with a test and a page, which waits for a package."""
-    monkeypatch.setattr(courses, "WAITING", {"001-new": "src/new"})
+def workspace(tmp_path: pathlib.Path) -> pathlib.Path:
+    """A workspace with a test and a page."""
     place = tmp_path / "src" / "one" / "test" / "unit"
     place.mkdir(parents=True)
     (place / "test_a.py").write_text('"""Courses 001-a-1, 001-a-2."""\nx = "001-a-3"\n')
@@ -44,8 +37,6 @@ GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,6,001,c,o,{TEST}", f"001-a-5,1,00
     "row, sentence",
     [
         ("001-b-1,6,001,c,o,", None),  # of a later part
-        ("001-new-1,1,001,c,o,", None),  # of a package that is not there
-        ("001-newer-1,1,001,c,o,", "001-newer-1: names no test; carried by none"),
         ("001-b-1,1,001,c,o,", "001-b-1: names no test; carried by none"),
         (f"001-a-3,1,001,c,o,{TEST}", f"001-a-3: {TEST} does not carry it"),  # in no docstring
         (f"001-a-4,1,001,c,o,{PAGE}", f"001-a-4: {PAGE} does not carry it"),  # in no comment
@@ -58,12 +49,6 @@ def test_what_differs_is_told(workspace: pathlib.Path, row: str, sentence: Optio
     found = list(courses.breaches(items, workspace))
     assert len(found) == (sentence is not None)
     assert all(one.startswith(sentence or "") for one in found)
-
-
-def test_a_package_that_is_there_is_waited_for_no_longer(workspace: pathlib.Path) -> None:
-    items = courses.rows(HEAD + "\n".join([*GOOD, "001-new-1,1,001,c,o,"]))
-    (workspace / "src" / "new").mkdir()
-    assert list(courses.breaches(items, workspace)) == ["001-new-1: names no test; carried by none"]
 
 
 def test_an_id_that_nobody_knows_is_told_and_a_missing_row_names_its_test(

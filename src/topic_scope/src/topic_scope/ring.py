@@ -116,5 +116,6 @@ class Ring:
 
 
 def _between(samples: numpy.ndarray, start: float, end: float) -> numpy.ndarray:
-    first = numpy.searchsorted(samples[0], start, "left")
-    return samples[:, first : numpy.searchsorted(samples[0], end, "right")]
+    first = int(numpy.searchsorted(samples[0], start, "left"))
+    last = int(numpy.searchsorted(samples[0], end, "right"))
+    return samples[:, first:last]

@@ -19,7 +19,7 @@ import rosgraph
 import rospy
 import rostest
 import yaml
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
 from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
@@ -51,6 +51,7 @@ from nodekit.lifecycle.gate import ManagedPublisher, ManagedTimer
 from nodekit.live import reconfigure
 from nodekit.process.run import register
 from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -706,6 +707,31 @@ class Wanted(Managed):
         Server().set(self.space + "/driver/gain", 5.0)
         self.assertTrue(self.change("configure"))
         self.assertEqual(read, [5.0])
+
+
+class Heartbeat(Managed):
+    """What a manager hears."""
+
+    def test_beats_in_any_state_and_beside_whatever_takes_long(self) -> None:
+        driver = self.driver()
+        ear = Ear(f"{self.space}/driver/heartbeat", Header)
+        self.addCleanup(ear.close)
+        beats = [ear.wait_for(lambda beat: True)]
+        go_on = threading.Event()
+        self.addCleanup(go_on.set)
+        # It has the thread that all other timers of this process share, and the node's group.
+        driver.node.every(1.0, lambda elapsed: go_on.wait(2 * TIMEOUT_S))
+        wait_until(lambda: driver.node.default_group._holder, lambda: "the timer's call")
+        beats.append(ear.wait_for(lambda beat: beat.seq > beats[-1].seq + 1))
+        go_on.set()
+        for label in ("configure", "activate", "shutdown"):
+            self.assertTrue(self.change(label))
+            seen = ear.count()
+            wait_until(lambda: ear.count() > seen, lambda: f"no heartbeat after {label}")
+        beats += ear.messages()[-1:]
+        # As many as fit in at 5 Hz, by the stamps; a busy machine leaves some out.
+        lasted = (beats[-1].stamp - beats[0].stamp).to_sec()
+        self.assertLess(beats[-1].seq - beats[0].seq, 5.0 * lasted + 1.5)
 
 
 class Command(Managed):

@@ -10,6 +10,7 @@ import rospy
 from lifecycle_msgs import msg, srv
 from nodekit.execution.groups import Outside
 from nodekit.life.callbacks import Answering
+from nodekit.lifecycle.heart import Heart
 from nodekit.lifecycle.lifecycle import Lifecycle, Result
 from nodekit.lifecycle.table import (
     STATES,
@@ -41,6 +42,7 @@ class Interface:
         self._event = node.publisher("~transition_event", msg.TransitionEvent)
         self._state = node.publisher("~state", msg.State, latch=True)
         self._state.publish(_message(self.state))
+        Heart(node)
         # In no group: they answer while a transition takes its time.
         for name, service_class, handler in (
             ("change_state", srv.ChangeState, self._change_state),

@@ -25,6 +25,7 @@ class ManagedNode:
     :ROS Publishers:
         - ``~transition_event`` (lifecycle_msgs/TransitionEvent): each step
         - ``~state`` (lifecycle_msgs/State): latched
+        - ``~heartbeat`` (std_msgs/Header): at 5 Hz in any state, for a manager
 
     :ROS Services:
         - ``~change_state`` (lifecycle_msgs/ChangeState)

@@ -17,10 +17,14 @@ class Driver(ManagedNode):
     def __init__(self, node: Node) -> None:
         super().__init__(node)
         self.client = node.client(f"{rospy.get_name()}/get_loggers", GetLoggers)
+        node.before_end(self.notice_end)
 
     def say(self, text: str) -> None:
         sys.stdout.write(f"{self.node.name[1:]} {text}\n")  # in one go: others say something too
         sys.stdout.flush()
+
+    def notice_end(self) -> None:
+        self.say(f"ends with {len(self.client.call(GetLoggersRequest(), 1.0).loggers) > 0}")
 
     def on_configure(self, made: Lifetime) -> None:
         self.say("configures")

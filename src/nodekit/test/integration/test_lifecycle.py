@@ -818,6 +818,7 @@ class Ends(unittest.TestCase):
         expected = {f"{name} was {name}" for name in WAYS if name != "finalized"}
         # Clients still work then.
         expected |= {f"{name} gets True" for name in WAYS if name != "finalized"}
+        expected |= {f"{name} ends with True" for name in WAYS}
         self.assertEqual({line for line in process.lines if "[" not in line}, expected)
         self.assertEqual(process.logged("ends without"), [])
 

@@ -6,6 +6,7 @@ from typing import Any, Callable, Collection, Optional, Type
 from std_srvs.srv import Trigger
 
 from nodekit.execution.groups import Group, Outside, ReentrantGroup
+from nodekit.life.callbacks import Callback
 from nodekit.life.own_parameters import OwnParameters
 from nodekit.life.telling import Change, Followed
 from nodekit.life.timers import NodeTimer, Rate
@@ -19,6 +20,7 @@ from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog
 from nodekit.parameters.declaration import Snapshot
 from nodekit.parameters.schema import AT_START
+from nodekit.rospy_internals.shutdown import before_shutdown
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit_msgs.srv import SetParameters
 
@@ -112,6 +114,14 @@ class Lifetime(TopicMaker):
         # By the machine's clock: /clock may stand still while messages come.
         self.every(1.0, log.end_second, steady=True, group=Outside())
         return log
+
+    def before_end(self, callback: Callable[[], Any]) -> None:
+        """Have a function called when the process is told to end, while all of it still works.
+
+        :param callback: what to call, in no group; it has less than 2 s
+        """
+        last = self.own(Callback(Outside(), callback, f"{self.name}: before_end"))
+        before_shutdown(last.call)
 
     def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
         """Make a callback group.

@@ -30,6 +30,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     },
     "executors_demo": {"nodekit"},
     "lifecycle_demo": {"nodekit"},
+    "lifecycle_manager": {"nodekit", "nodekit_msgs", "lifecycle_msgs"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
 }
@@ -45,6 +46,9 @@ ROOMS: Dict[str, List[str]] = {
         *("pixel_font", "picture", "room", "traffic", "messages", "sensors", "nodes"),
     ],
     "launch_files_demo": ["temperature", "nodes"],
+    "lifecycle_manager": [
+        *("plan", "member", "commands", "system", "reports", "contact", "rivals", "nodes"),
+    ],
     "executors_demo": [
         *("events", "diary", "bars", "picture", "timeline_command"),
         *("demo", "four_timers", "nodes"),
@@ -60,6 +64,8 @@ PURE = (
     *("nodekit.execution", "nodekit.messaging.finite"),
     *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),
+    *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
+    "lifecycle_manager.system",
     *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
     *("executors_demo.picture", "executors_demo.timeline_command"),
     *("robot_interfaces_demo.modes", "robot_interfaces_demo.robot_model"),

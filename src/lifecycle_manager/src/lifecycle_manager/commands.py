@@ -1,0 +1,48 @@
+"""What a manager may be told, as nav2's."""
+
+from typing import NamedTuple, Sequence
+
+from lifecycle_manager.member import STATES
+from lifecycle_manager.plan import Level
+
+
+class Command(NamedTuple):
+    """What a manager may be told.
+
+    :param name: nav2's name
+    :param goal: how far up it leads
+    :param starts: how far up the system has to be meant to be before
+    """
+
+    name: str
+    goal: Level
+    starts: Sequence[Level] = tuple(Level)
+
+
+#: By nav2's numbers.
+COMMANDS = (
+    Command("STARTUP", Level.ACTIVE),
+    Command("PAUSE", Level.INACTIVE, (Level.INACTIVE, Level.ACTIVE)),
+    Command("RESUME", Level.ACTIVE, (Level.INACTIVE, Level.ACTIVE)),
+    Command("RESET", Level.UNCONFIGURED),
+    Command("SHUTDOWN", Level.GONE),
+    Command("CONFIGURE", Level.INACTIVE, (Level.UNCONFIGURED, Level.INACTIVE)),
+    Command("CLEANUP", Level.UNCONFIGURED, (Level.UNCONFIGURED, Level.INACTIVE)),
+)
+
+
+def judged(number: int, meant: Level) -> Command:
+    """Return the command of a number.
+
+    :param number: the number
+    :param meant: how far up the system is meant to be
+    :raises ValueError: if there is no such command, or not where the system is
+    """
+    if number >= len(COMMANDS):
+        names = ", ".join(f"{index} {each.name}" for index, each in enumerate(COMMANDS))
+        raise ValueError(f"command: refused {number}: must be one of {names}")
+    if meant not in COMMANDS[number].starts:
+        allowed = ", ".join(each.name for each in COMMANDS if meant in each.starts)
+        name = COMMANDS[number].name
+        raise ValueError(f"{name} is refused: all are to be {STATES[meant]}; allowed: {allowed}")
+    return COMMANDS[number]

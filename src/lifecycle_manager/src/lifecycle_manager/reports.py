@@ -1,0 +1,46 @@
+"""A system of nodes in the words of /diagnostics."""
+
+from typing import List
+
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+
+from lifecycle_manager.member import Member, state_text
+from lifecycle_manager.system import System
+
+#: By how far up a node is.
+_LEVELS = (
+    DiagnosticStatus.STALE,
+    DiagnosticStatus.WARN,
+    DiagnosticStatus.WARN,
+    DiagnosticStatus.OK,
+)
+
+
+def reports(manager: str, system: System) -> List[DiagnosticStatus]:
+    """Report on a system, and on each of its nodes.
+
+    :param manager: name of the manager
+    :param system: the system
+    """
+    level = DiagnosticStatus.OK if system.is_active else DiagnosticStatus.WARN
+    whole = DiagnosticStatus(
+        level=DiagnosticStatus.ERROR if system.problem else level,
+        name=f"{manager}: system",
+        message=system.summary,
+        hardware_id="none",
+    )
+    return [whole, *(_report(manager, member) for member in system.members)]
+
+
+def _report(manager: str, member: Member) -> DiagnosticStatus:
+    return DiagnosticStatus(
+        level=_LEVELS[member.level],
+        name=f"{manager}: {member.name}",
+        message=state_text(member.state),
+        hardware_id="none",
+        values=[
+            KeyValue("state", str(member.state)),
+            KeyValue("heartbeat", "heard" if member.is_heard else "silent"),
+            KeyValue("under way", member.under_way or "nothing"),
+        ],
+    )

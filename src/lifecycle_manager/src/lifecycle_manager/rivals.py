@@ -1,0 +1,56 @@
+"""Whether a node has a manager already."""
+
+import contextlib
+from typing import Optional, Sequence
+
+import rosgraph
+import rospy
+from std_srvs.srv import Trigger, TriggerRequest
+
+from nodekit import CallError, CallTimeout, Node
+from nodekit.live.master import MasterClient
+
+#: What a manager is known by, besides a heartbeat that it hears.
+SERVICE = "/manage_nodes"
+#: Longest wait for an answer of the master, and of another manager, s.
+TIMEOUT_S = 1.0
+
+
+def rival(node: Node, names: Sequence[str]) -> Optional[str]:
+    """Return in words which of some nodes has which other manager, None where none has one.
+
+    A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. Who starts looks after
+    it has subscribed itself, so of two that start at once the later one sees the other.
+
+    :param node: the manager that asks
+    :param names: of the nodes
+    :raises nodekit.MasterUnreachable: if the master does not answer
+    """
+    master = MasterClient(rosgraph.get_master_uri(), node.name, "", TIMEOUT_S)
+    with contextlib.closing(master):
+        state = master.system_state()
+    managers = {
+        owner: service[: -len(SERVICE)]
+        for service, owners in state.services
+        if service.endswith(SERVICE)
+        for owner in owners
+    }
+    hearers = dict(state.subscribers)
+    for name in names:
+        for other in hearers.get(f"{name}/heartbeat", ()):
+            is_manager = other in managers and other != rospy.get_name()
+            if is_manager and _is_there(node, managers[other]):
+                return f"{name} is managed by {managers[other]}"
+    return None
+
+
+def _is_there(node: Node, manager: str) -> bool:
+    """Tell whether a manager is more than a name that was left behind; one that is stopped is."""
+    client = node.client(f"{manager}/is_active", Trigger)
+    try:
+        client.call(TriggerRequest(), TIMEOUT_S)
+    except CallTimeout:
+        return True
+    except CallError:
+        return False
+    return True

@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""A managed node that says what it is asked to do."""
+
+import sys
+
+from nodekit import Lifetime, ManagedNode, run
+
+
+def say(text: str) -> None:
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+class Driver(ManagedNode):
+    def on_configure(self, made: Lifetime) -> None:
+        say("configure")
+
+    def on_activate(self, made: Lifetime) -> None:
+        say("activate")
+
+    def on_deactivate(self) -> None:
+        say("deactivate")
+
+    def on_cleanup(self) -> None:
+        say("cleanup")
+
+
+if __name__ == "__main__":
+    run("driver", Driver)

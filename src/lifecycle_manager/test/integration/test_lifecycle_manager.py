@@ -1,0 +1,374 @@
+#!/usr/bin/env python3
+"""The manager with real nodes: in this process where that will do, in others to be killed."""
+
+import itertools
+import os
+import signal
+import threading
+import unittest
+from typing import Any, Callable, Dict, List
+from unittest import mock
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from std_srvs.srv import Trigger, TriggerResponse
+
+from lifecycle_manager.nodes.lifecycle_manager import LifecycleManager
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from nodekit import ManagedNode, Node, ParameterError
+from nodekit.life.names import Names
+from nodekit.process.run import register
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process, Server, is_stopped
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from nodekit_msgs.srv import ManageNodes, ManageNodesRequest, ManageNodesResponse
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+MANAGER = os.path.join(HERE, "..", "..", "scripts", "lifecycle_manager")
+DRIVER = os.path.join(HERE, "..", "helpers", "driver.py")
+
+ABC = ("a", "b", "c")
+#: So that a busy machine loses no node; where one is to be lost by its silence, the default is.
+PATIENT_S = 20.0
+UP = [f"{name} {label}" for label in ("configure", "activate") for name in ABC]
+DEACTIVATED = [f"{name} deactivate" for name in reversed(ABC)]
+CLEANED = [f"{name} cleanup" for name in reversed(ABC)]
+
+
+class Driver(ManagedNode):
+    """Keeps a diary with the others of its system, and fails as a test plans."""
+
+    def __init__(self, node: Node, diary: List[str], plan: Dict[str, Callable[[], Any]]) -> None:
+        super().__init__(node)
+        self.plan, self._diary = plan, diary
+
+    def do(self, label: str) -> Any:
+        what = f"{self.node.name.rpartition('/')[2]} {label}"
+        self._diary.append(what)
+        return self.plan.get(what, lambda: None)()
+
+    def on_configure(self, made: Any) -> Any:
+        return self.do("configure")
+
+    def on_activate(self, made: Any) -> Any:
+        return self.do("activate")
+
+    def on_deactivate(self) -> Any:
+        return self.do("deactivate")
+
+    def on_cleanup(self) -> Any:
+        return self.do("cleanup")
+
+    def on_shutdown(self) -> Any:
+        return self.do("shutdown")
+
+
+class Managing(unittest.TestCase):
+    """Each test has a namespace of its own."""
+
+    numbers = itertools.count()
+
+    def setUp(self) -> None:
+        self.space = f"/system{next(self.numbers)}"
+        self.diary: List[str] = []
+        self.plan: Dict[str, Callable[[], Any]] = {}
+
+    def set_parameters(self, name: str = "manager", **values: Any) -> None:
+        values = {"node_names": ABC, "heartbeat_timeout": PATIENT_S, **values}
+        for key, value in values.items():
+            Server().set(f"{self.space}/{name}/{key}", value)
+
+    def call(self, name: str, kind: Any, *arguments: Any) -> Any:
+        service = f"{self.space}/{name}"
+        rospy.wait_for_service(service, TIMEOUT_S)
+        return rospy.ServiceProxy(service, kind)(*arguments)
+
+    def command(self, number: int) -> ManageNodesResponse:
+        return self.call("manager/manage_nodes", ManageNodes, number)
+
+    def is_active(self) -> TriggerResponse:
+        return self.call("manager/is_active", Trigger)
+
+    def wait_until_active(self) -> None:
+        wait_until(lambda: self.is_active().success, lambda: self.is_active().message)
+
+    def wait_until_told(self, text: str) -> None:
+        wait_until(
+            lambda: text in self.is_active().message,
+            lambda: f"{text!r} in {self.is_active().message!r}",
+        )
+
+    def states(self) -> List[str]:
+        return [self.call(f"{name}/get_state", GetState).current_state.label for name in ABC]
+
+    def change(self, name: str, label: str) -> bool:
+        return bool(self.call(f"{name}/change_state", ChangeState, Transition(0, label)).success)
+
+
+class Here(Managing):
+    """All nodes, and their manager, in this process."""
+
+    def node(self, name: str) -> Node:
+        node = Node(Names.hosted(self.space, name))
+        self.addCleanup(node.close)
+        return node
+
+    def drivers(self, *names: str) -> Dict[str, Node]:
+        nodes = {name: self.node(name) for name in names}
+        for node in nodes.values():
+            Driver(node, self.diary, self.plan)
+            node.start()
+        return nodes
+
+    def manager(self, **values: Any) -> Node:
+        self.set_parameters(**values)
+        node = self.node("manager")
+        LifecycleManager(node)
+        node.start()
+        return node
+
+    def test_commands(self) -> None:
+        """Course 004: all are configured in order, then activated; down in reverse."""
+        self.drivers(*ABC)
+        self.manager()
+        on, off = UP, DEACTIVATED
+        for command, success, text, expected in (
+            ("PAUSE", False, "PAUSE is refused: all are to be unconfigured", []),
+            ("RESUME", False, "allowed: STARTUP, RESET, SHUTDOWN, CONFIGURE, CLEANUP", []),
+            ("STARTUP", True, "all are active", on),
+            ("STARTUP", True, "all are active", []),
+            ("CONFIGURE", False, "CONFIGURE is refused: all are to be active", []),
+            ("CLEANUP", False, "allowed: STARTUP, PAUSE, RESUME, RESET, SHUTDOWN", []),
+            ("PAUSE", True, "all are inactive", off),
+            ("RESUME", True, "all are active", on[3:]),
+            ("RESET", True, "all are unconfigured", off + CLEANED),
+            ("CONFIGURE", True, "all are inactive", on[:3]),
+            ("CLEANUP", True, "all are unconfigured", CLEANED),
+            ("STARTUP", True, "all are active", on),
+            ("SHUTDOWN", True, "all are finalized", [*off, *CLEANED, *"c b a".split()]),
+        ):
+            del self.diary[:]
+            with self.subTest(command=command, text=text):
+                answer = self.command(getattr(ManageNodesRequest, command))
+                self.assertEqual(answer.success, success, answer)
+                self.assertIn(text, answer.message)
+                self.assertEqual([each.replace(" shutdown", "") for each in self.diary], expected)
+                self.assertEqual(self.is_active().success, self.states() == ["active"] * 3)
+        answer = self.command(7)
+        self.assertFalse(answer.success)
+        self.assertIn("refused 7: must be one of 0 STARTUP, 1 PAUSE", answer.message)
+
+    def test_what_fails_comes_down_in_order(self) -> None:
+        self.drivers(*ABC)
+        self.plan["c activate"] = lambda: False
+        ear = Ear("/diagnostics", DiagnosticArray)
+        self.addCleanup(ear.close)
+        self.manager()
+        failure = f"{self.space}/c: activate has failed: it is inactive, and its log says why"
+        answer = self.command(ManageNodesRequest.STARTUP)
+        self.assertEqual((answer.success, answer.message), (False, failure))
+        self.assertEqual(self.diary, UP + DEACTIVATED[1:] + CLEANED)
+        self.assertEqual(self.states(), ["unconfigured"] * 3)
+        whole = f"{self.space}/manager: system"
+        ear.wait_for(lambda message: told(message, whole) == (DiagnosticStatus.ERROR, failure))
+        self.plan.clear()
+        self.assertTrue(self.command(ManageNodesRequest.STARTUP).success)
+        ear.wait_for(lambda message: told(message, whole) == (0, "all are active"))
+        ear.wait_for(lambda message: told(message, f"{self.space}/manager: {self.space}/c")[0] == 0)
+        count = ear.count()
+        wait_until(lambda: ear.count() > count, lambda: "reports without a change")
+
+    def test_an_error_while_configuring(self) -> None:
+        self.drivers(*ABC)
+        self.plan["b configure"] = raising
+        self.manager(autostart=True)
+        self.wait_until_told(f"{self.space}/b: configure has failed: it is unconfigured")
+        wait_until(lambda: self.states() == ["unconfigured"] * 3, lambda: str(self.states()))
+        self.assertEqual(self.diary, ["a configure", "b configure", "a cleanup"])
+
+    def test_one_that_does_not_let_itself_be_deactivated(self) -> None:
+        """Those before it stop, but stay configured as long as it is active."""
+        self.drivers(*ABC)
+        self.manager(autostart=True)
+        self.wait_until_active()
+        self.plan["b deactivate"] = lambda: False
+        answer = self.command(ManageNodesRequest.RESET)
+        self.assertFalse(answer.success)
+        self.assertIn("b: deactivate has failed: it is active", answer.message)
+        self.assertEqual(self.states(), ["inactive", "active", "unconfigured"])
+        self.plan.clear()
+        self.assertTrue(self.command(ManageNodesRequest.RESET).success)
+
+    def test_one_that_takes_too_long(self) -> None:
+        self.drivers(*ABC)
+        go_on = threading.Event()
+        self.addCleanup(go_on.set)
+        self.plan["b configure"] = lambda: go_on.wait(TIMEOUT_S)
+        self.manager(request_timeout=0.2)
+        answer = self.command(ManageNodesRequest.STARTUP)
+        self.assertFalse(answer.success)
+        self.assertIn("b: configure has failed", answer.message)
+        self.assertIn("no answer within 0.2 s", answer.message)
+        self.assertEqual(self.states(), ["unconfigured", "configuring", "unconfigured"])
+        go_on.set()  # it is configured after all, and cleaned up then
+        wait_until(lambda: "b cleanup" in self.diary, lambda: str(self.diary))
+
+    def test_one_that_is_not_there(self) -> None:
+        nodes = self.drivers("a", "b")
+        self.manager(respawn_window=0.5, heartbeat_timeout=0.8)
+        answer = self.command(ManageNodesRequest.STARTUP)
+        text = f"{self.space}/c is not there for longer than 0.5 s"
+        self.assertFalse(answer.success)
+        self.assertIn(text, answer.message)
+        self.wait_until_told(text)
+        self.assertNotIn("a activate", self.diary)
+        # It comes later, and stays down until told.
+        nodes.update(self.drivers("c"))
+        wait_until(
+            lambda: self.command(ManageNodesRequest.STARTUP).success, lambda: str(self.states())
+        )
+        # One that leaves for good.
+        nodes["a"].close()
+        self.wait_until_told(f"{self.space}/a is not there for longer than 0.5 s")
+        wait_until(
+            lambda: [self.diary[-4:]] == [[*DEACTIVATED[:2], *CLEANED[:2]]], lambda: str(self.diary)
+        )
+
+    def test_what_others_change_is_undone(self) -> None:
+        self.drivers(*ABC)
+        self.manager(autostart=True)
+        self.wait_until_active()
+        del self.diary[:]
+        self.assertTrue(self.change("a", "deactivate"))
+        wait_until(lambda: len(self.diary) == 6, lambda: str(self.diary))
+        self.assertEqual(self.diary, ["a deactivate", *DEACTIVATED[:2], *UP[3:]])
+        self.wait_until_active()
+
+    def test_a_manager_that_comes_back(self) -> None:
+        """It takes over what it finds, and interrupts nothing."""
+        self.drivers(*ABC)
+        for autostart in (True, False):
+            for command, text in (("STARTUP", "all are active"), ("PAUSE", "all are inactive")):
+                with self.subTest(command=command, autostart=autostart):
+                    manager = self.manager(autostart=autostart)
+                    self.command(getattr(ManageNodesRequest, command))
+                    manager.close()
+                    del self.diary[:]
+                    manager = self.manager(autostart=autostart)
+                    self.wait_until_told(text)
+                    self.assertEqual(self.command(ManageNodesRequest.RESUME).success, True)
+                    self.assertEqual(self.diary, UP[3:] if command == "PAUSE" else [])
+                    manager.close()
+
+    def test_a_second_manager_that_starts_at_the_same_time(self) -> None:
+        """It sees the first one only after it has told of itself."""
+        self.set_parameters("other", node_names=["y"])
+        node = self.node("other")
+        rivals = "lifecycle_manager.nodes.lifecycle_manager.rival"
+        with mock.patch(rivals, side_effect=[None, "b has one"]):
+            with mock.patch("rospy.signal_shutdown") as end:
+                LifecycleManager(node)
+                node.start()
+                wait_until(lambda: end.called, lambda: "the end of the second one")
+
+    def test_at_its_end_what_hangs_is_left_behind(self) -> None:
+        self.drivers(*ABC)
+        self.set_parameters(autostart=True)
+        node = self.node("manager")
+        manager = LifecycleManager(node)
+        node.start()
+        self.wait_until_active()
+        go_on = threading.Event()
+        self.addCleanup(go_on.set)
+        self.plan["c deactivate"] = lambda: go_on.wait(TIMEOUT_S)
+        with self.assertLogs("rosout", "WARNING") as logged:
+            manager.end()
+        left = ", ".join(f"{self.space}/{name}" for name in ABC)
+        self.assertIn(f"left behind as they are: {left}", logged.output[-1])
+
+    def test_names_are_judged(self) -> None:
+        for names in ([], ["a", "a"]):
+            self.set_parameters(node_names=names)
+            with self.assertRaisesRegex(ParameterError, "names of nodes, each of them once"):
+                LifecycleManager(self.node("manager"))
+
+
+def told(message: DiagnosticArray, name: str) -> Any:
+    """Return level and text of a status; -1 where it is not in there."""
+    found = [(each.level, each.message) for each in message.status if each.name == name]
+    return found[0] if found else (-1, "")
+
+
+def raising() -> None:
+    raise ValueError("on purpose")
+
+
+class Elsewhere(Managing):
+    """Processes of their own."""
+
+    def start(self, script: str, name: str) -> Process:
+        process = Process(script, [f"__name:={name}", f"__ns:={self.space}"])
+        self.addCleanup(process.end)
+        return process
+
+    def wait_for_lines(self, **expected: List[str]) -> None:
+        """Wait until these are the last lines of these nodes."""
+
+        def found() -> Dict[str, List[str]]:
+            return {name: self.nodes[name].lines[-len(lines) :] for name, lines in expected.items()}
+
+        wait_until(lambda: found() == expected, lambda: f"{found()}, not {expected}")
+
+    def stop(self, process: Process) -> None:
+        process.popen.send_signal(signal.SIGSTOP)
+        wait_until(lambda: is_stopped(process.popen.pid), lambda: "it goes on")
+
+    def test_losses(self) -> None:
+        """Course 004: a system survives kill -9 and a stop of any node, and of its manager."""
+        self.set_parameters(autostart=True)
+        self.nodes = nodes = {name: self.start(DRIVER, name) for name in ABC}
+        manager = self.start(MANAGER, "manager")
+        manager.wait_for_log("all are active")
+        # Killed and started again.
+        nodes["b"].end()
+        self.wait_until_told("b is lost: it has ended")
+        self.wait_for_lines(a=["activate", "deactivate"], c=["deactivate", "cleanup"])
+        nodes["b"] = self.start(DRIVER, "b")
+        self.wait_until_active()
+        self.wait_for_lines(a=["deactivate", "activate"], b=["configure", "activate"])
+        # Stopped, and continued: it was active all the time.
+        self.set_parameters(heartbeat_timeout=0.8)
+        manager.wait_for_log("heartbeat_timeout", "0.8")
+        self.stop(nodes["c"])
+        self.wait_until_told("c is lost: no heartbeat for 0.8 s")
+        self.set_parameters()
+        nodes["c"].popen.send_signal(signal.SIGCONT)
+        self.wait_until_active()
+        self.wait_for_lines(c=["deactivate", "activate"])
+        # The manager itself, stopped: another one is refused all the same.
+        lines = {name: list(nodes[name].lines) for name in ABC}
+        self.stop(manager)
+        self.set_parameters("second")
+        second = self.start(MANAGER, "second")
+        self.assertEqual(second.wait(), 1)
+        text = f"must be nodes without another manager ({self.space}/a is managed by"
+        self.assertTrue(second.logged(text, f"{self.space}/manager)"), second.logged())
+        manager.popen.send_signal(signal.SIGCONT)
+        self.wait_until_active()
+        # Killed: another one, of another name, may take over, and interrupts nothing.
+        manager.end()
+        self.set_parameters("second", autostart=True)
+        manager = self.start(MANAGER, "second")
+        manager.wait_for_log("all are active")
+        self.assertEqual({name: nodes[name].lines for name in ABC}, lines)
+        # Ctrl-C brings the nodes down.
+        self.assertEqual(manager.interrupt(), 0)
+        self.assertEqual(self.states(), ["unconfigured"] * 3)
+        self.wait_for_lines(**{name: ["deactivate", "cleanup"] for name in ABC})
+
+
+if __name__ == "__main__":
+    register("test_lifecycle_manager")
+    rostest.rosrun("lifecycle_manager", "lifecycle_manager", "test_lifecycle_manager")

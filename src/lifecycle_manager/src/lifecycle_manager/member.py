@@ -64,8 +64,13 @@ class Member:
         return bool(self.under_way) or self.look_at < math.inf
 
     @property
+    def is_moving(self) -> bool:
+        """Whether it is in the middle of a transition."""
+        return self.state >= len(STATES)
+
+    @property
     def rests(self) -> bool:
-        """Whether it is in a state from which it can be led on."""
+        """Whether it is where it can be led on from."""
         return self.state in _ON
 
     def enter(self, state: int, now: float) -> None:

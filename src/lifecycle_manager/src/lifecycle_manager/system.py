@@ -7,7 +7,7 @@ import math
 from typing import List, Optional, Sequence, Tuple
 
 from lifecycle_manager.commands import judged
-from lifecycle_manager.member import LOOK, RESULTS, STATES, Member, state_text
+from lifecycle_manager.member import LOOK, RESULTS, Member, state_text
 from lifecycle_manager.plan import DOWN, Level, next_step
 
 #: Time between two looks at a node that is in the middle of something or does not answer, s.
@@ -78,7 +78,7 @@ class System:
         """
         label, member.under_way = member.under_way, ""
         member.enter(state, now)
-        if not 0 < state < len(STATES):
+        if member.is_moving or not state:
             member.look_at = now + LOOK_EVERY_S
         if state and state != RESULTS.get(label, state):
             result = why or f"it is {state_text(state)}, and its log says why"
@@ -148,7 +148,7 @@ class System:
     @property
     def is_reached(self) -> bool:
         """Whether all nodes are where they are to be."""
-        return all(level == self.goal for level in self.levels)
+        return not self._others()
 
     @property
     def is_active(self) -> bool:
@@ -162,8 +162,11 @@ class System:
             return self.problem
         if self.is_reached:
             return f"all are {state_text(self.goal or 4)}"
-        others = [each for each in self.members if each.level != self.goal]
-        return ", ".join(f"{each.name} is {state_text(each.state)}" for each in others)
+        return ", ".join(f"{each.name} is {state_text(each.state)}" for each in self._others())
+
+    def _others(self) -> List[Member]:
+        """Return the nodes that are not where they are to be."""
+        return [each for each in self.members if each.is_moving or each.level != self.goal]
 
     def _meant(self) -> Level:
         """Return how far up the nodes are to be, or where they have been found."""

@@ -4,6 +4,7 @@ from typing import Callable, List, NamedTuple
 
 import run_crowd
 import run_interrupt
+import run_managed
 import run_record
 import run_respawn
 import run_stalled
@@ -24,5 +25,6 @@ RUNS = [
     Run("respawn", "kill -9 of each node, which is started again", run_respawn.run),
     Run("stalled", "a subscriber at 1 kHz that is stopped for a minute", run_stalled.run),
     Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
+    Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
     Run("crowd", "20 subscribers that come and go", run_crowd.run),
 ]

@@ -193,7 +193,11 @@ def test_a_loss_and_a_return() -> None:
     assert world.system.settle() is None  # it is waited for
     world.fakes[1] = Fake()
     world.run(1.5)
-    assert world.steps[3:] == ["1 configure", "2 configure", *(f"{each} activate" for each in "012")]
+    assert world.steps[3:] == [
+        "1 configure",
+        "2 configure",
+        *(f"{each} activate" for each in "012"),
+    ]
     assert (world.system.is_active, world.system.problem) == (True, "")
 
 

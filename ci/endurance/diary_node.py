@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""A managed node that writes down what becomes of it, in the file that DIARY names."""
+
+import os
+import time
+
+from nodekit import Lifetime, ManagedNode, Node, run
+
+
+class DiaryNode(ManagedNode):
+    """Notes each step, with the machine's monotonic clock, which all processes share."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node)
+        self.note("started")
+
+    def note(self, what: str) -> None:
+        """Write a line, in one go: others write there too."""
+        with open(os.environ["DIARY"], "ab", buffering=0) as diary:
+            diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
+
+    def on_configure(self, made: Lifetime) -> None:
+        self.note("configured")
+
+    def on_activate(self, made: Lifetime) -> None:
+        self.note("activated")
+
+    def on_deactivate(self) -> None:
+        self.note("deactivated")
+
+    def on_cleanup(self) -> None:
+        self.note("cleaned_up")
+
+
+if __name__ == "__main__":
+    run("diary_node", DiaryNode)

@@ -1,0 +1,44 @@
+"""The diary of managed nodes is read rightly."""
+
+from diary import Entry, Story, entries
+
+GOOD = [
+    *((1.0, "/a", "configured"), (2.0, "/b", "configured")),
+    *((3.0, "/a", "activated"), (4.0, "/b", "activated")),
+]
+
+
+def story(*more: "tuple[float, str, str]") -> Story:
+    found = Story(("/a", "/b"))
+    for entry in (*GOOD, *more):
+        found.read(Entry(*entry))
+    return found
+
+
+def test_entries_are_sorted() -> None:
+    text = "2.5 /b activated\n1.5 /a killed\n"
+    assert entries(text) == [(1.5, "/a", "killed"), (2.5, "/b", "activated")]
+
+
+def test_nothing_is_wrong() -> None:
+    good = story()
+    assert (good.all_active(), good.rash, good.longest) == (True, [], 0.0)
+    assert not story((5.0, "/b", "stopped")).all_active()
+    assert not story((5.0, "/b", "deactivated")).all_active()
+
+
+def test_stays_active_after_a_loss() -> None:
+    bad = story((5.0, "/a", "killed"), (5.3, "/b", "deactivated"), (9.0, "/a", "started"))
+    assert (round(bad.longest, 6), bad.rash) == (0.3, [])
+
+
+def test_one_that_is_stopped_does_not_work() -> None:
+    events = [(5.0, "/b", "stopped"), (5.1, "/a", "deactivated"), (5.2, "/a", "cleaned_up")]
+    assert story(*events).longest == 0.0
+    bad = story(*events, (7.0, "/b", "continued"), (7.5, "/b", "deactivated"))
+    assert round(bad.longest, 6) == 0.5
+
+
+def test_is_activated_too_early() -> None:
+    bad = story((5.0, "/b", "deactivated"), (5.1, "/a", "killed"), (6.0, "/b", "activated"))
+    assert bad.rash == ["/b at 6.000"]

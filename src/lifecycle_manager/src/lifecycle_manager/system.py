@@ -80,7 +80,8 @@ class System:
         member.enter(state, now)
         if member.is_moving or not state:
             member.look_at = now + LOOK_EVERY_S
-        if state and state != RESULTS.get(label, state):
+        # One that has shut down meanwhile is lost rather than to blame: it may come back.
+        if member.level > Level.GONE and state != RESULTS.get(label, state):
             result = why or f"it is {state_text(state)}, and its log says why"
             self._fail(f"{member.name}: {label} has failed: {result}")
             member.is_stuck = label in DOWN.values()

@@ -330,6 +330,24 @@ def test_a_transition_without_an_answer_has_failed() -> None:
     assert world.steps == ["0 configure", "0 cleanup"]
 
 
+def test_one_that_shuts_down_while_it_is_asked_may_come_back() -> None:
+    world = up(2)
+    for state in (12, 4):
+        world.system.command(PAUSE, world.now)
+        world.run(TICK_S)
+        assert world.member(1).under_way == "deactivate"
+        fake = world.fakes[1]
+        assert fake is not None
+        fake.state = state
+        world.run(0.5)
+        assert world.system.problem == ""
+        world.kill(1)
+        world.fakes[1] = Fake()
+        world.run(2.0)
+        assert world.system.settle() == (True, "all are inactive")
+        assert world.command(RESUME) == (True, "all are active")
+
+
 def test_commands() -> None:
     for number, command in enumerate(COMMANDS):
         for meant in Level:

@@ -25,6 +25,7 @@ from nodekit import (
     ParameterError,
     ParameterSet,
     StringParameter,
+    read_once,
     run,
 )
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
@@ -42,15 +43,14 @@ END_S = 1.5
 class LifecycleManagerParameters(ParameterSet):
     """Parameters of the lifecycle manager."""
 
-    node_names = ListParameter(
-        [],
-        element=StringParameter("", help=""),
-        help="the nodes in their order; a relative name is in the manager's namespace; read at the"
-        " start",
+    node_names = read_once(
+        ListParameter(
+            [],
+            element=StringParameter("", help=""),
+            help="the nodes in their order; a relative name is in the manager's namespace",
+        )
     )
-    autostart = BoolParameter(
-        False, help="bring the nodes up without being told; read at the start"
-    )
+    autostart = read_once(BoolParameter(False, help="bring the nodes up without being told"))
     heartbeat_timeout = FloatParameter(
         0.8, minimum=0.4, maximum=60.0, unit="s", help="silence after which a node is lost"
     )

@@ -1,0 +1,54 @@
+#!/usr/bin/env python3
+"""Generator, process and motor come up in order, and survive the end of any of them."""
+
+import os
+import signal
+import unittest
+
+import rospy
+import rostest
+from std_msgs.msg import Float32
+from std_srvs.srv import Trigger
+
+from lifecycle_msgs.srv import GetState
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+NODES = ("/signal_generator", "/process", "/motor_sys")
+
+
+class ManagedSystem(unittest.TestCase):
+    def call(self, name: str, kind: type) -> object:
+        rospy.wait_for_service(name, TIMEOUT_S)
+        return rospy.ServiceProxy(name, kind)()
+
+    def is_up(self, node: str) -> bool:
+        """Tell whether a process is active, and the system with it."""
+        try:
+            state = self.call(node + "/get_state", GetState).current_state.label
+            return state == "active" and self.call("/manager/is_active", Trigger).success
+        except rospy.ServiceException:  # it is just coming back
+            return False
+
+    def test_survives_kill_9_of_any(self) -> None:
+        """Course 004: a system of managed nodes under a manager."""
+        ear = Ear("/proc_signal", Float32)
+        self.addCleanup(ear.close)
+        with launched("lifecycle_demo managed_system.launch autostart:=ON") as launch:
+            for node in NODES:
+                wait_until(lambda: self.is_up(node), lambda: f"{node} is not up")
+            for node in (*NODES, "/manager"):
+                with self.subTest(node=node):
+                    before = launch.processes()[node]
+                    os.kill(before.pid, signal.SIGKILL)
+                    launch.wait_for_new_process(node, before)
+                    told = NODES[0] if node == "/manager" else node
+                    wait_until(lambda: self.is_up(told), lambda: f"{node} is not back")
+                    ear.forget()
+                    ear.wait_for(lambda message: True)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_managed_system")
+    rostest.rosrun("lifecycle_demo", "managed_system", ManagedSystem)

@@ -32,7 +32,7 @@ class ManagedSystem(unittest.TestCase):
             return False
 
     def test_survives_kill_9_of_any(self) -> None:
-        """Course 004: a system of managed nodes under a manager."""
+        """Each is ended the hard way, and the manager too."""
         ear = Ear("/proc_signal", Float32)
         self.addCleanup(ear.close)
         with launched("lifecycle_demo managed_system.launch autostart:=ON") as launch:

@@ -130,7 +130,7 @@ class Here(Managing):
         return node
 
     def test_commands(self) -> None:
-        """Course 004: all are configured in order, then activated; down in reverse."""
+        """All are configured in order, then activated; down in reverse."""
         self.drivers(*ABC)
         self.manager()
         on, off = UP, DEACTIVATED
@@ -326,7 +326,7 @@ class Elsewhere(Managing):
         wait_until(lambda: is_stopped(process.popen.pid), lambda: "it goes on")
 
     def test_losses(self) -> None:
-        """Course 004: a system survives kill -9 and a stop of any node, and of its manager."""
+        """A system survives kill -9 and a stop of any node, and of its manager."""
         self.set_parameters(autostart=True)
         self.nodes = nodes = {name: self.start(DRIVER, name) for name in ABC}
         manager = self.start(MANAGER, "manager")

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lifecycle_manager.commands import COMMANDS, judged
 from lifecycle_manager.member import LOOK, RESULTS, Member, state_text
-from lifecycle_manager.plan import Level
+from lifecycle_manager.plan import DOWN, Level
 from lifecycle_manager.system import FIRST_LOOK_S, System
 
 TIMEOUT_S, WINDOW_S = 0.8, 10.0
@@ -41,7 +41,7 @@ class World:
     """A manager's knowledge of some nodes, and these nodes."""
 
     def __init__(self, count: int, autostart: bool = True) -> None:
-        self.now = 0.0
+        self.now = 100.0
         self.system = System([f"/{place}" for place in range(count)], autostart, self.now)
         self.fakes: List[Optional[Fake]] = [Fake() for _ in range(count)]
         self.asked: Dict[int, Asked] = {}
@@ -119,6 +119,8 @@ class World:
     def _may(self, place: int, label: str) -> None:
         """Look whether a step is allowed, by what is known."""
         levels = self.system.levels
+        asked = [each.under_way for each in self.system.members]
+        assert sum(each in DOWN.values() for each in asked) <= 1, asked
         if label == "activate":
             assert all(level >= Level.INACTIVE for level in levels), (place, levels)
             assert all(level is Level.ACTIVE for level in levels[:place])
@@ -188,6 +190,7 @@ def test_a_loss_and_a_return() -> None:
     world = up()
     world.kill(1)
     assert world.system.problem == "/1 is lost: it has ended"
+    assert not (world.member(1).is_heard or world.system.is_active)
     world.run(1.0)
     assert world.steps == ["2 deactivate", "0 deactivate", "2 cleanup"]
     assert world.system.settle() is None  # it is waited for
@@ -246,6 +249,17 @@ def test_who_does_not_come_back_has_the_others_stay_down() -> None:
     assert world.system.levels == [Level.UNCONFIGURED] * 3
     assert world.system.problem == text
     assert world.command(STARTUP) == (True, "all are active")
+
+
+def test_a_loss_of_what_is_down_is_no_problem() -> None:
+    world = up()
+    assert world.command(PAUSE) == (True, "all are inactive")
+    assert not world.system.is_active
+    assert world.command(RESET) == (True, "all are unconfigured")
+    world.kill(1)
+    world.run(2 * WINDOW_S)
+    assert world.system.problem == ""
+    assert world.system.summary == "/1 is not there"
 
 
 def test_one_that_is_finalized_has_to_be_started_anew() -> None:
@@ -360,10 +374,44 @@ def test_commands() -> None:
         judged(7, Level.ACTIVE)
 
 
-def test_states_in_words() -> None:
-    assert [state_text(state) for state in (0, 3, 4, 13)] == [
+def test_states() -> None:
+    member = Member("/a", 0.0)
+    found = []
+    for state in (*range(5), *range(10, 16)):
+        member.enter(state, 0.0)
+        found.append((state, int(member.level), member.is_moving))
+    assert found == [
+        *((0, 0, False), (1, 1, False), (2, 2, False), (3, 3, False), (4, 0, False)),
+        *((10, 1, True), (11, 1, True), (12, 0, True)),
+        *((13, 3, True), (14, 3, True), (15, 0, True)),
+    ]
+    assert [state_text(state) for state in (0, 3, 4, 10)] == [
         *("not there", "active", "finalized", "in the middle of a transition"),
     ]
+
+
+def test_one_that_has_never_been_there_is_not_lost() -> None:
+    world = World(2)
+    world.fakes[1] = None
+    world.system.command(STARTUP, world.now)
+    world.run(5.0)
+    assert world.system.problem == ""
+    assert world.system.summary == "/0 is inactive, /1 is not there"
+
+
+def test_one_whose_heart_beats_but_that_does_not_answer() -> None:
+    world = World(2)
+    world.run(0.2)
+    world.system.command(STARTUP, world.now)
+    for _ in range(60):
+        world.now += 0.2
+        for place, state in enumerate((0, 1)):
+            world.system.hear(world.member(place), world.now)
+            if world.member(place).under_way:
+                world.system.end(world.member(place), state, "", world.now)
+        world.system.look_around(TIMEOUT_S, WINDOW_S, world.now)
+        world.system.ask_next(world.now)
+    assert world.system.problem.startswith("/0 is not there for longer than 10 s")
 
 
 EVENTS = st.tuples(

@@ -1,0 +1,1 @@
+"""A robot with two wheels as a simulator on a ROS graph."""

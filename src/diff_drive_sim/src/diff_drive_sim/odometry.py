@@ -1,0 +1,94 @@
+"""Where a robot believes to be, by the turns of its wheels, and how far that may be off.
+
+A wheel slips a little, so its measured path is off. The errors of pieces of the path have nothing
+to do with each other: their variances add up, k^2 for each m, however the path is cut to pieces.
+How they spread to the pose is Siegwart and Nourbakhsh's, Autonomous Mobile Robots, section 5.2.4.
+"""
+
+import math
+import random
+from typing import List, Tuple
+
+from diff_drive_sim.kinematics import Pose, Wheels, chord
+
+#: Upper triangle of a covariance: xx, xy, xt, yy, yt, tt, in m^2, m rad, rad^2.
+Covariance = Tuple[float, float, float, float, float, float]
+EXACT: Covariance = (0.0,) * 6
+
+#: Half the width of an even distribution, in standard deviations.
+_WIDTH = math.sqrt(3.0)
+
+
+class Odometry:
+    """Integrates the paths of both wheels as they are measured.
+
+    :param pose: where it starts
+    :param seed: of the noise: the same seed gives the same errors
+
+    :ivar pose: where the robot believes to be
+    :ivar covariance: of that pose
+    :ivar angles: of the wheels since the start, rad
+    :ivar measured: path of the left and the right wheel in the last step, m
+    """
+
+    def __init__(self, pose: Pose, seed: int = 0) -> None:
+        self.pose = pose
+        self.covariance = EXACT
+        self.angles = Wheels()
+        self._random = random.Random(seed)
+
+    def roll(self, left: float, right: float, separation: float, radius: float, k: float) -> None:
+        """Measure what the wheels have rolled; short of a few cm, as the errors are linearised.
+
+        :param left: true path of the left wheel, m
+        :param right: of the right one, m
+        :param separation: distance of the wheels, m
+        :param radius: of the wheels, m
+        :param k: standard deviation of the error after 1 m, m
+        """
+        if k > 0.0:
+            self._spread(left, right, separation, k)
+            left += self._error(left, k)
+            right += self._error(right, k)
+        self.pose = self.pose.moved(0.5 * (left + right), (right - left) / separation)
+        self.angles = Wheels(self.angles.left + left / radius, self.angles.right + right / radius)
+
+    def _error(self, path: float, k: float) -> float:
+        """Return an error of a path, m: never more than 1.73 standard deviations."""
+        return k * math.sqrt(abs(path)) * _WIDTH * self._random.uniform(-1.0, 1.0)
+
+    def _spread(self, left: float, right: float, separation: float, k: float) -> None:
+        """Add the errors of a step to the covariance: F C F' + G Q G'."""
+        distance, turn = 0.5 * (left + right), (right - left) / separation
+        direction, length = self.pose.theta + 0.5 * turn, chord(distance, turn)
+        cosine, sine = math.cos(direction), math.sin(direction)
+        xx, xy, xt, yy, yt, tt = self.covariance
+        by_x, by_y = -length * sine, length * cosine
+        xx, xy, yy = (
+            xx + 2.0 * by_x * xt + by_x * by_x * tt,
+            xy + by_x * yt + by_y * xt + by_x * by_y * tt,
+            yy + 2.0 * by_y * yt + by_y * by_y * tt,
+        )
+        xt, yt = xt + by_x * tt, yt + by_y * tt
+        lever = length / separation
+        for path, side in ((left, -1.0), (right, 1.0)):
+            variance = k * k * abs(path)
+            gx = 0.5 * (cosine - side * lever * sine)
+            gy = 0.5 * (sine + side * lever * cosine)
+            gt = side / separation
+            xx += variance * gx * gx
+            xy += variance * gx * gy
+            xt += variance * gx * gt
+            yy += variance * gy * gy
+            yt += variance * gy * gt
+            tt += variance * gt * gt
+        self.covariance = (xx, xy, xt, yy, yt, tt)
+
+
+def matrix(covariance: Covariance) -> List[List[float]]:
+    """Return a covariance of x, y and heading as rows.
+
+    :param covariance: its upper triangle
+    """
+    xx, xy, xt, yy, yt, tt = covariance
+    return [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]]

@@ -1,0 +1,138 @@
+"""A robot with two wheels: commands in, poses out. It knows no ROS and no clock.
+
+A controller's test closes the loop with it::
+
+    robot = Robot(RobotSettings(), pose=Pose(0.0, 0.0, 0.0))
+    while ...:
+        robot.command(*law(robot.odometry.pose))
+        robot.step(0.05)
+"""
+
+import math
+from typing import Iterator, Optional, Tuple
+
+from diff_drive_sim.kinematics import Pose, Wheels, body_speeds, wheel_speeds
+from diff_drive_sim.limits import RobotSettings, between, ramp_time, saturated
+from diff_drive_sim.odometry import Odometry
+from diff_drive_sim.world import World
+
+#: Pieces that a change of speed is driven in, s: each with its mean speeds, so that the heading is
+#: exact and the place off by the cube of this.
+_RAMP_PIECE_S = 0.01
+#: Longest path of a wheel for which the errors of odometry are taken as linear, m.
+_NOISE_PIECE_M = 0.02
+
+
+class Robot:
+    """Its state, which steps from one moment to the next; any step, without losing exactness.
+
+    A command acts until the next one, or until it is too old; then the robot stops. Where it
+    touches a wall it stops at once, and can turn on the spot or drive away. Not safe for several
+    threads at once.
+
+    :param settings: what it is like
+    :param world: what is in its way
+    :param pose: where it starts
+    :param seed: of the noise of its odometry
+
+    :ivar pose: where it is
+    :ivar wheels: speeds of the wheels, rad/s
+    :ivar odometry: where it believes to be, and how its wheels have turned
+    :ivar touches: whether a wall stopped it in the last step
+    """
+
+    def __init__(
+        self,
+        settings: RobotSettings = RobotSettings(),
+        world: Optional[World] = None,
+        pose: Pose = Pose(),
+        seed: int = 0,
+    ) -> None:
+        self.settings = settings
+        self.world = world or World()
+        self.reset(pose, seed)
+
+    def reset(self, pose: Pose, seed: int = 0) -> None:
+        """Put it to a place, at rest and without a command; its odometry starts there anew.
+
+        :param pose: the place
+        :param seed: of the noise of its odometry
+        """
+        self.pose = pose
+        self.wheels = Wheels()
+        self.odometry = Odometry(pose, seed)
+        self.touches = False
+        self._wanted = (0.0, 0.0)
+        self._acts_for = math.inf
+
+    @property
+    def speeds(self) -> Tuple[float, float]:
+        """The speed forward, m/s, and the rate of turn, rad/s."""
+        return body_speeds(self.wheels, *self._geometry)
+
+    def command(self, linear: float, angular: float) -> None:
+        """Have it drive at some speed from now on; beyond its limits the same curve, slower.
+
+        :param linear: speed forward, m/s
+        :param angular: rate of turn, rad/s
+        :raises ValueError: if a speed is not finite
+        """
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            raise ValueError(f"a command of {linear} m/s and {angular} rad/s: must be finite")
+        self._wanted = (linear, angular)
+        self._acts_for = self.settings.command_timeout or math.inf
+
+    def step(self, dt: float) -> None:
+        """Let time pass.
+
+        :param dt: how much, s; nothing moves in 0 or less
+        """
+        if dt <= 0.0:
+            return
+        self.touches = False
+        acts = min(dt, self._acts_for)
+        self._drive(acts)
+        self._acts_for -= acts
+        if self._acts_for <= 0.0:
+            self._wanted, self._acts_for = (0.0, 0.0), math.inf
+            self._drive(dt - acts)
+
+    @property
+    def _geometry(self) -> Tuple[float, float]:
+        return self.settings.wheel_separation, self.settings.wheel_radius
+
+    def _drive(self, dt: float) -> None:
+        """Drive towards the speeds that are wanted, and on at those."""
+        target = wheel_speeds(*saturated(*self._wanted, self.settings), *self._geometry)
+        start = self.wheels
+        ramp = ramp_time(start, target, self.settings.max_wheel_acceleration)
+        driven = min(ramp, dt)
+        for begun, ended in _pieces(driven, _RAMP_PIECE_S):
+            self._roll(between(start, target, 0.5 * (begun + ended) / ramp), ended - begun)
+            if self.touches:
+                return
+        self.wheels = between(start, target, driven / ramp) if driven < ramp else target
+        self._roll(self.wheels, dt - driven)
+
+    def _roll(self, wheels: Wheels, dt: float) -> None:
+        """Roll at constant speeds until the time is over or a wall is in the way."""
+        separation, radius = self._geometry
+        linear, angular = body_speeds(wheels, separation, radius)
+        distance, turn = linear * dt, angular * dt
+        free = self.world.free_part(self.pose, distance, turn, self.settings.robot_radius)
+        if free < 1.0:
+            self.touches, self.wheels = True, Wheels()
+            distance, turn = free * distance, free * turn
+        self.pose = self.pose.moved(distance, turn)
+        k = self.settings.odometry_noise
+        left, right = distance - 0.5 * separation * turn, distance + 0.5 * separation * turn
+        pieces = math.ceil(max(abs(left), abs(right)) / _NOISE_PIECE_M) if k > 0.0 else 1
+        for _ in range(pieces):
+            self.odometry.roll(left / pieces, right / pieces, separation, radius, k)
+
+
+def _pieces(whole: float, longest: float) -> Iterator[Tuple[float, float]]:
+    """Return start and end of equal pieces of a time, s; none of 0."""
+    count = math.ceil(whole / longest)
+    for number in range(count):
+        yield whole * number / count, whole * (number + 1) / count

@@ -1,0 +1,104 @@
+"""The messages that tell of a robot.
+
+They are made once and filled again and again, as a hundred robots tell of themselves thirty times a
+second.
+"""
+
+import math
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from sensor_msgs.msg import JointState, LaserScan
+from tf2_msgs.msg import TFMessage
+
+from diff_drive_sim.kinematics import Pose
+from diff_drive_sim.odometry import EXACT, Covariance
+from diff_drive_sim.robot import Robot
+
+#: As turtlebot3_fake names them.
+ODOM, BASE, SCAN = "odom", "base_footprint", "base_scan"
+LEFT_JOINT, RIGHT_JOINT = "wheel_left_joint", "wheel_right_joint"
+#: Variance of what is exact, which filters can divide by, and of what wheels tell nothing of.
+EXACT_VARIANCE, UNKNOWN_VARIANCE = 1e-9, 1e6
+#: Where x, y and the heading stand in a covariance of 6 x 6.
+_PLACES = (0, 1, 5, 7, 11, 35)
+_MIRRORED = ((1, 6), (5, 30), (11, 31))
+_VARIANCES = (0, 7, 35)
+#: Height of the laser, m; for the eye only.
+_LASER_Z = 0.18
+
+
+class RobotMessages:
+    """All that is told of one robot.
+
+    :param prefix: what stands before the names of its frames
+    """
+
+    def __init__(self, prefix: str) -> None:
+        self.odometry = _odometry(prefix)
+        self.truth = _odometry(prefix)
+        self.joints = JointState()
+        self.joints.header.frame_id = prefix + BASE
+        self.joints.name = [LEFT_JOINT, RIGHT_JOINT]
+        self.joints.effort = [0.0, 0.0]
+        self.base = _transform(prefix + ODOM, prefix + BASE)
+        self.laser = _transform(prefix + BASE, prefix + SCAN)
+        self.laser.transform.translation.z = _LASER_Z
+        self.laser.transform.rotation.w = 1.0
+        self.transforms = TFMessage([self.base])
+        self.scan = LaserScan()
+        self.scan.header.frame_id = prefix + SCAN
+
+    def fill(self, robot: Robot, stamp: Any) -> None:
+        """Have the messages, but for the scan, tell of a moment.
+
+        :param robot: at that moment
+        :param stamp: the moment, a time of ROS
+        """
+        speeds = robot.speeds
+        _fill(self.odometry, robot.odometry.pose, speeds, robot.odometry.covariance, stamp)
+        _fill(self.truth, robot.pose, speeds, EXACT, stamp)
+        self.joints.header.stamp = stamp
+        self.joints.position = robot.odometry.angles
+        self.joints.velocity = robot.wheels
+        pose = self.odometry.pose.pose
+        self.base.header.stamp = self.laser.header.stamp = stamp
+        self.base.transform.translation.x = pose.position.x
+        self.base.transform.translation.y = pose.position.y
+        self.base.transform.rotation = pose.orientation
+
+
+def _odometry(prefix: str) -> OdometryMessage:
+    message = OdometryMessage()
+    message.header.frame_id = prefix + ODOM
+    message.child_frame_id = prefix + BASE
+    for covariance in (message.pose.covariance, message.twist.covariance):
+        covariance[:] = [0.0] * 36
+        for place in range(0, 36, 7):
+            covariance[place] = EXACT_VARIANCE if place in _VARIANCES else UNKNOWN_VARIANCE
+    # What a robot on wheels does to the side, it knows without measuring.
+    return message
+
+
+def _transform(parent: str, child: str) -> TransformStamped:
+    message = TransformStamped()
+    message.header.frame_id, message.child_frame_id = parent, child
+    return message
+
+
+def _fill(
+    message: OdometryMessage, pose: Pose, speeds: Any, covariance: Covariance, stamp: Any
+) -> None:
+    message.header.stamp = stamp
+    where = message.pose.pose
+    where.position.x, where.position.y = pose.x, pose.y
+    where.orientation.z, where.orientation.w = math.sin(pose.theta / 2), math.cos(pose.theta / 2)
+    message.twist.twist.linear.x, message.twist.twist.angular.z = speeds
+    rows = message.pose.covariance
+    for place, value in zip(_PLACES, covariance):
+        rows[place] = value
+    for place in _VARIANCES:
+        rows[place] = max(rows[place], EXACT_VARIANCE)
+    for place, mirrored in _MIRRORED:
+        rows[mirrored] = rows[place]

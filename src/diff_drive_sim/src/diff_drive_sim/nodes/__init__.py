@@ -1,0 +1,1 @@
+"""The nodes: what wires robots to ROS."""

@@ -1,0 +1,125 @@
+"""The robot's node: it drives as it is commanded, and tells where it is."""
+
+import math
+from typing import Any, Type
+
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+from tf2_msgs.msg import TFMessage
+
+from diff_drive_sim.command_topic import decoder, heard_as
+from diff_drive_sim.messages import RobotMessages
+from diff_drive_sim.robot import Robot
+from diff_drive_sim.robot_parameters import GAZEBO, RobotParameters
+from nodekit import Node, run
+
+
+class DiffDrive:
+    """A robot with two driven wheels.
+
+    A command acts from the moment at which it arrives. Time is that of ROS: while /clock stands
+    still or is set back nothing moves, and when it jumps ahead the last command acts no longer than
+    its time-out.
+
+    :ROS Subscribers:
+        - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped with ``controller_type`` gazebo);
+          what is not finite, or of the other type, is left out with a warning
+
+    :ROS Publishers:
+        - ``odom`` (nav_msgs/Odometry): where the robot believes to be
+        - ``ground_truth`` (nav_msgs/Odometry): where it is, in the same frame
+        - ``joint_states`` (sensor_msgs/JointState): wheel_left_joint, wheel_right_joint
+        - ``/tf`` (tf2_msgs/TFMessage): odom to base_footprint, as in ``odom``
+        - ``contact`` (std_msgs/Bool), latched: whether a wall stops it
+
+    :ROS Services:
+        - ``~reset`` (std_srvs/Trigger): put it back to its initial pose
+
+    :ROS Parameters:
+        - those of :class:`.RobotParameters`, private and live
+    """
+
+    def __init__(self, node: Node, declaration: Type[RobotParameters] = RobotParameters) -> None:
+        self._node = node
+        self._parameters = node.parameters(declaration, on_change=self._on_change)
+        values = self._parameters.values
+        self._robot = Robot(values.robot, values.world, values.initial_pose, values.seed)
+        self._messages = RobotMessages(values.frame_prefix)
+        self._now = rospy.Time()
+        self._odom = node.publisher("odom", Odometry)
+        self._truth = node.publisher("ground_truth", Odometry)
+        self._joints = node.publisher("joint_states", JointState)
+        self._tf = node.publisher("/tf", TFMessage)
+        self._contact = node.publisher("contact", Bool, latch=True)
+        self._touched = False
+        self._contact.publish(False)
+        self._hear(values)
+        node.service("~reset", Trigger, self._reset)
+        node.every(lambda: self._parameters.values.publish_rate, self._tell)
+
+    def _hear(self, values: RobotParameters) -> None:
+        """Hear commands of the type that the parameters name."""
+        stamped = values.controller_type == GAZEBO
+        kind = TwistStamped if stamped else Twist
+        self._decode = decoder(kind, "controller_type must be the same in both nodes")
+        self._ears = self._node.lifetime()
+        self._ears.subscribe("cmd_vel", heard_as(kind), self._on_command)
+
+    def _on_command(self, raw: Any) -> None:
+        message = self._decode(raw)
+        if message is None:
+            return
+        twist: Twist = getattr(message, "twist", message)
+        linear, angular = twist.linear.x, twist.angular.z
+        if not (math.isfinite(linear) and math.isfinite(angular)):
+            text = "%s: a command of %s m/s and %s rad/s is left out: must be finite"
+            name = self._node.resolve("cmd_vel")
+            rospy.logwarn_throttle_identical(10.0, text % (name, linear, angular))
+            return
+        self._catch_up()
+        self._robot.command(linear, angular)
+
+    def _catch_up(self) -> None:
+        """Let the robot move until now."""
+        now = rospy.get_rostime()
+        self._robot.step(now.secs - self._now.secs + 1e-9 * (now.nsecs - self._now.nsecs))
+        self._now = now
+        if self._robot.touches != self._touched:
+            self._touched = self._robot.touches
+            self._contact.publish(self._touched)
+
+    def _tell(self, _elapsed: float) -> None:
+        self._catch_up()
+        messages = self._messages
+        messages.fill(self._robot, self._now)
+        self._odom.publish(messages.odometry)
+        self._truth.publish(messages.truth)
+        self._joints.publish(messages.joints)
+        if self._parameters.values.publish_tf:
+            self._tf.publish(messages.transforms)
+
+    def _on_change(self, new: RobotParameters, old: RobotParameters) -> None:
+        self._catch_up()
+        self._robot.settings = new.robot
+        if (new.walls, new.boxes) != (old.walls, old.boxes):
+            self._robot.world = new.world
+        if new.frame_prefix != old.frame_prefix:
+            self._messages = RobotMessages(new.frame_prefix)
+        if new.controller_type != old.controller_type:
+            self._ears.close()
+            self._hear(new)
+
+    def _reset(self, _request: TriggerRequest) -> TriggerResponse:
+        values = self._parameters.values
+        self._catch_up()
+        self._robot.reset(values.initial_pose, values.seed)
+        return TriggerResponse(True, "at x %g m, y %g m, heading %g rad" % values.initial_pose)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("diff_drive", DiffDrive)

@@ -1,0 +1,123 @@
+"""The parameters of a robot; their defaults are those of a TurtleBot3 Burger."""
+
+from diff_drive_sim.kinematics import Pose
+from diff_drive_sim.limits import RobotSettings
+from diff_drive_sim.world import World
+from nodekit import (
+    BoolParameter,
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterSet,
+    RateParameter,
+    StringParameter,
+)
+
+#: Who commands the robot: the type of its commands goes by that, as with the controllers.
+RVIZ, GAZEBO = "rviz", "gazebo"
+
+_LENGTH = FloatParameter(0.0, minimum=-1e6, maximum=1e6, unit="m", help="")
+
+
+class RobotParameters(ParameterSet):
+    """What a robot is like, where it is and what it tells; all of it may change live."""
+
+    controller_type = EnumParameter(
+        RVIZ,
+        choices=(RVIZ, GAZEBO),
+        help="type of the commands: geometry_msgs/Twist for rviz, TwistStamped for gazebo",
+    )
+    publish_rate = RateParameter(
+        30.0, maximum=1000.0, help="how often odometry and joint states are published"
+    )
+    wheel_separation = FloatParameter(
+        0.160, minimum=0.01, maximum=100.0, unit="m", help="distance of the wheels"
+    )
+    wheel_radius = FloatParameter(
+        0.033, minimum=0.001, maximum=100.0, unit="m", help="radius of the wheels"
+    )
+    robot_radius = FloatParameter(
+        0.105,
+        minimum=0.01,
+        maximum=100.0,
+        unit="m",
+        help="radius of the circle that keeps off walls",
+    )
+    max_linear_velocity = FloatParameter(
+        0.22, above=0.0, maximum=100.0, unit="m/s", help="fastest speed, forward or backward"
+    )
+    max_angular_velocity = FloatParameter(
+        2.84, above=0.0, maximum=1000.0, unit="rad/s", help="fastest rate of turn"
+    )
+    max_wheel_speed = FloatParameter(
+        8.06, above=0.0, maximum=10000.0, unit="rad/s", help="fastest speed of a wheel"
+    )
+    max_wheel_acceleration = FloatParameter(
+        0.0,
+        minimum=0.0,
+        maximum=1e5,
+        unit="rad/s^2",
+        help="quickest change of a wheel's speed; 0 for no limit",
+    )
+    command_timeout = FloatParameter(
+        1.0, minimum=0.0, maximum=1e6, unit="s", help="how long a command acts; 0 for ever"
+    )
+    initial_x = FloatParameter(
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and is after ~reset"
+    )
+    initial_y = FloatParameter(
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and is after ~reset"
+    )
+    initial_theta = FloatParameter(
+        0.0, minimum=-10.0, maximum=10.0, unit="rad", help="its heading then, 0 along x"
+    )
+    odometry_noise = FloatParameter(
+        0.0,
+        minimum=0.0,
+        maximum=1.0,
+        unit="m",
+        help="standard deviation of a wheel's measured path after 1 m; 0 for no error",
+    )
+    seed = IntParameter(
+        0, minimum=0, help="of the noise; the same one gives the same errors, from ~reset on"
+    )
+    frame_prefix = StringParameter("", help="what stands before the names of all frames")
+    publish_tf = BoolParameter(True, help="whether odom to base_footprint is published on /tf")
+    scan_rate = RateParameter(
+        0.0, pausable=True, maximum=100.0, help="how often the laser scans; 0 for never"
+    )
+    scan_rays = IntParameter(360, minimum=1, maximum=10000, help="how many rays a scan has")
+    scan_range = FloatParameter(
+        3.5, above=0.0, maximum=1000.0, unit="m", help="how far the laser sees"
+    )
+    laser_x = FloatParameter(
+        -0.032, minimum=-10.0, maximum=10.0, unit="m", help="how far ahead of the axle the laser is"
+    )
+    walls = ListParameter(
+        (),
+        element=ListParameter((0.0,) * 4, element=_LENGTH, min_length=4, max_length=4, help=""),
+        unit="m",
+        help="walls: x and y of the start, x and y of the end of each",
+    )
+    boxes = ListParameter(
+        (),
+        element=ListParameter((0.0,) * 5, element=_LENGTH, min_length=5, max_length=5, help=""),
+        unit="m",
+        help="boxes: x and y of the centre, length, width and heading (rad) of each",
+    )
+
+    @property
+    def robot(self) -> RobotSettings:
+        """What the robot is like."""
+        return RobotSettings(*(getattr(self, name) for name in RobotSettings._fields))
+
+    @property
+    def initial_pose(self) -> Pose:
+        """Where it starts."""
+        return Pose(self.initial_x, self.initial_y, self.initial_theta)
+
+    @property
+    def world(self) -> World:
+        """What is in its way."""
+        return World(self.walls, self.boxes)

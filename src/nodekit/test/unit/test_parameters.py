@@ -52,6 +52,22 @@ def test_values_that_are_not_allowed_are_refused_by_name():
         Limits(count=10)
 
 
+def test_the_same_declaration_may_have_other_defaults():
+    other = Limits.with_defaults(high="7", count=4)
+    assert other().as_dict() == {"low": 0.0, "high": 7.0, "count": 4}
+    assert list(other.declared) == list(Limits.declared)
+    assert isinstance(other(), Limits) and other.__name__ == "Limits"
+    assert Limits().count == 3
+    with pytest.raises(RuleError, match="low must be at most high"):
+        other(low=8.0)
+    with pytest.raises(RuleError, match="low must be at most high"):
+        Limits.with_defaults(low=2.0)
+    with pytest.raises(ParameterError, match="count: refused 10"):
+        Limits.with_defaults(count=10)
+    with pytest.raises(TypeError, match="hihg"):
+        Limits.with_defaults(hihg=2.0)
+
+
 def test_undeclared_names_are_a_programming_error():
     with pytest.raises(TypeError, match="hihg"):
         Limits(hihg=2.0)

@@ -12,6 +12,7 @@ of ROS; :mod:`nodekit.live.live_parameters` keeps a set in step with the
 parameter server.
 """
 
+import copy
 from typing import (
     Any,
     Callable,
@@ -145,6 +146,21 @@ class ParameterSet:
         snapshot = cls.__new__(cls)
         snapshot.__dict__.update(values)
         return snapshot
+
+    @classmethod
+    def with_defaults(cls: Type[Snapshot], **defaults: Any) -> Type[Snapshot]:
+        """Return the same declaration with other defaults, for nodes that another one hosts.
+
+        :param defaults: by name
+        :raises ParameterError: if a default is not allowed
+        :raises TypeError: if a name is not declared
+        """
+        cls(**defaults)
+        members = {}
+        for name, value in defaults.items():
+            members[name] = copy.copy(cls.declared[name])
+            members[name].default = value
+        return type(cls.__name__, (cls,), members)
 
     def broken_rule(self, names: Collection[str]) -> Optional[RuleError]:
         """Return the error of the first broken rule, None if all are kept.

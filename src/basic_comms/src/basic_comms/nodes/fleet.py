@@ -1,6 +1,5 @@
 """The fleet: many pairs of signal generator and process in one process of the machine."""
 
-import resource
 import sys
 
 import rospy
@@ -52,7 +51,6 @@ class Fleet:
     """
 
     def __init__(self, node: Node) -> None:
-        _allow_many_connections()
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         settings = node.parameters(FleetParameters).values
         groups = [f"{settings.prefix}{number}" for number in range(1, settings.count + 1)]
@@ -66,12 +64,6 @@ class Fleet:
             ],
         )
         rospy.loginfo("%d members of %d groups run", len(members), len(groups))
-
-
-def _allow_many_connections() -> None:
-    """Raise the limit of open files as far as this user may: a group takes about ten."""
-    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
 
 
 def main() -> None:

@@ -1,5 +1,6 @@
 """Many nodes in one process, which start together."""
 
+import resource
 from typing import Callable, List, Sequence, Tuple
 
 import rospy
@@ -35,6 +36,7 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     :returns: those that are up
     :raises MasterUnreachable: if the master does not answer
     """
+    _allow_many_connections()
     # Or rospy sends the names of all topics, theirs too, with each line of the log.
     parameters.cache(parameters.ROSOUT_PARAMETER, True)
     up = []
@@ -46,3 +48,9 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
             except ParameterError as error:
                 rospy.logerr("%s; %s stays down", error, name)
     return up
+
+
+def _allow_many_connections() -> None:
+    """Raise the limit of open files as far as this user may: each connection takes one."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))

@@ -4,6 +4,9 @@ from typing import NamedTuple, Tuple
 
 from diff_drive_sim.kinematics import Wheels, wheel_speeds
 
+#: Faster than any robot, in m/s and in rad/s.
+_HUGE = 1e6
+
 
 class RobotSettings(NamedTuple):
     """What a robot is like; the defaults are a TurtleBot3 Burger's.
@@ -40,7 +43,9 @@ def saturated(linear: float, angular: float, robot: RobotSettings) -> Tuple[floa
     :param robot: what it is like
     :returns: m/s and rad/s
     """
-    # One limit after the other: the numbers are small then, and no product overflows.
+    # Of what is huge, only the curve matters; and no product may overflow.
+    scale = max(1.0, abs(linear) / _HUGE, abs(angular) / _HUGE)
+    linear, angular = linear / scale, angular / scale
     linear, angular = _reduced(linear, angular, abs(linear), robot.max_linear_velocity)
     linear, angular = _reduced(linear, angular, abs(angular), robot.max_angular_velocity)
     wheels = wheel_speeds(linear, angular, robot.wheel_separation, robot.wheel_radius)
@@ -52,7 +57,6 @@ def _reduced(linear: float, angular: float, value: float, limit: float) -> Tuple
     """Return both speeds times a factor that takes a value down to its limit."""
     if value <= limit:
         return linear, angular
-    # Divided first: a factor for a huge value would be next to nothing, and rounded.
     return linear / value * limit, angular / value * limit
 
 

@@ -7,7 +7,7 @@ How they spread to the pose is Siegwart and Nourbakhsh's, Autonomous Mobile Robo
 
 import math
 import random
-from typing import List, Tuple
+from typing import Tuple
 
 from diff_drive_sim.kinematics import Pose, Wheels, chord
 
@@ -27,8 +27,7 @@ class Odometry:
 
     :ivar pose: where the robot believes to be
     :ivar covariance: of that pose
-    :ivar angles: of the wheels since the start, rad
-    :ivar measured: path of the left and the right wheel in the last step, m
+    :ivar angles: of the wheels since the start, rad, as they are measured
     """
 
     def __init__(self, pose: Pose, seed: int = 0) -> None:
@@ -37,29 +36,34 @@ class Odometry:
         self.angles = Wheels()
         self._random = random.Random(seed)
 
-    def roll(self, left: float, right: float, separation: float, radius: float, k: float) -> None:
-        """Measure what the wheels have rolled; short of a few cm, as the errors are linearised.
+    def roll(
+        self, distance: float, turn: float, separation: float, radius: float, k: float
+    ) -> None:
+        """Measure an arc; short of a few cm, as the errors are linearised.
 
-        :param left: true path of the left wheel, m
-        :param right: of the right one, m
+        :param distance: its true length, m; below 0 backwards
+        :param turn: true change of the heading on it, rad
         :param separation: distance of the wheels, m
         :param radius: of the wheels, m
-        :param k: standard deviation of the error after 1 m, m
+        :param k: standard deviation of the error of a wheel's path after 1 m, m
         """
         if k > 0.0:
-            self._spread(left, right, separation, k)
-            left += self._error(left, k)
-            right += self._error(right, k)
-        self.pose = self.pose.moved(0.5 * (left + right), (right - left) / separation)
+            left, right = wheel_paths(distance, turn, separation)
+            self._spread(distance, turn, separation, k)
+            left_error, right_error = self._error(left, k), self._error(right, k)
+            distance += 0.5 * (left_error + right_error)
+            turn += (right_error - left_error) / separation
+        self.pose = self.pose.moved(distance, turn)
+        left, right = wheel_paths(distance, turn, separation)
         self.angles = Wheels(self.angles.left + left / radius, self.angles.right + right / radius)
 
     def _error(self, path: float, k: float) -> float:
         """Return an error of a path, m: never more than 1.73 standard deviations."""
         return k * math.sqrt(abs(path)) * _WIDTH * self._random.uniform(-1.0, 1.0)
 
-    def _spread(self, left: float, right: float, separation: float, k: float) -> None:
-        """Add the errors of a step to the covariance: F C F' + G Q G'."""
-        distance, turn = 0.5 * (left + right), (right - left) / separation
+    def _spread(self, distance: float, turn: float, separation: float, k: float) -> None:
+        """Add the errors of an arc to the covariance: F C F' + G Q G'."""
+        left, right = wheel_paths(distance, turn, separation)
         direction, length = self.pose.theta + 0.5 * turn, chord(distance, turn)
         cosine, sine = math.cos(direction), math.sin(direction)
         xx, xy, xt, yy, yt, tt = self.covariance
@@ -85,10 +89,11 @@ class Odometry:
         self.covariance = (xx, xy, xt, yy, yt, tt)
 
 
-def matrix(covariance: Covariance) -> List[List[float]]:
-    """Return a covariance of x, y and heading as rows.
+def wheel_paths(distance: float, turn: float, separation: float) -> Wheels:
+    """Return how far the wheels roll on an arc, m.
 
-    :param covariance: its upper triangle
+    :param distance: its length, m; below 0 backwards
+    :param turn: change of the heading on it, rad
+    :param separation: distance of the wheels, m
     """
-    xx, xy, xt, yy, yt, tt = covariance
-    return [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]]
+    return Wheels(distance - 0.5 * separation * turn, distance + 0.5 * separation * turn)

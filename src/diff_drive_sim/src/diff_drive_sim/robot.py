@@ -125,10 +125,10 @@ class Robot:
             distance, turn = free * distance, free * turn
         self.pose = self.pose.moved(distance, turn)
         k = self.settings.odometry_noise
-        left, right = distance - 0.5 * separation * turn, distance + 0.5 * separation * turn
-        pieces = math.ceil(max(abs(left), abs(right)) / _NOISE_PIECE_M) if k > 0.0 else 1
+        longest = abs(distance) + 0.5 * separation * abs(turn)  # path of the outer wheel
+        pieces = math.ceil(longest / _NOISE_PIECE_M) if k > 0.0 else 1
         for _ in range(pieces):
-            self.odometry.roll(left / pieces, right / pieces, separation, radius, k)
+            self.odometry.roll(distance / pieces, turn / pieces, separation, radius, k)
 
 
 def _pieces(whole: float, longest: float) -> Iterator[Tuple[float, float]]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Odometry as OdometryMessage
-from sensor_msgs.msg import JointState, LaserScan
+from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 from diff_drive_sim.kinematics import Pose
@@ -33,9 +33,10 @@ class RobotMessages:
     """All that is told of one robot.
 
     :param prefix: what stands before the names of its frames
+    :param laser_x: how far ahead of the axle its laser is, m
     """
 
-    def __init__(self, prefix: str) -> None:
+    def __init__(self, prefix: str, laser_x: float) -> None:
         self.odometry = _odometry(prefix)
         self.truth = _odometry(prefix)
         self.joints = JointState()
@@ -44,11 +45,13 @@ class RobotMessages:
         self.joints.effort = [0.0, 0.0]
         self.base = _transform(prefix + ODOM, prefix + BASE)
         self.laser = _transform(prefix + BASE, prefix + SCAN)
+        self.laser.transform.translation.x = laser_x
         self.laser.transform.translation.z = _LASER_Z
         self.laser.transform.rotation.w = 1.0
-        self.transforms = TFMessage([self.base])
-        self.scan = LaserScan()
-        self.scan.header.frame_id = prefix + SCAN
+
+    def transforms(self, with_laser: bool) -> TFMessage:
+        """Return where the robot is in its odometry's frame, and where its laser is on it."""
+        return TFMessage([self.base, self.laser] if with_laser else [self.base])
 
     def fill(self, robot: Robot, stamp: Any) -> None:
         """Have the messages, but for the scan, tell of a moment.
@@ -77,7 +80,6 @@ def _odometry(prefix: str) -> OdometryMessage:
         covariance[:] = [0.0] * 36
         for place in range(0, 36, 7):
             covariance[place] = EXACT_VARIANCE if place in _VARIANCES else UNKNOWN_VARIANCE
-    # What a robot on wheels does to the side, it knows without measuring.
     return message
 
 

@@ -1,20 +1,23 @@
 """The robot's node: it drives as it is commanded, and tells where it is."""
 
 import math
-from typing import Any, Type
+from typing import Any, Optional, Type
 
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
 
 from diff_drive_sim.command_topic import decoder, heard_as
-from diff_drive_sim.messages import RobotMessages
+from diff_drive_sim.messages import ODOM, SCAN, RobotMessages
 from diff_drive_sim.robot import Robot
 from diff_drive_sim.robot_parameters import GAZEBO, RobotParameters
+from diff_drive_sim.scanner import Scanner
+from diff_drive_sim.world_markers import world_markers
 from nodekit import Node, run
 
 
@@ -33,8 +36,10 @@ class DiffDrive:
         - ``odom`` (nav_msgs/Odometry): where the robot believes to be
         - ``ground_truth`` (nav_msgs/Odometry): where it is, in the same frame
         - ``joint_states`` (sensor_msgs/JointState): wheel_left_joint, wheel_right_joint
-        - ``/tf`` (tf2_msgs/TFMessage): odom to base_footprint, as in ``odom``
+        - ``/tf`` (tf2_msgs/TFMessage): odom to base_footprint, and to base_scan
+        - ``scan`` (sensor_msgs/LaserScan), with ``scan_rate`` above 0
         - ``contact`` (std_msgs/Bool), latched: whether a wall stops it
+        - ``world`` (visualization_msgs/MarkerArray), latched: walls and boxes
 
     :ROS Services:
         - ``~reset`` (std_srvs/Trigger): put it back to its initial pose
@@ -48,18 +53,27 @@ class DiffDrive:
         self._parameters = node.parameters(declaration, on_change=self._on_change)
         values = self._parameters.values
         self._robot = Robot(values.robot, values.world, values.initial_pose, values.seed)
-        self._messages = RobotMessages(values.frame_prefix)
+        self._messages = RobotMessages(values.frame_prefix, values.laser_x)
+        self._scanner: Optional[Scanner] = None
         self._now = rospy.Time()
+        self._touched = False
         self._odom = node.publisher("odom", Odometry)
         self._truth = node.publisher("ground_truth", Odometry)
         self._joints = node.publisher("joint_states", JointState)
         self._tf = node.publisher("/tf", TFMessage)
+        self._scan = node.publisher("scan", LaserScan)
         self._contact = node.publisher("contact", Bool, latch=True)
-        self._touched = False
+        self._world = node.publisher("world", MarkerArray, latch=True)
         self._contact.publish(False)
+        self._show_world(values)
         self._hear(values)
         node.service("~reset", Trigger, self._reset)
         node.every(lambda: self._parameters.values.publish_rate, self._tell)
+        node.every(lambda: self._parameters.values.scan_rate, self._look)
+
+    def _show_world(self, values: RobotParameters) -> None:
+        frame = values.frame_prefix + ODOM
+        self._world.publish(world_markers(frame, values.walls, values.boxes))
 
     def _hear(self, values: RobotParameters) -> None:
         """Hear commands of the type that the parameters name."""
@@ -99,16 +113,23 @@ class DiffDrive:
         self._odom.publish(messages.odometry)
         self._truth.publish(messages.truth)
         self._joints.publish(messages.joints)
-        if self._parameters.values.publish_tf:
-            self._tf.publish(messages.transforms)
+        values = self._parameters.values
+        if values.publish_tf:
+            self._tf.publish(messages.transforms(with_laser=values.scan_rate > 0.0))
+
+    def _look(self, _elapsed: float) -> None:
+        self._catch_up()
+        values = self._parameters.values
+        if self._scanner is None:
+            self._scanner = Scanner(self._robot.world, values, values.frame_prefix + SCAN)
+        self._scan.publish(self._scanner.scan(self._robot.pose, self._now))
 
     def _on_change(self, new: RobotParameters, old: RobotParameters) -> None:
         self._catch_up()
-        self._robot.settings = new.robot
-        if (new.walls, new.boxes) != (old.walls, old.boxes):
-            self._robot.world = new.world
-        if new.frame_prefix != old.frame_prefix:
-            self._messages = RobotMessages(new.frame_prefix)
+        self._robot.settings, self._robot.world = new.robot, new.world
+        self._messages = RobotMessages(new.frame_prefix, new.laser_x)
+        self._scanner = None
+        self._show_world(new)
         if new.controller_type != old.controller_type:
             self._ears.close()
             self._hear(new)

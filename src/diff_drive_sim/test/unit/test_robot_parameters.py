@@ -1,0 +1,52 @@
+"""The parameters, and the files that set them."""
+
+import os
+from typing import Any
+
+import pytest
+import rospkg
+import yaml
+
+from diff_drive_sim.limits import RobotSettings
+from diff_drive_sim.nodes.diff_drive_fleet import FleetParameters
+from diff_drive_sim.robot_parameters import RobotParameters
+from nodekit import ParameterError
+
+CONFIG = os.path.join(rospkg.RosPack().get_path("diff_drive_sim"), "config")
+
+
+def loaded(name: str) -> Any:
+    """Return what a file of the package sets."""
+    with open(os.path.join(CONFIG, name)) as file:
+        return yaml.safe_load(file)
+
+
+def test_defaults_are_a_burger_s() -> None:
+    assert RobotParameters().robot == RobotSettings()
+    assert RobotParameters(**loaded("models/burger.yaml")) == RobotParameters()
+
+
+@pytest.mark.parametrize("model", ["waffle", "waffle_pi"])
+def test_waffles_are_as_turtlebot3_has_them(model: str) -> None:
+    robot = RobotParameters(**loaded(f"models/{model}.yaml")).robot
+    assert (robot.wheel_separation, robot.robot_radius) == (0.287, 0.220)
+    assert (robot.max_linear_velocity, robot.max_angular_velocity) == (0.26, 1.82)
+
+
+@pytest.mark.parametrize("world, walls", [("empty", 0), ("arena", 4 + 3 * 4)])
+def test_worlds_leave_room_for_each_robot_where_it_starts(world: str, walls: int) -> None:
+    values = RobotParameters(**loaded(f"worlds/{world}.yaml"))
+    assert len(values.world.segments) == walls
+    assert values.world.distance(0.0, 0.0) > 1.0
+
+
+@pytest.mark.parametrize(
+    "walls", [[1.0, 2.0, 3.0, 4.0], [[1.0, 2.0, 3.0]], [[0, 0, 0, float("nan")]], "wall"]
+)
+def test_what_is_no_wall_is_refused_in_words(walls: Any) -> None:
+    with pytest.raises(ParameterError, match="walls: refused .* must be a list of 0 to 1000"):
+        RobotParameters(walls=walls)
+
+
+def test_a_fleet_has_all_that_its_robots_have() -> None:
+    assert set(RobotParameters.declared) < set(FleetParameters.declared)

@@ -452,3 +452,25 @@ def test_latest_keeps_the_newest_message_and_knows_how_old_it_is(stack):
     publisher.publish_all([String("old"), String("new")])
     assert latest.message.data == "new"
     assert 0.0 <= latest.age <= time.monotonic() - before
+
+
+def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(monkeypatch):
+    manager = get_topic_manager()
+    add = manager._add
+
+    def add_and_receive(ps, rmap, reg_type):
+        add(ps, rmap, reg_type)
+        ps.receive_callback([String("latched")], None)
+
+    monkeypatch.setattr(manager, "_add", add_and_receive)
+    heard, heard_too = [], []
+    first = subscribers.subscribe_heard(TOPIC, String, heard.append)
+    second = subscribers.subscribe_heard(TOPIC, String, heard_too.append)
+    impl = first.impl
+    impl.receive_callback([String("next")], None)
+    first.unregister()
+    impl.receive_callback([String("last")], None)
+    second.unregister()
+    assert [message.data for message in heard] == ["latched", "next"]
+    assert [message.data for message in heard_too] == ["next", "last"]
+    assert manager.get_subscriber_impl(TOPIC) is None

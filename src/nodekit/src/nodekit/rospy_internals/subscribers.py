@@ -85,6 +85,29 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
     return True
 
 
+def subscribe_heard(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
+    """Subscribe as with rospy alone, but miss nothing that comes at once.
+
+    rospy registers a topic before the callback is in place, so that on a busy machine a latched
+    message may come in between, and is lost for good.
+
+    :param name: topic, resolved
+    :param data_class: message class
+    :param callback: called with each message
+    :returns: the ``rospy.Subscriber``
+    """
+    manager = get_topic_manager()
+    with manager.lock:
+        if subscriber_mismatch() or manager.get_subscriber_impl(name) is not None:
+            return rospy.Subscriber(name, data_class, callback)
+        topic = rospy.topics._SubscriberImpl(name, data_class)
+        topic.add_callback(callback, None)
+        manager._add(topic, manager.subs, Registration.SUB)
+        subscriber = rospy.Subscriber(name, data_class)
+        subscriber.callback, subscriber.callback_args = callback, None  # what its end takes back
+        return subscriber
+
+
 def receive_latched(name: str, callback: BatchCallback) -> None:
     """Hand over what a publisher in this process has latched, which no connection brings.
 

@@ -5,6 +5,7 @@ from typing import Any, Callable, List
 
 import rospy
 
+from nodekit.rospy_internals.subscribers import subscribe_heard
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -15,7 +16,7 @@ class Ear:
         self._topic = topic
         self._lock = threading.Lock()
         self._heard: List[Any] = []
-        self._subscriber = rospy.Subscriber(topic, message_type, self._hear)
+        self._subscriber = subscribe_heard(rospy.resolve_name(topic), message_type, self._hear)
 
     def messages(self) -> List[Any]:
         """Return what has been heard so far, oldest first."""

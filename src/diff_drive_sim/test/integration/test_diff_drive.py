@@ -1,0 +1,353 @@
+#!/usr/bin/env python3
+"""The robots on the wire, while the test moves the clock."""
+
+import math
+import unittest
+from typing import Any, Dict, List, Tuple
+
+import rospy
+import rostest
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock, Log
+from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from diff_drive_sim.kinematics import Pose, wrapped
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.waiting import wait_until
+
+#: Longer than the period of 30 Hz, so that each step of the clock makes each robot tell.
+STEP = 0.04
+ROBOTS = ["", "/lab", "/robot1", "/robot2", "/robot3"]
+
+
+def pose(message: Odometry) -> Pose:
+    """Return the pose that a message tells."""
+    where = message.pose.pose
+    theta = 2.0 * math.atan2(where.orientation.z, where.orientation.w)
+    return Pose(where.position.x, where.position.y, wrapped(theta))
+
+
+class DiffDrive(unittest.TestCase):
+    """All robots stand where they start, before each test."""
+
+    graph: Graph
+    clock: rospy.Publisher
+    log: Ear
+    odometry: Dict[str, Ear]
+    commands: Dict[Tuple[str, type], rospy.Publisher] = {}
+    now = 1000.0
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_diff_drive")
+        cls.graph = Graph()
+        cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        cls.log = Ear("/rosout", Log)
+        cls.odometry = {robot: Ear(robot + "/odom", Odometry) for robot in ROBOTS}
+        wait_until(
+            lambda: cls.clock.get_num_connections() >= 4
+            and all(ear.publishers() for ear in cls.odometry.values()),
+            lambda: "the robots are not there",
+        )
+
+    def setUp(self) -> None:
+        for robot in ROBOTS:
+            self.reset(robot)
+        self.advance(STEP)
+        self.log.forget()
+
+    def reset(self, robot: str) -> str:
+        """Put a robot back to where it starts, and return what it says."""
+        name = robot + "/diff_drive/reset"
+        rospy.wait_for_service(name, 30.0)
+        return str(rospy.ServiceProxy(name, Trigger)().message)
+
+    def advance(self, seconds: float) -> None:
+        """Let the clock jump, and wait until each robot has told where it is then."""
+        DiffDrive.now += seconds
+        stamp = rospy.Time.from_sec(self.now)
+        for ear in self.odometry.values():
+            ear.forget()
+        self.clock.publish(Clock(stamp))
+        for ear in self.odometry.values():
+            ear.wait_for(lambda message: message.header.stamp == stamp)
+
+    def at(self, robot: str = "") -> Pose:
+        """Return where a robot believes to be."""
+        return pose(self.odometry[robot].messages()[-1])
+
+    def send(self, linear: float, angular: float, robot: str = "", kind: type = Twist) -> None:
+        """Command a robot once."""
+        key = (robot, kind)
+        if key not in self.commands:
+            self.commands[key] = rospy.Publisher(robot + "/cmd_vel", kind, queue_size=10)
+        publisher = self.commands[key]
+        wait_until(publisher.get_num_connections, lambda: f"{robot}/cmd_vel is not heard")
+        message: Any = kind()
+        twist = getattr(message, "twist", message)
+        twist.linear.x, twist.angular.z = linear, angular
+        publisher.publish(message)
+
+    def hush(self, robot: str, kind: type) -> None:
+        """Publish commands of a type no longer: a process has one type for a topic."""
+        if (robot, kind) in self.commands:
+            self.commands.pop((robot, kind)).unregister()
+
+    def drive(self, *command: Any) -> Pose:
+        """Command a robot once, and return where it is when it moves.
+
+        When the command arrives is left to chance; what comes of it is not.
+        """
+        robot = command[2] if len(command) > 2 else ""
+        start = self.at(robot)
+        self.send(*command)
+        wait_until(
+            lambda: (self.advance(STEP), self.at(robot) != start)[1],
+            lambda: f"{robot} stays at {start}",
+        )
+        return self.at(robot)
+
+    def assert_at(self, expected: Pose, robot: str = "", delta: float = 1e-7) -> None:
+        found = self.at(robot)
+        self.assertLess(math.hypot(found.x - expected.x, found.y - expected.y), delta, found)
+        self.assertLess(abs(wrapped(found.theta - expected.theta)), delta, found)
+
+    def test_names_and_types_are_those_of_turtlebot3_fake(self) -> None:
+        types = self.graph.topics()
+        self.assertEqual(types["/tf"], "tf2_msgs/TFMessage")
+        for robot in ROBOTS:
+            stamped = "Stamped" if robot == "/lab" else ""
+            expected = {
+                "cmd_vel": "geometry_msgs/Twist" + stamped,
+                "odom": "nav_msgs/Odometry",
+                "joint_states": "sensor_msgs/JointState",
+                "ground_truth": "nav_msgs/Odometry",
+                "scan": "sensor_msgs/LaserScan",
+                "contact": "std_msgs/Bool",
+                "world": "visualization_msgs/MarkerArray",
+            }
+            self.assertEqual({name: types[f"{robot}/{name}"] for name in expected}, expected)
+
+    def test_frames_and_the_order_of_the_wheels_are_too(self) -> None:
+        transforms, joints = Ear("/tf", TFMessage), Ear("/joint_states", JointState)
+        wait_until(
+            lambda: joints.publishers() and transforms.publishers() >= 3, lambda: "not connected"
+        )
+        self.drive(0.0, 1.0)
+        message = self.odometry[""].messages()[-1]
+        self.assertEqual(message.header.frame_id, "odom")
+        self.assertEqual(message.child_frame_id, "base_footprint")
+        self.assertAlmostEqual(message.twist.twist.angular.z, 1.0)
+        wheels = joints.wait_for(lambda heard: heard.header.stamp == message.header.stamp)
+        self.assertEqual(wheels.header.frame_id, "base_footprint")
+        self.assertEqual(wheels.name, ["wheel_left_joint", "wheel_right_joint"])
+        self.assertEqual(wheels.effort, (0.0, 0.0))
+        # Counter-clockwise, the right wheel rolls forward.
+        speed = 1.0 * 0.08 / 0.033
+        self.assertAlmostEqual(wheels.velocity[0], -speed)
+        self.assertAlmostEqual(wheels.velocity[1], speed)
+        self.assertAlmostEqual(wheels.position[1], self.at().theta * 0.08 / 0.033)
+        heard = transforms.wait_for(
+            lambda heard: heard.transforms[0].child_frame_id == "base_footprint"
+            and heard.transforms[0].header.stamp == message.header.stamp
+        )
+        base, laser = heard.transforms
+        self.assertEqual(base.header.frame_id, "odom")
+        self.assertEqual(base.transform.rotation, message.pose.pose.orientation)
+        self.assertEqual(
+            (laser.header.frame_id, laser.child_frame_id), ("base_footprint", "base_scan")
+        )
+        self.assertEqual(laser.transform.translation.x, -0.032)
+        transforms.wait_for(lambda heard: heard.transforms[0].header.frame_id == "lab/odom")
+        transforms.wait_for(
+            lambda heard: heard.transforms[0].child_frame_id == "robot3/base_footprint"
+        )
+        for ear in (transforms, joints):
+            ear.close()
+
+    def test_a_command_acts_for_a_second_on_the_exact_arc(self) -> None:
+        self.drive(0.15, 1.2)
+        self.advance(0.3)
+        self.assertAlmostEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.15)
+        self.advance(0.5)
+        self.advance(0.5)
+        self.assert_at(Pose().moved(0.15, 1.2))
+        self.assertEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.0)
+
+    def test_limits_of_the_model_hold(self) -> None:
+        self.drive(10.0, 0.0)
+        self.drive(10.0, 0.0, "/lab", TwistStamped)
+        speeds = [self.odometry[name].messages()[-1].twist.twist.linear.x for name in ("", "/lab")]
+        self.assertAlmostEqual(speeds[0], 0.22)
+        self.assertAlmostEqual(speeds[1], 0.26)
+        rospy.set_param("/diff_drive/max_linear_velocity", 0.1)
+        self.log.wait_for(lambda line: "max_linear_velocity: 0.22 -> 0.1" in line.msg)
+        self.advance(STEP)
+        self.assertAlmostEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.1)
+        rospy.set_param("/diff_drive/max_linear_velocity", 0.22)
+        self.log.wait_for(lambda line: "max_linear_velocity: 0.1 -> 0.22" in line.msg)
+
+    def test_a_clock_that_jumps_an_hour_ahead_moves_it_no_longer_than_the_command_acts(
+        self,
+    ) -> None:
+        self.drive(0.2, 0.0)
+        self.advance(3600.0)
+        self.assert_at(Pose(0.2, 0.0, 0.0))
+
+    def test_a_clock_that_is_set_back_moves_nothing_and_time_goes_on_from_there(self) -> None:
+        before = self.drive(0.2, 0.5)
+        self.advance(-500.0)
+        self.assertEqual(self.at(), before)
+        self.advance(0.3)
+        self.assertNotEqual(self.at(), before)
+        self.advance(3600.0)
+        self.assert_at(Pose().moved(0.2, 0.5))
+
+    def test_reset_puts_it_back_at_rest(self) -> None:
+        self.drive(0.2, 0.5)
+        self.assertEqual(self.reset(""), "at x 0 m, y 0 m, heading 0 rad")
+        self.advance(0.5)
+        self.assertEqual(self.at(), Pose())
+        self.assertEqual(self.reset("/lab"), "at x 0 m, y 1.5 m, heading 0.5 rad")
+        self.assert_at(Pose(0.0, 1.5, 0.5), "/lab")
+
+    def test_what_is_not_finite_is_left_out_with_a_warning(self) -> None:
+        self.send(math.nan, 0.0)
+        line = self.log.wait_for(lambda line: "must be finite" in line.msg)
+        self.assertEqual(line.level, Log.WARN)
+        self.assertEqual(
+            line.msg, "/cmd_vel: a command of nan m/s and 0.0 rad/s is left out: must be finite"
+        )
+        self.advance(1.0)
+        self.assertEqual(self.at(), Pose())
+        self.drive(0.1, 0.0)
+
+    def test_who_sends_the_other_type_is_told_and_moves_nothing(self) -> None:
+        for robot, sent, expected in (("", TwistStamped, Twist), ("/lab", Twist, TwistStamped)):
+            start = self.at(robot)
+            self.hush(robot, expected)
+            self.send(0.2, 0.0, robot, sent)
+            line = self.log.wait_for(lambda line: "is expected" in line.msg)
+            self.assertEqual(line.level, Log.WARN)
+            self.assertEqual(
+                line.msg,
+                f"{robot}/cmd_vel: /test_diff_drive sends {sent._type}, and {expected._type} is "
+                "expected: its messages are left out; "
+                "controller_type must be the same in both nodes",
+            )
+            self.advance(1.0)
+            self.assertEqual(self.at(robot), start)
+            self.hush(robot, sent)
+            self.log.forget()
+
+    def test_the_type_can_be_changed_while_it_runs(self) -> None:
+        rospy.set_param("/diff_drive/controller_type", "gazebo")
+        self.log.wait_for(lambda line: "controller_type: 'rviz' -> 'gazebo'" in line.msg)
+        self.hush("", Twist)
+        wait_until(
+            lambda: self.graph.topics()["/cmd_vel"] == TwistStamped._type
+            or self.send(0.0, 0.0, "", TwistStamped),
+            lambda: "the type stays",
+        )
+        self.drive(0.2, 0.0, "", TwistStamped)
+        self.hush("", TwistStamped)
+        rospy.set_param("/diff_drive/controller_type", "rviz")
+        self.log.wait_for(lambda line: "controller_type: 'gazebo' -> 'rviz'" in line.msg)
+        self.drive(0.2, 0.0)
+
+    def test_odometry_with_noise_says_how_far_it_may_be_off(self) -> None:
+        truth = Ear("/lab/ground_truth", Odometry)
+        wait_until(truth.publishers, lambda: "no ground truth")
+        self.drive(0.2, 0.3, "/lab", TwistStamped)
+        self.advance(2.0)
+        message = self.odometry["/lab"].messages()[-1]
+        true = truth.wait_for(lambda heard: heard.header.stamp == message.header.stamp)
+        truth.close()
+        exact = Pose(0.0, 1.5, 0.5).moved(0.2, 0.3)
+        for found, wanted in zip(pose(true), exact):
+            self.assertAlmostEqual(found, wanted)
+        off = [found - wanted for found, wanted in zip(self.at("/lab"), exact)]
+        variances = [message.pose.covariance[place] for place in (0, 7, 35)]
+        for error, variance in zip(off, variances):
+            self.assertNotEqual(error, 0.0)
+            self.assertLess(abs(error), 5.0 * math.sqrt(variance))
+        self.assertEqual(message.header.frame_id, "lab/odom")
+        self.assertEqual(true.header.frame_id, "lab/odom")
+        matrix = message.pose.covariance
+        self.assertEqual([matrix[5], matrix[11], matrix[1]], [matrix[30], matrix[31], matrix[6]])
+        self.assertNotEqual(matrix[5], 0.0)
+        # Of what wheels tell nothing of, and of a robot without noise.
+        self.assertEqual([matrix[14], matrix[21], matrix[28]], [1e6, 1e6, 1e6])
+        self.assertEqual(self.odometry[""].messages()[-1].pose.covariance[0], 1e-9)
+
+    def test_robots_in_other_namespaces_are_not_moved(self) -> None:
+        before = {robot: self.at(robot) for robot in ROBOTS}
+        self.drive(0.2, 0.0, "/robot2")
+        for robot in ROBOTS:
+            self.assertEqual(self.at(robot) == before[robot], robot != "/robot2", robot)
+
+    def test_a_fleet_stands_in_a_square_with_frames_of_its_own(self) -> None:
+        self.assertEqual(self.at("/robot1"), Pose(0.0, 0.0, 0.0))
+        self.assertEqual(self.at("/robot2"), Pose(1.0, 0.0, 0.0))
+        self.assertEqual(self.at("/robot3"), Pose(0.0, 1.0, 0.0))
+        message = self.odometry["/robot2"].messages()[-1]
+        self.assertEqual(message.header.frame_id, "robot2/odom")
+        self.assertEqual(self.graph.parameter("/robot2/diff_drive/frame_prefix"), "robot2/")
+        self.assertEqual(self.graph.parameter("/robot2/diff_drive/initial_x"), 1.0)
+
+    def test_a_wall_stops_it_where_it_touches(self) -> None:
+        contact = Ear("/contact", Bool)
+        contact.wait_for(lambda heard: not heard.data)
+        rospy.set_param("/diff_drive/command_timeout", 0.0)
+        self.log.wait_for(lambda line: "command_timeout: 1 -> 0" in line.msg)
+        self.drive(0.2, 0.0)
+        self.advance(60.0)
+        self.assert_at(Pose(3.0 - 0.105, 0.0, 0.0), delta=1e-6)
+        contact.wait_for(lambda heard: heard.data)
+        contact.forget()
+        self.drive(-0.2, 0.0)
+        contact.wait_for(lambda heard: not heard.data)
+        contact.close()
+        rospy.set_param("/diff_drive/command_timeout", 1.0)
+        self.log.wait_for(lambda line: "command_timeout: 0 -> 1" in line.msg)
+
+    def test_the_laser_sees_the_walls_where_they_are(self) -> None:
+        scans = Ear("/scan", LaserScan)
+        wait_until(scans.publishers, lambda: "no scan")
+        self.advance(0.2)
+        scan = scans.wait_for(lambda heard: heard.header.stamp.to_sec() >= self.now - 1e-6)
+        scans.close()
+        self.assertEqual(scan.header.frame_id, "base_scan")
+        self.assertEqual(len(scan.ranges), 360)
+        # From 0.032 m behind the middle of a square of 6 m.
+        self.assertAlmostEqual(scan.ranges[0], 3.032, places=6)
+        self.assertAlmostEqual(scan.ranges[90], 3.0, places=6)
+        self.assertAlmostEqual(scan.ranges[180], 2.968, places=6)
+        self.assertTrue(math.isinf(scan.ranges[180 + 45]))  # the corner is beyond 3.5 m
+        self.assertLess(scan.ranges[45], 2.3)  # a box
+
+    def test_whoever_comes_late_gets_the_world_and_each_change_of_it(self) -> None:
+        worlds = Ear("/world", MarkerArray)
+        world = worlds.wait_for(lambda heard: True)
+        self.assertEqual(world.markers[0].action, Marker.DELETEALL)
+        self.assertEqual({marker.header.frame_id for marker in world.markers}, {"odom"})
+        kinds: List[Any] = [(marker.ns, marker.type) for marker in world.markers[1:]]
+        self.assertEqual(kinds, [("walls", Marker.LINE_LIST)] + 3 * [("boxes", Marker.CUBE)])
+        self.assertEqual(len(world.markers[1].points), 8)
+        boxes = rospy.get_param("/diff_drive/boxes")
+        rospy.set_param("/diff_drive/boxes", boxes[:1])
+        worlds.wait_for(lambda heard: len(heard.markers) == 3)
+        rospy.set_param("/diff_drive/boxes", boxes)
+        worlds.forget()
+        worlds.wait_for(lambda heard: len(heard.markers) == 5)
+        worlds.close()
+
+
+if __name__ == "__main__":
+    rostest.rosrun("diff_drive_sim", "diff_drive", DiffDrive)

@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
+import robots
 import startup
 import timing
 import transitions
@@ -162,6 +163,10 @@ GOALS: List[Goal] = [
         subject=RCLPY,
         at_most=False,
     ),
+    _itself("robots", "100 robots: CPU, heard", 30.0, "cpu_observed_percent", " %", robots.FLEET),
+    _itself("robots", "100 robots: rate", 29.0, "lowest_hz", " Hz", robots.FLEET, at_most=False),
+    _itself("robots", "a robot that scans: CPU", 3.0, "cpu_percent", " %", robots.SCAN),
+    _itself("robots", "start to first odom", 0.3, "first_odom_s", " s", robots.START),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

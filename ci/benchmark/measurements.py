@@ -9,6 +9,7 @@ import latency
 import lifecycles
 import live
 import overlap
+import robots
 import startup
 import stacks
 import throughput
@@ -130,6 +131,9 @@ MEASUREMENTS = [
         [stacks.OURS],
         lifecycles.request,
         repeats=3,
+    ),
+    Measurement(
+        "robots", "simulated robots", robots.SUBJECTS, robots.measure, repeats=3, warm_up=True
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),

@@ -1,0 +1,76 @@
+"""What simulated robots cost: a hundred in one process, one that scans, and how soon one is up."""
+
+import time
+from typing import List
+
+import stacks
+from context import Bench, Figures
+from observers import Recorder
+from processes import cpu_share, resident_memory
+
+FLEET, SCAN, START = "100 robots", "a robot that scans", "start of a robot"
+SUBJECTS = [FLEET, SCAN, START]
+
+COUNT = 100
+ODOMETRY, JOINTS, RANGES = "nav_msgs/Odometry", "sensor_msgs/JointState", "sensor_msgs/LaserScan"
+#: A square of 6 m and a wall within it.
+WALLS = "[[3,-3,3,3],[3,3,-3,3],[-3,3,-3,-3],[-3,-3,3,-3],[1,1,2,1.5]]"
+
+
+def measure(bench: Bench, subject: str) -> Figures:
+    """Measure one of SUBJECTS."""
+    return {FLEET: _fleet, SCAN: _scan, START: _start}[subject](bench)
+
+
+def _fleet(bench: Bench) -> Figures:
+    seconds = 2.0 if bench.quick else 5.0
+    with bench.session.node() as node, bench.session.running(
+        _command("diff_drive_fleet", f"_count:={COUNT}")
+    ) as pids:
+        Recorder(node, f"/robot{COUNT}/odom", ODOMETRY).wait()
+        time.sleep(2.0)  # until all of them have settled
+        alone = cpu_share(pids, seconds)
+        recorders = [
+            Recorder(node, f"/robot{number}/{topic}", kind)
+            for number in range(1, COUNT)
+            for topic, kind in (("odom", ODOMETRY), ("joint_states", JOINTS))
+        ]
+        for recorder in recorders:
+            recorder.wait()
+        began = time.monotonic()
+        heard = cpu_share(pids, seconds)
+        ended = time.monotonic()
+        counts = [
+            sum(began <= moment < ended for moment, _ in recorder.messages())
+            for recorder in recorders
+        ]
+        # A window cuts off up to one message.
+        return {
+            "cpu_percent": alone,
+            "cpu_observed_percent": heard,
+            "lowest_hz": (min(counts) + 1) / (ended - began),
+            "resident_mb": resident_memory(pids),
+        }
+
+
+def _scan(bench: Bench) -> Figures:
+    with bench.session.node() as node, bench.session.running(
+        _command("diff_drive", "_scan_rate:=10", f"_walls:={WALLS}")
+    ) as pids:
+        for topic, kind in (("/odom", ODOMETRY), ("/joint_states", JOINTS), ("/scan", RANGES)):
+            Recorder(node, topic, kind).wait()
+        time.sleep(1.0)
+        return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
+
+
+def _start(bench: Bench) -> Figures:
+    """Measure from where roslaunch would start the process."""
+    with bench.session.node() as node:
+        recorder = Recorder(node, "/odom", ODOMETRY)
+        began = time.monotonic()
+        with bench.session.running(_command("diff_drive")):
+            return {"first_odom_s": recorder.wait() - began}
+
+
+def _command(executable: str, *arguments: str) -> List[str]:
+    return [str(stacks.EXECUTABLES.parent / "diff_drive_sim" / executable), *arguments]

@@ -22,6 +22,7 @@ extensions = [
     "lifecycle_graphs",
     "plant_plots",
     "state_graphs",
+    "drive_plots",
     "waveform_plots",
 ]
 exclude_patterns = ["_build", "_generated"]

@@ -21,6 +21,7 @@ SIBLINGS: Dict[str, Set[str]] = {
         "first_order_sys_sim",
         "basic_comms.signals",
     },
+    "diff_drive_sim": {"nodekit"},
     "topic_scope": {"nodekit", "nodekit_msgs"},
     "parameters_demo": {"nodekit", "parameters_demo_msgs"},
     # The sensors of both see the same: what they see is in the one, and not written twice.
@@ -49,6 +50,10 @@ ROOMS: Dict[str, List[str]] = {
     "lifecycle_manager": [
         *("plan", "member", "commands", "system", "reports", "contact", "rivals", "nodes"),
     ],
+    "diff_drive_sim": [
+        *("kinematics", "limits", "odometry", "world", "laser", "robot", "robot_parameters"),
+        *("messages", "scanner", "world_markers", "command_topic", "nodes"),
+    ],
     "executors_demo": [
         *("events", "diary", "bars", "picture", "timeline_command"),
         *("demo", "four_timers", "nodes"),
@@ -66,6 +71,8 @@ PURE = (
     *("basic_comms.signals", "basic_comms.chatter"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
     "lifecycle_manager.system",
+    *("diff_drive_sim.kinematics", "diff_drive_sim.limits", "diff_drive_sim.odometry"),
+    *("diff_drive_sim.world", "diff_drive_sim.laser", "diff_drive_sim.robot"),
     *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
     *("executors_demo.picture", "executors_demo.timeline_command"),
     *("robot_interfaces_demo.modes", "robot_interfaces_demo.robot_model"),

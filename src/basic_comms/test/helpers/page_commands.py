@@ -31,8 +31,8 @@ _FENCE = re.compile(r"^ *```(\S*)")
 _REFUSED = "# refused"
 _LAUNCHES = re.compile(
     r"(\./ci/exec )?(roslaunch (?!-)|rosrun \w+ (?!scope|plot_bag)\w+\.py"
-    r"|rosrun (executors_demo|lifecycle_demo|my_robot_package|parameters_demo"
-    r"|robot_interfaces_demo) (?!timeline|fleet_report)\w+)"
+    r"|rosrun (diff_drive_sim|executors_demo|lifecycle_demo|my_robot_package"
+    r"|parameters_demo|robot_interfaces_demo) (?!timeline|fleet_report)\w+)"
 )
 _GOES_ON_BESIDE = re.compile(r"rostopic (echo|pub)|rosrun topic_scope scope|roslaunch topic_scope")
 _NODE_OF_LAUNCH = re.compile(r"^ +\S+ \(\w+/\S+\)$", re.MULTILINE)

@@ -119,6 +119,7 @@ class DiffDrive(unittest.TestCase):
         self.assertLess(abs(wrapped(found.theta - expected.theta)), delta, found)
 
     def test_names_and_types_are_those_of_turtlebot3_fake(self) -> None:
+        """Types of the commands go by controller_type. Course 001-robot-2."""
         types = self.graph.topics()
         self.assertEqual(types["/tf"], "tf2_msgs/TFMessage")
         for robot in ROBOTS:
@@ -135,6 +136,7 @@ class DiffDrive(unittest.TestCase):
             self.assertEqual({name: types[f"{robot}/{name}"] for name in expected}, expected)
 
     def test_frames_and_the_order_of_the_wheels_are_too(self) -> None:
+        """And angular.z is counter-clockwise. Course 001-robot-3."""
         transforms, joints = Ear("/tf", TFMessage), Ear("/joint_states", JointState)
         wait_until(
             lambda: joints.publishers() and transforms.publishers() >= 3, lambda: "not connected"
@@ -172,6 +174,7 @@ class DiffDrive(unittest.TestCase):
             ear.close()
 
     def test_a_command_acts_for_a_second_on_the_exact_arc(self) -> None:
+        """The pose is on odom. Course 001-robot-4."""
         self.drive(0.15, 1.2)
         self.advance(0.3)
         self.assertAlmostEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.15)

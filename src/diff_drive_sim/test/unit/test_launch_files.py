@@ -71,6 +71,7 @@ def test_each_argument_of_a_fleet_reaches_its_parameter(argument: str) -> None:
 
 @pytest.mark.parametrize("name", ["diff_drive.launch", "fleet.launch"])
 def test_model_and_world_are_chosen_by_name_or_by_file(name: str) -> None:
+    """Course 001-robot-1."""
     config = load(name, "model:=waffle", "world:=arena")
     (node,) = config.nodes
     found = settings(config, "/" + node.name)

@@ -70,6 +70,11 @@ PARAMETERS: Dict[str, Dict[str, str]] = {
     "basic_comms/launch/fleet.launch": {"prefix": "/fleet/prefix"},
     "basic_comms/launch/talker_listener.launch": {"scope": "/talker/message_scope"},
     "basic_comms/launch/features/arg.launch": {"text": "/arg_talker/Message"},
+    "diff_drive_sim/launch/diff_drive.launch": {
+        "controller_type": "/diff_drive/controller_type",
+        "frame_prefix": "/diff_drive/frame_prefix",
+    },
+    "diff_drive_sim/launch/fleet.launch": {"prefix": "/diff_drive_fleet/prefix"},
     "first_order_sys_sim/launch/system.launch": {"method": "/first_order_sys/method"},
     "parameters_demo/launch/demo3.launch": {
         "lidar_model": "/lidar_demo/lidar_model",

@@ -37,6 +37,8 @@ TESTS: Dict[str, Sequence[str]] = {
     "nodekit/number_kinds": ("parameter_kinds", "schema"),
     "nodekit/refusals": ("parameters", "reconciler"),
     "nodekit/table": ("lifecycle",),
+    "diff_drive_sim/limits": ("robot",),
+    "diff_drive_sim/world": ("robot", "laser"),
     "executors_demo/picture": ("timeline",),
     "executors_demo/timeline_command": ("timeline",),
     "robot_interfaces_demo/modes": ("problems", "robot_model"),

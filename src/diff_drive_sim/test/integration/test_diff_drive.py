@@ -316,7 +316,7 @@ class DiffDrive(unittest.TestCase):
 
     def test_a_wall_stops_it_where_it_touches(self) -> None:
         contact = Ear("/contact", Bool)
-        contact.wait_for(lambda heard: not heard.data)
+        self.wait_for_ear("", "/contact")
         rospy.set_param("/diff_drive/command_timeout", 0.0)
         self.log.wait_for(lambda line: "command_timeout: 1 -> 0" in line.msg)
         self.drive(0.2, 0.0)

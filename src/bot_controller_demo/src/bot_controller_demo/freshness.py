@@ -1,0 +1,32 @@
+"""How old what a robot says of itself is."""
+
+import math
+
+
+class Freshness:
+    """Tells the age of the last message of a stream.
+
+    It is the larger one of the times since its stamp and since its arrival. The stamp alone would
+    take the word of a clock that is ahead; the arrival alone would take what a cut link delivers
+    late, all at once, for new.
+    """
+
+    def __init__(self) -> None:
+        self._stamp = self._arrived_at = math.nan
+
+    def note(self, stamp: float, now: float) -> None:
+        """Note a message.
+
+        :param stamp: when it was made, s; 0 where it does not say
+        :param now: when it has arrived, s by the same clock
+        """
+        self._stamp, self._arrived_at = stamp or now, now
+
+    def age(self, now: float) -> float:
+        """Return the age of the last message, s; infinite where there is none, or the clock was
+        set back since.
+
+        :param now: s, by the same clock
+        """
+        since = now - self._arrived_at
+        return max(since, now - self._stamp) if since >= 0.0 else math.inf

@@ -1,0 +1,75 @@
+"""Where a robot is on the plane, and angles that go once around."""
+
+import math
+from typing import NamedTuple, Optional
+
+
+class Pose(NamedTuple):
+    """Where a robot is.
+
+    :param x: position, m
+    :param y: position, m
+    :param theta: heading, counter-clockwise from the x axis, rad
+    """
+
+    x: float
+    y: float
+    theta: float
+
+
+class Goal(NamedTuple):
+    """Where a robot is to go.
+
+    :param x: position, m
+    :param y: position, m
+    :param theta: heading, rad; None where any will do
+    """
+
+    x: float
+    y: float
+    theta: Optional[float] = None
+
+    def __str__(self) -> str:
+        heading = "" if self.theta is None else f", theta {self.theta:g} rad"
+        return f"x {self.x:g} m, y {self.y:g} m{heading}"
+
+
+class Errors(NamedTuple):
+    """What separates a robot from its goal.
+
+    :param distance: m
+    :param direction: how far the goal is to the left of where the robot looks, rad
+    :param heading: how far the robot has to turn to the left to look as it is to at the goal, rad;
+        0 where any heading will do
+    """
+
+    distance: float
+    direction: float
+    heading: float
+
+
+def wrap(angle: float) -> float:
+    """Return the same angle between -pi and pi.
+
+    :param angle: rad
+    """
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+def errors(pose: Pose, goal: Goal) -> Errors:
+    """Return what separates a robot from its goal.
+
+    :param pose: where it is
+    :param goal: where it is to go
+    """
+    dx, dy = goal.x - pose.x, goal.y - pose.y
+    heading = 0.0 if goal.theta is None else wrap(goal.theta - pose.theta)
+    return Errors(math.hypot(dx, dy), wrap(math.atan2(dy, dx) - pose.theta), heading)
+
+
+def heading_of(x: float, y: float, z: float, w: float) -> float:
+    """Return the heading of a robot on a plane, rad.
+
+    :param x: of its orientation as a quaternion, as are the others
+    """
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

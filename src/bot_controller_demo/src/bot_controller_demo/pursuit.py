@@ -1,0 +1,106 @@
+"""One goal, from setting out to having arrived."""
+
+import math
+from typing import NamedTuple
+
+from bot_controller_demo.geometry import Errors, Goal, Pose, errors
+from bot_controller_demo.laws import LAWS, Gains
+from bot_controller_demo.velocities import STOP, Limits, Velocity, saturate
+
+DRIVING, TURNING, ARRIVED = "driving", "turning", "arrived"
+PHASES = (DRIVING, TURNING, ARRIVED)
+
+#: What has been reached counts as left at so many times its tolerance.
+HYSTERESIS = 2.0
+#: A turn keeps its direction while its error is larger than this, rad.
+_KEEP_ABOVE = 0.75 * math.pi
+
+
+class Tuning(NamedTuple):
+    """How a goal is pursued.
+
+    :param law: one of :data:`.LAWS`
+    :param gains: of the law
+    :param limits: of the velocities
+    :param linear_tolerance: how near the goal is near enough, m
+    :param angular_tolerance: the same of the heading, rad
+    """
+
+    law: str
+    gains: Gains
+    limits: Limits
+    linear_tolerance: float
+    angular_tolerance: float
+
+
+class Step(NamedTuple):
+    """What to do now.
+
+    :param velocity: how to move
+    :param phase: one of :data:`PHASES`
+    :param errors: what separates the robot from its goal
+    """
+
+    velocity: Velocity
+    phase: str
+    errors: Errors
+
+
+class Turn:
+    """Keeps the direction of a turn where the error is about pi.
+
+    There its sign changes from sample to sample, and the robot would never turn.
+    """
+
+    def __init__(self) -> None:
+        self._side = 0.0
+
+    def keep(self, error: float) -> float:
+        """Return the error, or the same angle the other way round.
+
+        :param error: between -pi and pi, rad
+        """
+        if abs(error) > _KEEP_ABOVE and error * self._side < 0.0:
+            return error + math.copysign(2.0 * math.pi, self._side)
+        self._side = error
+        return error
+
+
+class Pursuit:
+    """Drives to a goal, turns there, and stays.
+
+    What pushes the robot away from its goal has it drive or turn again.
+
+    :param goal: where to go
+
+    :ivar phase: one of :data:`PHASES`
+    """
+
+    def __init__(self, goal: Goal) -> None:
+        self.goal = goal
+        self.phase = DRIVING
+        self._direction, self._heading = Turn(), Turn()
+
+    def step(self, pose: Pose, tuning: Tuning) -> Step:
+        """Return what to do now.
+
+        :param pose: where the robot is
+        :param tuning: how to drive
+        """
+        seen = errors(pose, self.goal)
+        self.phase = self._next_phase(seen, tuning)
+        if self.phase == ARRIVED:
+            return Step(STOP, self.phase, seen)
+        if self.phase == TURNING:
+            wanted = Velocity(0.0, tuning.gains.angular * self._heading.keep(seen.heading))
+        else:
+            kept = seen._replace(direction=self._direction.keep(seen.direction))
+            wanted = LAWS[tuning.law](kept, tuning.gains)
+        return Step(saturate(wanted, tuning.limits), self.phase, seen)
+
+    def _next_phase(self, seen: Errors, tuning: Tuning) -> str:
+        slack = 1.0 if self.phase == DRIVING else HYSTERESIS
+        if seen.distance > slack * tuning.linear_tolerance:
+            return DRIVING
+        slack = HYSTERESIS if self.phase == ARRIVED else 1.0
+        return TURNING if abs(seen.heading) > slack * tuning.angular_tolerance else ARRIVED

@@ -1,0 +1,60 @@
+"""Tell a robot how to move, and to stop at the end."""
+
+import threading
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+
+from bot_controller_demo.velocities import STOP, Velocity
+from nodekit import Node
+
+#: What the velocities are about: the robot's own frame.
+_FRAME = "base_footprint"
+
+
+class Commands:
+    """Publishes ``cmd_vel``.
+
+    A stop is said once: silence leaves the topic to others. A robot that was told to move is told
+    to stop when the node ends.
+
+    :param node: makes the publisher
+    :param controller_type: rviz for Twist, gazebo for TwistStamped
+    """
+
+    def __init__(self, node: Node, controller_type: str) -> None:
+        self._is_stamped = controller_type == "gazebo"
+        self._publisher = node.publisher("cmd_vel", TwistStamped if self._is_stamped else Twist)
+        self._last, self._is_closed = STOP, False
+        self._lock = threading.Lock()
+        node.own(self)
+        rospy.on_shutdown(self.close)
+
+    def publish(self, velocity: Velocity) -> None:
+        """Tell the robot how to move.
+
+        :param velocity: what it is to do from now on
+        """
+        with self._lock:
+            self._send(velocity)
+
+    def close(self) -> None:
+        """Stop the robot, and say nothing any more."""
+        with self._lock:
+            self._send(STOP)
+            self._is_closed = True
+
+    def _send(self, velocity: Velocity) -> None:
+        if not self._is_closed and (velocity != STOP or self._last != STOP):
+            self._publisher.publish(self._message(velocity))
+        self._last = velocity
+
+    def _message(self, velocity: Velocity) -> Any:
+        twist = Twist(Vector3(velocity.linear, 0.0, 0.0), Vector3(0.0, 0.0, velocity.angular))
+        if not self._is_stamped:
+            return twist
+        message = TwistStamped(twist=twist)
+        message.header.stamp = rospy.Time.now()
+        message.header.frame_id = _FRAME
+        return message

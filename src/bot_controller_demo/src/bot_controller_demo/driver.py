@@ -1,0 +1,138 @@
+"""What drives a robot to a goal: a pursuit, wired to ROS."""
+
+import math
+from typing import Any, Optional
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from std_msgs.msg import Bool
+
+from bot_controller_demo.commands import Commands
+from bot_controller_demo.driving_parameters import DrivingParameters
+from bot_controller_demo.freshness import Freshness
+from bot_controller_demo.geometry import Goal, Pose, heading_of
+from bot_controller_demo.laws import COURSE_CIRCLES_FROM
+from bot_controller_demo.pursuit import ARRIVED, Pursuit
+from bot_controller_demo.velocities import STOP
+from bot_controller_demo_msgs.msg import Progress
+from nodekit import LiveParameters, Node
+
+
+class Driver:
+    """Drives to one goal at a time, and stays there; another goal takes the place of the last.
+
+    :ROS Subscribers:
+        - ``odom`` (nav_msgs/Odometry); the robot stops while it is older than ``~odom_timeout``
+
+    :ROS Publishers:
+        - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped): while it drives, and one zero to stop
+        - ``~progress`` (bot_controller_demo_msgs/Progress): with each command, and at the goal
+        - ``~arrived`` (std_msgs/Bool), latched
+        - ``~current_goal`` (geometry_msgs/PoseStamped), latched
+
+    :param node: makes all of it
+    :param parameters: how to drive; a set of :class:`.DrivingParameters`
+
+    :ivar frame: that of the odometry, None before the first
+    """
+
+    def __init__(self, node: Node, parameters: "LiveParameters[Any]") -> None:
+        self._parameters = parameters
+        self._commands = Commands(node, parameters.values.controller_type)
+        self._progress = node.publisher("~progress", Progress)
+        self._arrived = node.publisher("~arrived", Bool, latch=True)
+        self._current_goal = node.publisher("~current_goal", PoseStamped, latch=True)
+        self._pursuit: Optional[Pursuit] = None
+        self._pose, self._stamp, self._freshness = Pose(0.0, 0.0, 0.0), rospy.Time(), Freshness()
+        self.frame: Optional[str] = None
+        self._odometry_name = node.resolve("odom")
+        self._is_waiting = False
+        self._judged: Optional[DrivingParameters] = None
+        node.subscribe("odom", Odometry, self._on_odometry)
+
+    def head_for(self, goal: Goal) -> None:
+        """Drive to a goal from now on.
+
+        :param goal: in the frame of the odometry
+        """
+        rospy.loginfo("goal: %s", goal)
+        self._pursuit = Pursuit(goal)
+        self._arrived.publish(Bool(False))
+        message = PoseStamped()
+        message.header.stamp, message.header.frame_id = rospy.Time.now(), self.frame or "odom"
+        message.pose.position.x, message.pose.position.y = goal.x, goal.y
+        theta = goal.theta or 0.0
+        message.pose.orientation.z, message.pose.orientation.w = (
+            math.sin(theta / 2.0),
+            math.cos(theta / 2.0),
+        )
+        self._current_goal.publish(message)
+
+    def stop(self) -> None:
+        """Stop, and have no goal."""
+        self._pursuit = None
+        self._commands.publish(STOP)
+
+    def step(self) -> Optional[Progress]:
+        """Tell the robot what to do now; to be called ``~control_frequency`` times a second.
+
+        :returns: how far it is; None without a goal, or while nobody knows where the robot is
+        """
+        settings: DrivingParameters = self._parameters.values
+        self._judge(settings)
+        if self._pursuit is None or not self._has_odometry(settings.odom_timeout):
+            return None
+        before = self._pursuit.phase
+        step = self._pursuit.step(self._pose, settings.tuning)
+        self._commands.publish(step.velocity)
+        progress = Progress(
+            phase=step.phase, distance=step.errors.distance, heading_error=step.errors.heading
+        )
+        progress.header.stamp, progress.header.frame_id = self._stamp, self.frame
+        if (step.phase == ARRIVED) != (before == ARRIVED):
+            self._arrived.publish(Bool(step.phase == ARRIVED))
+            left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
+            rospy.loginfo("%s: %s", step.phase, left)
+        self._progress.publish(progress)
+        return progress
+
+    def _on_odometry(self, message: Odometry) -> None:
+        position, turn = message.pose.pose.position, message.pose.pose.orientation
+        pose = Pose(position.x, position.y, heading_of(turn.x, turn.y, turn.z, turn.w))
+        if not all(map(math.isfinite, pose)):
+            return  # it grows old
+        self._pose, self._stamp = pose, message.header.stamp or rospy.Time.now()
+        self._freshness.note(message.header.stamp.to_sec(), rospy.get_time())
+        self.frame = message.header.frame_id
+
+    def _has_odometry(self, limit: float) -> bool:
+        """Tell whether it is known where the robot is; stop it where not, and say so once."""
+        age = self._freshness.age(rospy.get_time())
+        is_waiting = age > limit
+        if is_waiting:
+            self._commands.publish(STOP)
+        if is_waiting != self._is_waiting:
+            self._is_waiting = is_waiting
+            if not is_waiting:
+                rospy.loginfo("there is odometry: the robot drives")
+            elif math.isinf(age):
+                rospy.loginfo("waiting for odometry on %s", self._odometry_name)
+            else:
+                rospy.logwarn(
+                    "%s is %.2f s old: the robot is stopped until there is news",
+                    *(self._odometry_name, age),
+                )
+        return not is_waiting
+
+    def _judge(self, settings: DrivingParameters) -> None:
+        """Warn, once for each change, of a law that will not do."""
+        if settings is self._judged:
+            return
+        self._judged = settings
+        if settings.control_law == "course" and settings.kp_angular >= COURSE_CIRCLES_FROM:
+            rospy.logwarn(
+                "control_law course with kp_angular %g 1/s circles its goal: must be below %g 1/s, "
+                "or the law settling",
+                *(settings.kp_angular, COURSE_CIRCLES_FROM),
+            )

@@ -1,0 +1,68 @@
+"""The parameters of whatever drives to a goal, under the names that the course gave them."""
+
+from bot_controller_demo.laws import LAWS, Gains
+from bot_controller_demo.pursuit import Tuning
+from bot_controller_demo.velocities import Limits
+from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, rule
+
+#: The message types by the names that the course gave them.
+CONTROLLER_TYPES = ("rviz", "gazebo")
+
+
+def controller_type() -> EnumParameter:
+    """Declare the message type of the commands."""
+    return EnumParameter(
+        "rviz",
+        choices=CONTROLLER_TYPES,
+        help="type of cmd_vel: rviz for Twist, gazebo for TwistStamped; read at the start",
+    )
+
+
+def _gain(default: float, what: str) -> FloatParameter:
+    return FloatParameter(default, above=0.0, maximum=100.0, unit="1/s", help="gain of " + what)
+
+
+class DrivingParameters(ParameterSet):
+    """How a goal is pursued; all of it but the type may change on the way."""
+
+    controller_type = controller_type()
+    control_law = EnumParameter(
+        "settling",
+        choices=tuple(LAWS),
+        help="settling comes to every goal; course circles it from a kp_angular of 1.2 on",
+    )
+    kp_linear = _gain(0.5, "the distance")
+    kp_angular = _gain(1.0, "the angle")
+    linear_tolerance = FloatParameter(
+        0.1, above=0.0, maximum=10.0, unit="m", help="how near the goal is near enough"
+    )
+    angular_tolerance = FloatParameter(
+        0.05, above=0.0, maximum=3.0, unit="rad", help="which error of the last heading will do"
+    )
+    control_frequency = RateParameter(20.0, maximum=1000.0, help="commands a second")
+    max_linear_velocity = FloatParameter(
+        0.5, above=0.0, maximum=100.0, unit="m/s", help="largest speed that is asked for"
+    )
+    max_angular_velocity = FloatParameter(
+        1.0, above=0.0, maximum=100.0, unit="rad/s", help="largest turning rate that is asked for"
+    )
+    odom_timeout = FloatParameter(
+        0.5, above=0.0, maximum=60.0, unit="s", help="age from which odometry stops the robot"
+    )
+
+    @rule("kp_linear", "kp_angular", "control_frequency")
+    def is_stable(self) -> None:
+        """Refuse what oscillates: held for a period, and with odometry one period old."""
+        if max(self.kp_linear, self.kp_angular) >= self.control_frequency:
+            raise ValueError("both gains must be below control_frequency, or the robot oscillates")
+
+    @property
+    def tuning(self) -> Tuning:
+        """How to pursue a goal."""
+        return Tuning(
+            self.control_law,
+            Gains(self.kp_linear, self.kp_angular),
+            Limits(self.max_linear_velocity, self.max_angular_velocity),
+            self.linear_tolerance,
+            self.angular_tolerance,
+        )

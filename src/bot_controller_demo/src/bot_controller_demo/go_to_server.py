@@ -1,0 +1,70 @@
+"""The action go_to, where Debian's python3-actionlib is installed."""
+
+from typing import Any, Callable, Optional
+
+import rospy
+
+from bot_controller_demo.goals import GoalRefused
+from bot_controller_demo.pursuit import ARRIVED
+from bot_controller_demo_msgs.msg import GoToAction, GoToFeedback, GoToResult, Progress
+from nodekit import Node
+
+try:
+    import actionlib
+except ImportError:
+    actionlib = None
+
+
+class GoToServer:
+    """Serves ``go_to`` by asking it at each step: so all is done in the node's own callbacks.
+
+    :param node: whose action it is
+    :param accept: called with a goal's PoseStamped; raises GoalRefused
+    :param stop: called where the robot is to stop
+    """
+
+    def __init__(self, node: Node, accept: Callable[[Any], None], stop: Callable[[], None]) -> None:
+        self._accept, self._stop = accept, stop
+        self._server: Any = None
+        self._is_new = True
+        if actionlib is None:
+            rospy.logwarn("no action go_to: python3-actionlib is not installed; the rest works")
+            return
+        self._server = actionlib.SimpleActionServer(
+            node.resolve("go_to"), GoToAction, auto_start=False
+        )
+
+    def poll(self) -> None:
+        """Take what clients have asked for since the last call."""
+        server = self._server
+        if server is None:
+            return
+        if self._is_new:
+            self._is_new = False
+            server.start()
+        if server.is_new_goal_available():
+            goal = server.accept_new_goal()  # the one before is preempted by this
+            try:
+                self._accept(goal.target_pose)
+            except GoalRefused as refusal:
+                self._stop()
+                server.set_aborted(GoToResult(), str(refusal))
+        elif server.is_active() and server.is_preempt_requested():
+            self._stop()
+            server.set_preempted(GoToResult(), "cancelled: the robot has stopped")
+
+    def tell(self, progress: Optional[Progress]) -> None:
+        """Tell the client how far the robot is.
+
+        :param progress: on the way to the goal that was accepted last; None where it is not known
+        """
+        if progress is None or self._server is None or not self._server.is_active():
+            return
+        self._server.publish_feedback(GoToFeedback(progress))
+        if progress.phase == ARRIVED:
+            self._server.set_succeeded(GoToResult(progress), "arrived")
+
+    def drop(self) -> None:
+        """Tell the client that another goal has taken the place of its own."""
+        if self._server is not None and self._server.is_active():
+            self._server.set_preempted(GoToResult(), "another goal was set")

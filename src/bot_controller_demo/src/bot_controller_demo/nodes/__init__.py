@@ -1,0 +1,1 @@
+"""The nodes: what wires the control laws and the keys to ROS."""

@@ -1,0 +1,100 @@
+"""The proportional controller: drives a robot to a goal."""
+
+import math
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+
+from bot_controller_demo.driver import Driver
+from bot_controller_demo.driving_parameters import DrivingParameters
+from bot_controller_demo.geometry import Goal
+from bot_controller_demo.go_to_server import GoToServer
+from bot_controller_demo.goals import GoalRefused, finite, goal_of
+from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest, SetGoalResponse
+from nodekit import FloatParameter, Node, run
+
+
+def _coordinate(default: float, unit: str, what: str) -> FloatParameter:
+    return FloatParameter(default, minimum=-1e6, maximum=1e6, unit=unit, help=what)
+
+
+class ProportionalControllerParameters(DrivingParameters):
+    """Parameters of proportional_controller: where to go, and how."""
+
+    goal_x = _coordinate(2.0, "m", "where to go at the start, and after a change: x")
+    goal_y = _coordinate(1.0, "m", "the same: y")
+    goal_theta = _coordinate(math.pi / 2.0, "rad", "the same: heading")
+
+    @property
+    def goal(self) -> Goal:
+        """Where to go."""
+        return Goal(self.goal_x, self.goal_y, self.goal_theta)
+
+
+class ProportionalController:
+    """Drives to the goal of its parameters, then to whatever goal it is given.
+
+    :ROS Subscribers:
+        - ``~goal`` (geometry_msgs/PoseStamped), in the frame of the odometry; rviz sends it
+
+    :ROS Services:
+        - ``~set_goal`` (bot_controller_demo_msgs/SetGoal)
+
+    :ROS Actions:
+        - ``go_to`` (bot_controller_demo_msgs/GoTo), where python3-actionlib is installed
+
+    :ROS Parameters:
+        - those of :class:`ProportionalControllerParameters`, private and live
+
+    Its other topics are those of :class:`.Driver`.
+    """
+
+    def __init__(self, node: Node) -> None:
+        parameters = node.parameters(ProportionalControllerParameters, self._on_change)
+        self._go_to = GoToServer(node, self._accept, self._stop)
+        self._driver = Driver(node, parameters)
+        node.subscribe("~goal", PoseStamped, self._on_goal)
+        node.service("~set_goal", SetGoal, self._set_goal)
+        node.every(lambda: parameters.values.control_frequency, self._step)
+        self._driver.head_for(parameters.values.goal)
+
+    def _step(self, _elapsed: float) -> None:
+        self._go_to.poll()
+        self._go_to.tell(self._driver.step())
+
+    def _on_change(
+        self, new: ProportionalControllerParameters, old: ProportionalControllerParameters
+    ) -> None:
+        if new.goal != old.goal:
+            self._head_for(new.goal)
+
+    def _on_goal(self, message: PoseStamped) -> None:
+        try:
+            self._head_for(goal_of(message, self._driver.frame))
+        except GoalRefused as refusal:
+            rospy.logwarn("the goal is left out: %s", refusal)
+
+    def _set_goal(self, request: SetGoalRequest) -> SetGoalResponse:
+        goal = Goal(request.x, request.y, request.theta)
+        try:
+            self._head_for(finite(goal))
+        except GoalRefused as refusal:
+            return SetGoalResponse(False, str(refusal))
+        return SetGoalResponse(True, str(goal))
+
+    def _head_for(self, goal: Goal) -> None:
+        """Drive to a goal that is not the action's."""
+        self._go_to.drop()
+        self._driver.head_for(goal)
+
+    def _stop(self) -> None:
+        self._driver.stop()
+
+    def _accept(self, pose: PoseStamped) -> None:
+        """Drive to a goal of the action."""
+        self._driver.head_for(goal_of(pose, self._driver.frame))
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("proportional_controller", ProportionalController)

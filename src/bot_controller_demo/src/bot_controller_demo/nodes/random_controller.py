@@ -1,0 +1,77 @@
+"""The random controller: drives a robot anywhere."""
+
+from bot_controller_demo.commands import Commands
+from bot_controller_demo.driving_parameters import controller_type
+from bot_controller_demo.wandering import Wanderer
+from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
+
+
+def _speed(default: float, help: str) -> FloatParameter:
+    return FloatParameter(default, minimum=-100.0, maximum=100.0, unit="m/s", help=help)
+
+
+def _rate(default: float, help: str) -> FloatParameter:
+    return FloatParameter(default, minimum=-100.0, maximum=100.0, unit="rad/s", help=help)
+
+
+class RandomControllerParameters(ParameterSet):
+    """Parameters of random_controller."""
+
+    controller_type = controller_type()
+    linear_min = _speed(0.1, "least speed")
+    linear_max = _speed(0.2, "largest speed")
+    angular_min = _rate(-1.0, "least turning rate; positive is to the left")
+    angular_max = _rate(1.0, "largest turning rate")
+    timer_period_ms = IntParameter(
+        200, minimum=1, maximum=3_600_000, unit="ms", help="time from one velocity to the next"
+    )
+    seed = IntParameter(
+        0, minimum=0, help="the same one gives the same velocities; 0 for others at each start"
+    )
+
+    @rule("linear_min", "linear_max")
+    def has_speeds(self) -> None:
+        """Refuse an interval that is empty."""
+        if self.linear_min > self.linear_max:
+            raise ValueError("linear_min must be at most linear_max")
+
+    @rule("angular_min", "angular_max")
+    def has_rates(self) -> None:
+        """Refuse an interval that is empty."""
+        if self.angular_min > self.angular_max:
+            raise ValueError("angular_min must be at most angular_max")
+
+
+class RandomController:
+    """Publishes a new random velocity each period, and a zero when it ends.
+
+    :ROS Publishers:
+        - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped)
+
+    :ROS Parameters:
+        - those of :class:`RandomControllerParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(RandomControllerParameters, self._on_change)
+        self._wanderer = Wanderer(self._parameters.values.seed)
+        self._commands = Commands(node, self._parameters.values.controller_type)
+        node.every(lambda: 1000.0 / self._parameters.values.timer_period_ms, self._drive)
+
+    def _on_change(self, new: RandomControllerParameters, old: RandomControllerParameters) -> None:
+        if new.seed != old.seed:
+            self._wanderer = Wanderer(new.seed)
+
+    def _drive(self, _elapsed: float) -> None:
+        settings = self._parameters.values
+        self._commands.publish(
+            self._wanderer.draw(
+                (settings.linear_min, settings.linear_max),
+                (settings.angular_min, settings.angular_max),
+            )
+        )
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("random_controller", RandomController)

@@ -1,0 +1,79 @@
+"""The waypoint controller: drives a robot from one point to the next."""
+
+from typing import List
+
+import rospy
+
+from bot_controller_demo.driver import Driver
+from bot_controller_demo.driving_parameters import DrivingParameters
+from bot_controller_demo.geometry import Goal
+from bot_controller_demo.pursuit import ARRIVED
+from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run
+
+
+class WaypointControllerParameters(DrivingParameters):
+    """Parameters of waypoint_controller: where to go, and how."""
+
+    waypoints = ListParameter(
+        [],
+        element=ListParameter(
+            [0.0, 0.0],
+            element=FloatParameter(0.0, minimum=-1e6, maximum=1e6, help=""),
+            min_length=2,
+            max_length=3,
+            help="",
+        ),
+        unit="m, m, rad",
+        help="where to go: x and y, and the heading where it matters; a change begins anew",
+    )
+    repeat = BoolParameter(False, help="whether to go on with the first point after the last")
+
+    @property
+    def goals(self) -> List[Goal]:
+        """Where to go, one after the other."""
+        return [Goal(*waypoint) for waypoint in self.waypoints]
+
+
+class WaypointController:
+    """Drives through points, stays at the last one, or begins anew.
+
+    :ROS Parameters:
+        - those of :class:`WaypointControllerParameters`, private and live
+
+    Its topics are those of :class:`.Driver`.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(WaypointControllerParameters, self._on_change)
+        self._driver = Driver(node, self._parameters)
+        self._ahead: List[Goal] = []
+        node.every(lambda: self._parameters.values.control_frequency, self._step)
+        self._start()
+
+    def _on_change(
+        self, new: WaypointControllerParameters, old: WaypointControllerParameters
+    ) -> None:
+        if new.waypoints != old.waypoints:
+            self._driver.stop()
+            self._start()
+
+    def _step(self, _elapsed: float) -> None:
+        progress = self._driver.step()
+        if progress is None or progress.phase != ARRIVED:
+            return
+        if self._ahead:
+            self._driver.head_for(self._ahead.pop(0))
+        elif self._parameters.values.repeat:
+            self._start()
+
+    def _start(self) -> None:
+        self._ahead = self._parameters.values.goals
+        if self._ahead:
+            self._driver.head_for(self._ahead.pop(0))
+        else:
+            rospy.logwarn("no waypoints: the robot stays where it is")
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("waypoint_controller", WaypointController)

@@ -1,0 +1,325 @@
+#!/usr/bin/env python3
+"""Robots and their controllers on the wire."""
+
+import math
+import os
+import signal
+import unittest
+from typing import Any, List
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalID, GoalStatus
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+from stepping import SteppedClock
+
+from bot_controller_demo.straight_line import distance_left
+from bot_controller_demo.velocities import Velocity
+from bot_controller_demo.wandering import Wanderer
+from bot_controller_demo_msgs.msg import (
+    GoToActionFeedback,
+    GoToActionGoal,
+    GoToActionResult,
+    Progress,
+)
+from bot_controller_demo_msgs.srv import SetGoal
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+from nodekit_msgs.srv import SetParameters
+
+CONTROLLER = "/lab/proportional_controller"
+ODOM, CMD_VEL, PROGRESS = "/lab/odom", "/lab/cmd_vel", CONTROLLER + "/progress"
+WAY_ODOM, WAY_PROGRESS = "/way/odom", "/way/waypoint_controller/progress"
+#: Progress has the stamp of the odometry: it may be one sample of either, 1/20 and 1/30 s, behind.
+FRESH_HZ = 12.0
+SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
+
+
+def pose(x: float, y: float, theta: float, frame: str = "odom") -> PoseStamped:
+    """Return a goal as a message."""
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.pose.position.x, message.pose.position.y = x, y
+    message.pose.orientation.z = math.sin(theta / 2.0)
+    message.pose.orientation.w = math.cos(theta / 2.0)
+    return message
+
+
+def heading(odometry: Odometry) -> float:
+    """Return the heading of a robot, rad."""
+    turn = odometry.pose.pose.orientation
+    return 2.0 * math.atan2(turn.z, turn.w)
+
+
+class Robots(unittest.TestCase):
+    """Each test begins with a robot at rest at the origin."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.graph = Graph()
+        cls.clock = clock = SteppedClock()
+        clock.hear(ODOM, Odometry, 30.0)
+        clock.hear(CMD_VEL, TwistStamped, 0.0)
+        clock.hear(PROGRESS, Progress, FRESH_HZ)
+        clock.hear(WAY_ODOM, Odometry, 30.0)
+        clock.hear(WAY_PROGRESS, Progress, FRESH_HZ)
+        cls.arrived = Ear(CONTROLLER + "/arrived", Bool)
+        cls.log = Ear("/rosout", Log)
+        cls.goals = rospy.Publisher(CONTROLLER + "/goal", PoseStamped, queue_size=10)
+        cls.odometries = rospy.Publisher(ODOM, Odometry, queue_size=10)
+        cls.actions = rospy.Publisher("/lab/go_to/goal", GoToActionGoal, queue_size=10)
+        cls.cancel = rospy.Publisher("/lab/go_to/cancel", GoalID, queue_size=10)
+        cls.result = Ear("/lab/go_to/result", GoToActionResult)
+        cls.feedback = Ear("/lab/go_to/feedback", GoToActionFeedback)
+        cls.set_goal = rospy.ServiceProxy(CONTROLLER + "/set_goal", SetGoal)
+        cls.reset = rospy.ServiceProxy("/lab/diff_drive/reset", Trigger)
+        clock.begin()
+        publishers = (cls.goals, cls.actions, cls.cancel, cls.odometries)
+        wait_until(
+            lambda: all(one.get_num_connections() for one in publishers), lambda: "not connected"
+        )
+        ears = [f"/lab/go_to/{name}" for name in ("result", "feedback")]
+        for topic in (*ears, CONTROLLER + "/arrived", "/rosout"):
+            wait_until(
+                lambda: cls.graph.hearers(CONTROLLER, topic), lambda: f"{topic} is not heard"
+            )
+
+    def setUp(self) -> None:
+        self.assertTrue(self.set_goal(0.0, 0.0, 0.0).success)
+        self.reset()  # or it would drive there
+        self.until(self.is_at_home, "not at home", 10.0, PROGRESS)
+        self.clock.forget()
+        for ear in (self.log, self.result, self.feedback, self.arrived):
+            ear.forget()
+
+    def is_at_home(self) -> bool:
+        """Tell whether the last that was heard, which alone is kept, is of a robot at rest."""
+        odometry, progress = self.odometry(), self.clock.heard(PROGRESS)[-1]
+        place = odometry.pose.pose.position
+        errors = (place.x, place.y, heading(odometry), progress.distance, progress.heading_error)
+        if any(errors) and progress.phase == "arrived" and odometry.twist.twist == Twist():
+            self.reset()  # a command of before had it drive a little
+        return not any(errors)
+
+    def until(self, condition: Any, what: str, longest: float = 40.0, *but: str) -> Any:
+        return self.clock.step_until(condition, what, longest, *but)
+
+    def phase(self) -> str:
+        return str(self.clock.heard(PROGRESS)[-1].phase)
+
+    def odometry(self) -> Odometry:
+        return self.clock.heard(ODOM)[-1]
+
+    def commands(self) -> List[Velocity]:
+        twists = [message.twist for message in self.clock.heard(CMD_VEL)]
+        return [Velocity(twist.linear.x, twist.angular.z) for twist in twists]
+
+    def drive(self, longest: float = 40.0) -> None:
+        """Let the robot drive until it is there, and see that it is."""
+        self.until(lambda: self.phase() == "driving" or self.phase() == "turning", "it stays", 1.0)
+        self.until(lambda: self.phase() == "arrived", "it does not arrive", longest)
+        told = self.arrived.messages
+        wait_until(lambda: [m.data for m in told()][-2:] == [False, True], lambda: str(told()))
+        self.assertLessEqual(self.clock.heard(PROGRESS)[-1].distance, 0.1)
+
+    def logged(self, *words: str) -> None:
+        """Wait for a line of the log."""
+        self.log.wait_for(lambda line: all(word in line.msg for word in words))
+
+    def test_five_metres_straight_are_the_closed_form(self) -> None:
+        """Course 001-robot-6, 001-robot-8."""
+        self.assertIn("x 5 m, y 0 m, theta 0 rad", self.set_goal(5.0, 0.0, 0.0).message)
+        self.drive()
+        for _ in range(12):
+            self.clock.step()  # in which nobody is told to stop once more
+        stamps = [message.header.stamp.to_sec() for message in self.clock.heard(ODOM)]
+        places = [message.pose.pose.position for message in self.clock.heard(ODOM)]
+        start = next(stamp for stamp, place in zip(stamps, places) if place.x > 0.0)
+        driven = [(stamp - start, place) for stamp, place in zip(stamps, places) if stamp >= start]
+        self.assertGreater(driven[-1][0], 23.0)
+        for elapsed, place in driven:
+            left = max(distance_left(elapsed, 5.0, 0.5, 0.22), 0.1)
+            self.assertAlmostEqual(5.0 - place.x, left, delta=0.015, msg=f"after {elapsed} s")
+            self.assertAlmostEqual(place.y, 0.0, delta=1e-9)
+        commands = self.clock.heard(CMD_VEL)
+        self.assertEqual(commands[-1].header.frame_id, "base_footprint")
+        told = self.commands()
+        moving = told[next(number for number, command in enumerate(told) if command.linear) :]
+        self.assertEqual((moving.count(Velocity(0.0, 0.0)), moving[-1]), (1, (0.0, 0.0)))
+
+    def test_goal_behind_by_parameters(self) -> None:
+        change = rospy.ServiceProxy(CONTROLLER + "/change", SetParameters)
+        self.assertTrue(change("{goal_x: -0.5, goal_y: 0.0, goal_theta: 3.0}").success)
+        self.drive()
+        self.assertAlmostEqual(self.odometry().pose.pose.position.x, -0.45, delta=0.06)
+        self.assertAlmostEqual(heading(self.odometry()), 3.0, delta=0.06)
+        refused = change("{kp_linear: 20.0}")
+        self.assertFalse(refused.success)
+        self.assertIn("both gains must be below control_frequency", refused.message)
+
+    def test_turn_by_pi_by_topic_and_goals_that_are_refused(self) -> None:
+        self.goals.publish(pose(0.0, 0.0, math.pi))
+        self.drive(10.0)
+        self.assertAlmostEqual(abs(heading(self.odometry())), math.pi, delta=0.06)
+        turns = [command.angular for command in self.commands() if command.angular]
+        self.assertEqual(len({turn > 0.0 for turn in turns}), 1)
+        self.goals.publish(pose(1.0, 0.0, 0.0, "map"))
+        self.logged("the goal is left out", "frame_id 'map': must be 'odom'")
+        self.goals.publish(pose(math.nan, 0.0, 0.0))
+        self.logged("the goal is left out", "must be finite")
+        self.goals.publish(PoseStamped())
+        self.logged("the goal is left out", "must be a quaternion")
+        answer = self.set_goal(math.inf, 0.0, 0.0)
+        self.assertEqual((answer.success, "must be finite" in answer.message), (False, True))
+        self.clock.step()
+        self.assertEqual(self.phase(), "arrived")
+
+    def act(self, name: str, target: PoseStamped) -> None:
+        """Send a goal of the action, and wait until it is pursued."""
+        goal = GoToActionGoal()
+        goal.goal_id.id, goal.goal_id.stamp = name, rospy.Time.from_sec(self.clock.now)
+        goal.goal.target_pose = target
+        self.actions.publish(goal)
+
+    def outcome(self, name: str) -> GoToActionResult:
+        """Return the result of a goal, stepping until it is there."""
+
+        def results() -> List[GoToActionResult]:
+            return [one for one in self.result.messages() if one.status.goal_id.id == name]
+
+        return self.until(results, f"no result of {name}", 40.0, PROGRESS)[0]
+
+    def told_of(self, name: str) -> bool:
+        return any(one.status.goal_id.id == name for one in self.feedback.messages())
+
+    def test_action_with_feedback_preemption_and_refusal(self) -> None:
+        self.act("first", pose(3.0, 0.0, 0.0))
+        self.until(lambda: self.told_of("first"), "no feedback")
+        self.assertGreater(self.feedback.messages()[0].feedback.progress.distance, 2.5)
+        self.act("second", pose(-3.0, 0.0, 0.0))
+        self.assertEqual(self.outcome("first").status.status, GoalStatus.PREEMPTED)
+        self.until(lambda: self.told_of("second"), "no feedback")
+        self.cancel.publish(GoalID(id="second"))
+        self.assertEqual(self.outcome("second").status.status, GoalStatus.PREEMPTED)
+        self.until(lambda: self.commands()[-1] == (0.0, 0.0), "it drives on", 1.0, PROGRESS)
+        self.act("third", pose(2.0, 0.0, 0.0, "map"))
+        aborted = self.outcome("third")
+        self.assertEqual(aborted.status.status, GoalStatus.ABORTED)
+        self.assertIn("frame_id 'map'", aborted.status.text)
+        self.act("fourth", pose(2.0, 0.0, 0.0))
+        self.until(lambda: self.told_of("fourth"), "no feedback", 5.0, PROGRESS)
+        self.set_goal(1.0, 0.0, 0.0)
+        self.assertEqual(self.outcome("fourth").status.text, "another goal was set")
+        self.act("fifth", pose(0.3, 0.0, 0.0))
+        self.until(lambda: self.told_of("fifth"), "no feedback")
+        fifth = self.outcome("fifth")
+        self.assertEqual(fifth.status.status, GoalStatus.SUCCEEDED)
+        self.assertLessEqual(fifth.result.progress.distance, 0.1)
+
+    def test_old_odometry_stops_the_robot(self) -> None:
+        self.set_goal(5.0, 0.0, 0.0)
+        self.until(lambda: self.odometry().twist.twist.linear.x > 0.0, "it stays")
+        simulator = self.graph.pid("/lab/diff_drive")
+        os.kill(simulator, signal.SIGSTOP)
+        try:
+            before, silent = self.clock.now, (ODOM, PROGRESS)
+            self.until(lambda: self.commands()[-1] == (0.0, 0.0), "it drives on", 60.0, *silent)
+            stopped = self.clock.heard(CMD_VEL)[-1].header.stamp.to_sec()
+            self.assertGreaterEqual(stopped - before, 0.4)
+            self.logged("/lab/odom is ", " s old: the robot is stopped")
+            broken = Odometry()
+            broken.header.stamp = rospy.Time.from_sec(self.clock.now)
+            broken.pose.pose.position.x = math.nan
+            self.odometries.publish(broken)
+            self.until(lambda: math.isnan(self.odometry().pose.pose.position.x), "?", 9.0, *silent)
+            for _ in range(6):
+                self.clock.step(*silent)
+            self.assertNotEqual(self.phase(), "arrived")
+        finally:
+            os.kill(simulator, signal.SIGCONT)
+        self.until(lambda: self.commands()[-1].linear > 0.0, "it stays", 10.0, *silent)
+        self.logged("there is odometry")
+
+    def test_law_of_the_course_is_warned_of(self) -> None:
+        change = rospy.ServiceProxy(CONTROLLER + "/change", SetParameters)
+        self.addCleanup(change, "{control_law: settling, kp_angular: 1.0}")
+        self.assertTrue(change("{control_law: course, kp_angular: 1.2}").success)
+        self.until(
+            lambda: [line for line in self.log.messages() if "circles its goal" in line.msg],
+            "no warning",
+            5.0,
+        )
+
+    def test_waypoints_are_gone_through_again_and_a_kill_stops_the_robot(self) -> None:
+        commands = Ear("/way/cmd_vel", Twist)
+        heard = self.clock.heard
+
+        def has_arrived() -> bool:
+            return heard(WAY_PROGRESS)[-1].phase == "arrived"
+
+        self.until(has_arrived, "it does not arrive", 200.0)
+        self.graph.set_parameter(
+            "/way/waypoint_controller/waypoints", [[1.0, 0.0], [1.0, 0.5, 3.0]]
+        )
+        self.until(lambda: not has_arrived(), "it does not begin anew", 60.0)
+        ahead = [(1.0, 0.0), (1.0, 0.5)]
+
+        def has_come_through() -> bool:
+            place = heard(WAY_ODOM)[-1].pose.pose.position
+            if ahead and math.hypot(place.x - ahead[0][0], place.y - ahead[0][1]) <= 0.11:
+                ahead.pop(0)
+            return not ahead and has_arrived()
+
+        self.until(has_come_through, f"points are left: {ahead}", 60.0)
+        self.assertAlmostEqual(heading(heard(WAY_ODOM)[-1]), 3.0, delta=0.06)
+        self.graph.set_parameter("/way/waypoint_controller/repeat", True)
+        self.until(lambda: heard(WAY_ODOM)[-1].twist.twist.linear.x > 0.1, "it stays", 60.0)
+        self.graph.kill("/way/waypoint_controller")
+        wait_until(lambda: commands.messages()[-1] == Twist(), lambda: "it drives on")
+
+    def test_random_controller_draws_by_seed_and_period_and_stops_at_its_end(self) -> None:
+        """Course 001-robot-5."""
+        node = Process(
+            os.path.join(SCRIPTS, "random_controller"),
+            ["__ns:=any", "_seed:=7", "_controller_type:=gazebo"],
+        )
+        self.addCleanup(node.end)
+        topic = "/any/cmd_vel"
+        self.clock.hear(topic, TwistStamped, 0.0)
+        self.addCleanup(self.clock.expect, topic, 0.0)
+
+        def gaps() -> List[float]:
+            """Return the times between velocities, in the order of time."""
+            stamps = [message.header.stamp.to_sec() for message in self.clock.heard(topic)]
+            return [round(b - a, 1) for a, b in zip(stamps, stamps[1:])]
+
+        def drawn() -> List[Velocity]:
+            twists = [message.twist for message in self.clock.heard(topic)]
+            return [Velocity(twist.linear.x, twist.angular.z) for twist in twists]
+
+        self.until(drawn, "it says nothing", 1000.0, topic)
+        self.clock.expect(topic, 5.0)
+        self.until(lambda: gaps()[-3:] == [0.2] * 3, "it says no more", 10.0)
+        change = rospy.ServiceProxy("/any/random_controller/change", SetParameters)
+        refused = change("{linear_min: 0.3}")
+        self.assertFalse(refused.success)
+        self.assertIn("linear_min must be at most linear_max", refused.message)
+        self.clock.expect(topic, 1.0)
+        self.assertTrue(change("{timer_period_ms: 1000, seed: 8}").success)
+        wanderer = Wanderer(8)
+        expected = [wanderer.draw((0.1, 0.2), (-1.0, 1.0)) for _ in range(3)]
+        self.until(lambda: drawn()[-3:] == expected, "it draws otherwise", 10.0)
+        self.assertEqual(gaps()[-2:], [1.0] * 2)
+        self.assertEqual(node.interrupt(), 0)
+        wait_until(lambda: drawn()[-1] == (0.0, 0.0), lambda: "it drives on")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_robot")
+    rostest.rosrun("bot_controller_demo", "robot", Robots)

@@ -1,0 +1,132 @@
+"""Teleoperation by the keys of a terminal."""
+
+import sys
+import threading
+import time
+
+import rospy
+
+from bot_controller_demo.commands import Commands
+from bot_controller_demo.driving_parameters import controller_type
+from bot_controller_demo.teleop_keys import HELP, SCALES, Teleoperation, TimeOuts, split
+from bot_controller_demo.terminal import KeyTerminal
+from bot_controller_demo.velocities import MODELS, Limits, Velocity, clamp
+from nodekit import (
+    EnumParameter,
+    FloatParameter,
+    MasterUnreachable,
+    Node,
+    ParameterSet,
+    RateParameter,
+    run,
+)
+
+#: Longest wait for a key, s: how late the end of the process is noticed.
+_PATIENCE_S = 0.2
+_PROGRAM = "teleop_keyboard"
+
+
+def _time_out(default: float, help: str) -> FloatParameter:
+    return FloatParameter(default, above=0.0, maximum=10.0, unit="s", help=help)
+
+
+class TeleopKeyboardParameters(ParameterSet):
+    """Parameters of teleop_keyboard."""
+
+    controller_type = controller_type()
+    model = EnumParameter("burger", choices=tuple(MODELS), help="the robot, for its limits")
+    speed = FloatParameter(
+        0.2, minimum=0.0, maximum=100.0, unit="m/s", help="of i and ,; keys change it"
+    )
+    turn = FloatParameter(
+        1.0, minimum=0.0, maximum=100.0, unit="rad/s", help="of j and l; keys change it"
+    )
+    first_timeout = _time_out(0.6, "how long a key counts as held after its first press")
+    repeat_timeout = _time_out(0.15, "the same while the terminal repeats the key")
+    rate = RateParameter(20.0, maximum=1000.0, help="commands a second while a key is held")
+
+    @property
+    def limits(self) -> Limits:
+        """The largest velocities of the robot."""
+        return MODELS[self.model]
+
+    @property
+    def speeds(self) -> Velocity:
+        """What the keys mean: the speeds, within the limits."""
+        return clamp(Velocity(self.speed, self.turn), self.limits)
+
+    @property
+    def time_outs(self) -> TimeOuts:
+        """How long a key counts as held."""
+        return TimeOuts(self.first_timeout, self.repeat_timeout)
+
+
+class TeleopKeyboard:
+    """Drives a robot while a key is held; one zero when it is released, then silence.
+
+    :ROS Publishers:
+        - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped)
+
+    :ROS Parameters:
+        - those of :class:`TeleopKeyboardParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(TeleopKeyboardParameters, self._on_change)
+        self._commands = Commands(node, self._parameters.values.controller_type)
+        self._teleoperation, self._lock = Teleoperation(), threading.Lock()
+        self._terminal = node.own(KeyTerminal(sys.stdin.fileno()))
+        rospy.on_shutdown(self._terminal.close)
+        # Keys are held for so long by the machine's clock: /clock may stand still.
+        node.every(lambda: self._parameters.values.rate, self._drive, steady=True)
+        print(HELP, flush=True)
+        self._tell()
+        threading.Thread(target=self._read, name="keys", daemon=True).start()
+
+    def _read(self) -> None:
+        try:
+            while not rospy.is_shutdown():
+                for key in split(self._terminal.read(_PATIENCE_S)):
+                    self._on_key(key)
+        except EOFError as error:
+            rospy.signal_shutdown(str(error))
+
+    def _on_key(self, key: str) -> None:
+        settings = self._parameters.values
+        with self._lock:
+            self._teleoperation.press(key, time.monotonic(), settings.time_outs)
+        self._drive(0.0)
+        if key in SCALES:
+            linear, angular = SCALES[key]
+            scaled = Velocity(settings.speeds.linear * linear, settings.speeds.angular * angular)
+            speeds = clamp(scaled, settings.limits)
+            try:
+                self._parameters.update(speed=speeds.linear, turn=speeds.angular)
+            except MasterUnreachable as error:
+                rospy.logwarn("the speeds stay: %s", error)
+
+    def _drive(self, _elapsed: float) -> None:
+        settings = self._parameters.values
+        with self._lock:
+            now = time.monotonic()
+            velocity = self._teleoperation.velocity(now, settings.speeds, settings.time_outs)
+            if velocity is not None:
+                self._commands.publish(velocity)
+
+    def _on_change(self, new: TeleopKeyboardParameters, old: TeleopKeyboardParameters) -> None:
+        if new.speeds != old.speeds:
+            self._tell()
+
+    def _tell(self) -> None:
+        speeds = self._parameters.values.speeds
+        print(f"speed {speeds.linear:.3g} m/s, turn {speeds.angular:.3g} rad/s", flush=True)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    if not sys.stdin.isatty():
+        sys.exit(
+            f"{_PROGRAM}: the standard input is no terminal, and keys come from nowhere else; "
+            f"start it in a terminal of its own: rosrun bot_controller_demo {_PROGRAM}"
+        )
+    run(_PROGRAM, TeleopKeyboard)

@@ -1,0 +1,127 @@
+"""What the keys of a teleoperation mean, and for how long.
+
+A terminal tells when a key goes down, and again and again while it is held, for the first time
+after about half a second. It never tells that a key was released: that is known from silence.
+"""
+
+import math
+import re
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from bot_controller_demo.velocities import STOP, Velocity
+
+#: Keys that move: share of the speed, share of the turning rate.
+MOVES: Dict[str, Tuple[float, float]] = {
+    **{"u": (1.0, 1.0), "i": (1.0, 0.0), "o": (1.0, -1.0)},
+    **{"j": (0.0, 1.0), "k": (0.0, 0.0), "l": (0.0, -1.0)},
+    **{"m": (-1.0, -1.0), ",": (-1.0, 0.0), ".": (-1.0, 1.0)},
+}
+#: Keys that change the speeds: by which factor the linear, and the angular one.
+SCALES: Dict[str, Tuple[float, float]] = {
+    **{"q": (1.1, 1.1), "z": (0.9, 0.9)},
+    **{"w": (1.1, 1.0), "x": (0.9, 1.0)},
+    **{"e": (1.0, 1.1), "c": (1.0, 0.9)},
+}
+HELP = """\
+Drive while a key is held:      Speeds, 10 % a press:
+
+   u    i    o                  q/z  both, up and down
+   j    k    l                  w/x  the linear one
+   m    ,    .                  e/c  the angular one
+
+Any other key stops the robot; Ctrl-C ends this."""
+
+#: A key, or the sequence that a terminal sends for one with a name, as an arrow.
+_KEY = re.compile("\x1b(?:\\[|O)[0-9;]*[A-Za-z~]|.", re.DOTALL)
+
+
+def split(text: str) -> List[str]:
+    """Return the keys that were pressed.
+
+    :param text: as it came from the terminal
+    """
+    return _KEY.findall(text)
+
+
+class TimeOuts(NamedTuple):
+    """How long a key counts as held without another word from the terminal.
+
+    :param first: after its first press, s; longer than the terminal waits before it repeats
+    :param repeated: while it repeats, s
+    """
+
+    first: float
+    repeated: float
+
+
+class HeldKey:
+    """Which key is held, told from presses.
+
+    Two presses of a key within the shorter time-out are taken for the terminal's repetition. Two
+    quick ones by hand are further apart, and each begins anew.
+    """
+
+    def __init__(self) -> None:
+        self.key: Optional[str] = None
+        self._pressed_at = -math.inf
+        self._repeats = False
+
+    def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
+        """Take note of a key.
+
+        :param key: what was pressed, or is repeated
+        :param now: s, by any clock that goes on
+        :param time_outs: how long it counts as held
+        """
+        gap = now - self._pressed_at
+        self._repeats = key == self.key and gap <= time_outs.repeated
+        self.key, self._pressed_at = key, now
+
+    def release(self) -> None:
+        """Take the key for released."""
+        self.key = None
+
+    def held(self, now: float, time_outs: TimeOuts) -> Optional[str]:
+        """Return the key that is held, None for none.
+
+        :param now: s, by the same clock
+        :param time_outs: how long a key counts as held
+        """
+        limit = time_outs.repeated if self._repeats else time_outs.first
+        if now - self._pressed_at > limit:
+            self.key = None
+        return self.key
+
+
+class Teleoperation:
+    """Turns presses into velocities: the key's own while it is held, one zero, and silence."""
+
+    def __init__(self) -> None:
+        self._held = HeldKey()
+        self._moves = False
+
+    def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
+        """Take note of a key that moves the robot, or of any other, which stops it.
+
+        :param key: what was pressed, or is repeated
+        :param now: s, by any clock that goes on
+        :param time_outs: how long it counts as held
+        """
+        if any(MOVES.get(key, ())):
+            self._held.press(key, now, time_outs)
+        else:
+            self._held.release()
+
+    def velocity(self, now: float, speeds: Velocity, time_outs: TimeOuts) -> Optional[Velocity]:
+        """Return what to tell the robot now, None for nothing.
+
+        :param now: s, by the same clock
+        :param speeds: at a share of 1
+        :param time_outs: how long a key counts as held
+        """
+        key = self._held.held(now, time_outs)
+        moved, self._moves = self._moves, key is not None
+        if key is None:
+            return STOP if moved else None
+        linear, angular = MOVES[key]
+        return Velocity(linear * speeds.linear, angular * speeds.angular)

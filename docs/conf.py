@@ -16,6 +16,7 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.graphviz",
+    "controller_plots",
     "parameter_tables",
     "course_tables",
     "launch_tables",

@@ -34,6 +34,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     "lifecycle_manager": {"nodekit", "nodekit_msgs", "lifecycle_msgs"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
+    "bot_controller_demo": {"nodekit", "bot_controller_demo_msgs"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
@@ -62,6 +63,11 @@ ROOMS: Dict[str, List[str]] = {
         *("modes", "robot_model", "awake_clock", "period", "presence", "sources", "settings"),
         *("problems", "robot", "fleet", "table", "diagnostics", "fleet_report_command", "nodes"),
     ],
+    "bot_controller_demo": [
+        *("geometry", "velocities", "laws", "pursuit", "freshness", "straight_line", "wandering"),
+        *("teleop_keys", "terminal", "driving_parameters", "commands", "driver", "goals"),
+        *("go_to_server", "nodes"),
+    ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
@@ -82,6 +88,10 @@ PURE = (
     *("robot_interfaces_demo.robot", "robot_interfaces_demo.fleet", "robot_interfaces_demo.table"),
     *("parameters_demo.pixel_font", "parameters_demo.picture", "parameters_demo.room"),
     *("parameters_demo.traffic", "launch_files_demo.temperature"),
+    *("bot_controller_demo.geometry", "bot_controller_demo.velocities"),
+    *("bot_controller_demo.laws", "bot_controller_demo.pursuit"),
+    *("bot_controller_demo.freshness", "bot_controller_demo.straight_line"),
+    *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
 

@@ -70,6 +70,14 @@ PARAMETERS: Dict[str, Dict[str, str]] = {
     "basic_comms/launch/fleet.launch": {"prefix": "/fleet/prefix"},
     "basic_comms/launch/talker_listener.launch": {"scope": "/talker/message_scope"},
     "basic_comms/launch/features/arg.launch": {"text": "/arg_talker/Message"},
+    "bot_controller_demo/launch/proportional_controller.launch": {
+        "controller_type": "/proportional_controller/controller_type",
+        "control_law": "/proportional_controller/control_law",
+    },
+    "bot_controller_demo/launch/random_controller.launch": {
+        "controller_type": "/random_controller/controller_type",
+    },
+    "bot_controller_demo/launch/teleop_keyboard.launch": {"model": "/teleop_keyboard/model"},
     "diff_drive_sim/launch/diff_drive.launch": {
         "controller_type": "/diff_drive/controller_type",
         "frame_prefix": "/diff_drive/frame_prefix",

@@ -1,0 +1,79 @@
+"""Sends the robot somewhere, and tells how far it is until it is there."""
+
+from typing import Optional
+
+import rospy
+
+from bot_controller_demo_msgs.msg import Progress
+from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest
+from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, run
+
+_CONTROLLER = "proportional_controller"
+
+
+def _coordinate(unit: str, what: str) -> FloatParameter:
+    return FloatParameter(0.0, minimum=-1e6, maximum=1e6, unit=unit, help=what)
+
+
+class RobotControlParameters(ParameterSet):
+    """Parameters of robot_control; a change sends the robot there."""
+
+    x = _coordinate("m", "where to go, in the frame of the odometry: x")
+    y = _coordinate("m", "the same: y")
+    theta = _coordinate("rad", "the same: heading")
+
+
+class RobotControl:
+    """Asks the controller to go there, again and again until it answers; ends on arrival.
+
+    :ROS Services called:
+        - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)
+
+    :ROS Subscribers:
+        - ``proportional_controller/progress`` (bot_controller_demo_msgs/Progress)
+
+    :ROS Parameters:
+        - those of :class:`RobotControlParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._parameters = node.parameters(RobotControlParameters, self._on_change)
+        self._client = node.client(_CONTROLLER + "/set_goal", SetGoal)
+        self._progress = Progress()
+        self._call: Optional[CallFuture] = None
+        self._set_at: Optional[rospy.Time] = None
+        node.subscribe(_CONTROLLER + "/progress", Progress, self._on_progress)
+        node.every(1.0, self._tick)
+
+    def _tick(self, _elapsed: float) -> None:
+        if self._set_at is not None:
+            rospy.loginfo("%s: %.2f m are left", self._progress.phase, self._progress.distance)
+        elif self._call is None:
+            goal = self._parameters.values
+            self._call = self._client.call_async(SetGoalRequest(goal.x, goal.y, goal.theta))
+            self._call.add_done_callback(self._on_answer)
+
+    def _on_answer(self, call: CallFuture) -> None:
+        self._call = None
+        try:
+            answer = call.result()
+        except CallError as error:
+            rospy.logwarn("the robot cannot be sent: %s", error)
+            return
+        rospy.loginfo("the robot goes to %s", answer.message)
+        self._set_at = rospy.Time.now()
+
+    def _on_progress(self, progress: Progress) -> None:
+        self._progress = progress
+        # What was on its way when the goal was set is about the goal before.
+        is_new = self._set_at is not None and progress.header.stamp > self._set_at
+        if is_new and progress.phase == Progress.ARRIVED:
+            rospy.signal_shutdown("arrived")
+
+    def _on_change(self, new: RobotControlParameters, old: RobotControlParameters) -> None:
+        self._set_at = None
+
+
+def main() -> None:
+    """Run the node until the robot is there."""
+    run("robot_control", RobotControl)

@@ -1,0 +1,32 @@
+#!/usr/bin/env python3
+"""A robot that was brought up is sent somewhere."""
+
+import os
+import unittest
+
+import rospy
+import rostest
+from nav_msgs.msg import Odometry
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+
+SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts/robot_control.py")
+
+
+class Bringup(unittest.TestCase):
+    def test_robot_is_sent_and_the_script_ends_when_it_is_there(self) -> None:
+        """Course 002-pkg-16."""
+        odometry = Ear("/odom", Odometry)
+        script = Process(SCRIPT, ["_x:=0.3"])
+        self.addCleanup(script.end)
+        self.assertEqual(script.wait(), 0)
+        self.assertTrue(script.logged("the robot goes to x 0.3 m, y 0 m, theta 0 rad"))
+        wait_until(odometry.count, lambda: "no odometry")
+        self.assertAlmostEqual(odometry.messages()[-1].pose.pose.position.x, 0.25, delta=0.06)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_bringup")
+    rostest.rosrun("humanoid_robot_bringup", "bringup", Bringup)

@@ -1,0 +1,69 @@
+"""What the launch files start and set; nothing is started here."""
+
+import os
+from typing import Any, Dict, Set
+
+import pytest
+import rospkg
+import yaml
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
+
+from bot_controller_demo.nodes.proportional_controller import ProportionalControllerParameters
+from diff_drive_sim.robot_parameters import RobotParameters
+
+PACKAGE = rospkg.RosPack().get_path("humanoid_robot_bringup")
+NAVIGATION, PERCEPTION = {"proportional_controller"}, {
+    "camera_demo",
+    "lidar_demo",
+    "processing_demo",
+}
+
+
+def load(*arguments: str) -> ROSLaunchConfig:
+    """Load robot.launch as roslaunch does with these arguments."""
+    config, loader = ROSLaunchConfig(), XmlLoader()
+    loader.ignore_unset_args = False
+    path = os.path.join(PACKAGE, "launch", "robot.launch")
+    loader.load(path, config, argv=list(arguments), verbose=False)
+    assert config.config_errors == []
+    return config
+
+
+@pytest.mark.parametrize(
+    "arguments, nodes",
+    [
+        ([], {"base"} | NAVIGATION | PERCEPTION),
+        (["sim:=false"], NAVIGATION | PERCEPTION),
+        (["perception:=off"], {"base"} | NAVIGATION),
+        (["navigation:=no", "sim:=no"], PERCEPTION),
+    ],
+)
+def test_parts_of_the_robot_are_switched(arguments: Any, nodes: Set[str]) -> None:
+    """Courses 002-pkg-14, 004-bridge-9."""
+    assert {node.name for node in load(*arguments).nodes} == nodes
+
+
+def test_the_real_robot_s_drivers_are_a_launch_file(tmp_path: Any) -> None:
+    drivers = tmp_path / "drivers.launch"
+    drivers.write_text('<launch><node pkg="p" type="t" name="motors"/></launch>')
+    found = {node.name for node in load("sim:=false", f"drivers:={drivers}").nodes}
+    assert "motors" in found and "base" not in found
+
+
+def config_of(name: str) -> Dict[str, Any]:
+    with open(os.path.join(PACKAGE, "config", name)) as text:
+        return dict(yaml.safe_load(text))
+
+
+def test_configuration_is_loaded_and_allowed() -> None:
+    """Course 002-pkg-15."""
+    parameters = {key: value.value for key, value in load().params.items()}
+    for name, value in config_of("robot_description.yaml").items():
+        assert parameters["/base/" + name] == value
+    for file in ("controllers.yaml", "sensors.yaml"):
+        for node, values in config_of(file).items():
+            for name, value in values.items():
+                assert parameters[f"/{node}/{name}"] == value
+    RobotParameters(**config_of("robot_description.yaml"))
+    ProportionalControllerParameters(**config_of("controllers.yaml")["proportional_controller"])

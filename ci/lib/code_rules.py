@@ -35,6 +35,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
     "bot_controller_demo": {"nodekit", "bot_controller_demo_msgs"},
+    "humanoid_robot_bringup": {"nodekit", "bot_controller_demo_msgs"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {

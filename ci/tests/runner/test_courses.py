@@ -30,17 +30,17 @@ def workspace(tmp_path: pathlib.Path) -> pathlib.Path:
 
 TEST, PAGE = "src/one/test/unit/test_a.py", "docs/page.md"
 #: What makes the workspace agree with its rows.
-GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,6,001,c,o,{TEST}", f"001-a-5,1,001,c,o,{PAGE}"]
+GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,9,001,c,o,{TEST}", f"001-a-5,1,001,c,o,{PAGE}"]
 
 
 @pytest.mark.parametrize(
     "row, sentence",
     [
-        ("001-b-1,6,001,c,o,", None),  # of a later part
+        ("001-b-1,9,001,c,o,", None),  # of a later part
         ("001-b-1,1,001,c,o,", "001-b-1: names no test; carried by none"),
         (f"001-a-3,1,001,c,o,{TEST}", f"001-a-3: {TEST} does not carry it"),  # in no docstring
         (f"001-a-4,1,001,c,o,{PAGE}", f"001-a-4: {PAGE} does not carry it"),  # in no comment
-        ("001-b-1,6,001,c,o,src/one/test/none.py", "001-b-1: src/one/test/none.py does not"),
+        ("001-b-1,9,001,c,o,src/one/test/none.py", "001-b-1: src/one/test/none.py does not"),
         (GOOD[0], "docs/courses.csv: 001-a-1 has more than one row"),
     ],
 )

@@ -284,7 +284,7 @@ class Robots(unittest.TestCase):
         wait_until(lambda: commands.messages()[-1] == Twist(), lambda: "it drives on")
 
     def test_random_controller_draws_by_seed_and_period_and_stops_at_its_end(self) -> None:
-        """Course 001-robot-5."""
+        """Course 001-robot-5, err-9, err-10."""
         node = Process(
             os.path.join(SCRIPTS, "random_controller"),
             ["__ns:=any", "_seed:=7", "_controller_type:=gazebo"],

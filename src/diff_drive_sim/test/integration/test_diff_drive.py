@@ -184,7 +184,7 @@ class DiffDrive(unittest.TestCase):
             ear.close()
 
     def test_a_command_acts_for_a_second_on_the_exact_arc(self) -> None:
-        """The pose is on odom. Course 001-robot-4."""
+        """The pose is on odom. Course 001-robot-4, err-1."""
         self.drive(0.15, 1.2)
         self.advance(0.3)
         self.assertAlmostEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.15)

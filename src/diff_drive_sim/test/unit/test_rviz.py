@@ -1,7 +1,6 @@
 """What rviz shows of the robot, where it is installed: once, on a screen that nobody sees."""
 
 import os
-import shutil
 import signal
 import struct
 import subprocess
@@ -10,27 +9,12 @@ from typing import Dict, Iterator
 
 import numpy
 import pytest
-import rospkg
 
 from nodekit.testing.processes import Master
 from nodekit.testing.waiting import wait_until
 
-NEEDED = ("Xvfb", "rviz")
 #: Some colours of the picture: the laser's points, the sunny side of a box and of the robot.
 COLOURS = {"laser": (255, 0, 0), "box": (120, 100, 60), "robot": (120, 130, 140)}
-
-
-def missing() -> str:
-    """Return what has to be installed to see rviz, empty if nothing."""
-    lacking = [name for name in NEEDED if not shutil.which(name)]
-    try:
-        rospkg.RosPack().get_path("robot_state_publisher")
-    except rospkg.ResourceNotFound:
-        lacking.append("robot_state_publisher")
-    return ", ".join(lacking)
-
-
-pytestmark = pytest.mark.skipif(bool(missing()), reason=f"not installed: {missing()}")
 
 
 @pytest.fixture

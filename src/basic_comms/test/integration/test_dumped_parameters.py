@@ -30,7 +30,11 @@ from nodekit_msgs.srv import SetParameters
 SOURCES = pathlib.Path(__file__).resolve().parents[4] / "src"
 
 #: Modules that are left out, and why.
-LEFT_OUT = {"topic_scope.nodes.scope": "has options in place of parameters, and serves at a port"}
+LEFT_OUT = {
+    "bot_controller_demo.nodes.teleop_keyboard": "starts in a terminal only",
+    "lifecycle_manager.nodes.lifecycle_manager": "starts with nodes to manage only",
+    "topic_scope.nodes.scope": "has options in place of parameters, and serves at a port",
+}
 
 
 def modules() -> List[str]:

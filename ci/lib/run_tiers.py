@@ -104,8 +104,7 @@ def main(names: List[str]) -> int:
     began = time.monotonic()
     directory = pathlib.Path(tempfile.mkdtemp(prefix="ci-test-"))
     try:
-        steps = [step for name in names for step in tiers.TIERS[name]()]
-        outcomes = run_steps(steps, directory)
+        outcomes = run_steps(tiers.steps_of(names), directory)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 128 + signal.SIGINT

@@ -2,7 +2,7 @@
 
 import pathlib
 import sys
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Sequence
 from xml.etree import ElementTree
 
 from steps import Step
@@ -139,3 +139,15 @@ TIERS: Dict[str, Callable[[], List[Step]]] = {
     "catkin_build": catkin_build,
     "integration": integration,
 }
+
+#: A step that may take longer than this is begun before all others, s.
+LONG_S = 1000.0
+
+
+def steps_of(names: Sequence[str]) -> List[Step]:
+    """Return the steps of some tiers, tier by tier; what takes longest by far comes first.
+
+    :param names: of the tiers
+    """
+    steps = [step for name in names for step in TIERS[name]()]
+    return sorted(steps, key=lambda step: step.time_limit <= LONG_S)

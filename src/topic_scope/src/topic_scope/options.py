@@ -12,7 +12,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from rosgraph.names import get_ros_namespace, ns_join
 
-from topic_scope import protocol
+from topic_scope.checks import fields_of
 from topic_scope.fields import FieldError, expand
 
 #: Addresses that stand for all of a machine's.
@@ -185,7 +185,7 @@ def _setup(path: str) -> Dict[str, Any]:
     try:
         with open(path, encoding="utf-8") as file:
             setup = json.load(file)
-        protocol.fields_of(setup.get("fields", []))
+        fields_of(setup.get("fields", []))
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{path}: {error.strerror}") from None
     except (ValueError, AttributeError, RecursionError) as error:

@@ -4,6 +4,7 @@ from collections import deque
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from topic_scope import protocol
+from topic_scope.checks import RequestError
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
 
@@ -72,5 +73,5 @@ class Page:
         """
         try:
             handle(self, protocol.parse(text))
-        except protocol.RequestError as error:
+        except RequestError as error:
             self.note({"type": "error", "text": str(error)})

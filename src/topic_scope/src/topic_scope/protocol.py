@@ -1,25 +1,24 @@
 """What a page may ask for: one JSON object a request, checked field by field."""
 
 import json
-import math
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple, Union
 
-from topic_scope.fields import FieldError, expand
+from topic_scope.checks import (
+    TIMES,
+    RequestError,
+    field_in,
+    fields_of,
+    name_in,
+    number_in,
+    word_in,
+)
 
 #: Longest request that is read, bytes.
 LONGEST = 64 * 1024
-#: Most traces of a page.
-TRACES = 32
 #: Limits of a view: time span, s, and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
-_TIMES = (0.0, 1e11)
-_LONGEST_NAME = 300
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
-
-
-class RequestError(ValueError):
-    """A request that cannot be obeyed, and why."""
 
 
 class Select(NamedTuple):
@@ -118,38 +117,6 @@ def parse(text: Union[str, bytes]) -> Request:
     return reader(request)
 
 
-def fields_of(names: Any) -> Tuple[str, ...]:
-    """Read a list of names of fields.
-
-    :param names: as it came
-    :returns: each name once
-    :raises RequestError: if it is no such list
-    """
-    if not isinstance(names, list) or len(names) > TRACES:
-        raise RequestError(f"fields is a list of at most {TRACES} names")
-    fields: List[str] = []
-    for name in names:
-        fields += [field for field in _fields(name, "fields") if field not in fields]
-    if len(fields) > TRACES:
-        raise RequestError(f"these are more than {TRACES} fields")
-    return tuple(fields)
-
-
-def time_of(text: str) -> float:
-    """Read a time.
-
-    :param text: s since the epoch
-    :raises RequestError: if it is none
-    """
-    try:
-        time = float(text)
-    except ValueError:
-        time = math.nan
-    if not _TIMES[0] <= time <= _TIMES[1]:
-        raise RequestError("a time is a number of seconds since the epoch")
-    return time
-
-
 def _select(request: Dict[str, Any]) -> Select:
     return Select(fields_of(request.get("fields")))
 
@@ -157,25 +124,23 @@ def _select(request: Dict[str, Any]) -> Select:
 def _view(request: Dict[str, Any]) -> View:
     end = request.get("end")
     return View(
-        _number(request, "view", "window", *WINDOW),
-        int(_number(request, "view", "width", *WIDTH)),
-        None if end is None else _number(request, "view", "end", *_TIMES),
+        number_in(request, "view", "window", *WINDOW),
+        int(number_in(request, "view", "width", *WIDTH)),
+        None if end is None else number_in(request, "view", "end", *TIMES),
     )
 
 
 def _trigger(request: Dict[str, Any]) -> Trigger:
-    mode = _word(request, "trigger", "mode", ("off", "normal", "single"))
+    mode = word_in(request, "trigger", "mode", ("off", "normal", "single"))
     number = 0
     if "number" in request:
-        number = int(_number(request, "trigger", "number", 0, _LARGEST_NUMBER))
+        number = int(number_in(request, "trigger", "number", 0, _LARGEST_NUMBER))
     if mode == "off":
         return Trigger(mode, "", 0.0, True, number)
-    fields = _fields(request.get("field"), "trigger")
-    if len(fields) != 1:
-        raise RequestError("trigger: one field is watched")
-    level = _number(request, "trigger", "level", -1e300, 1e300)
-    rising = _word(request, "trigger", "edge", ("rising", "falling")) == "rising"
-    return Trigger(mode, fields[0], level, rising, number)
+    field = field_in(request, "trigger")
+    level = number_in(request, "trigger", "level", -1e300, 1e300)
+    rising = word_in(request, "trigger", "edge", ("rising", "falling")) == "rising"
+    return Trigger(mode, field, level, rising, number)
 
 
 def _set(request: Dict[str, Any]) -> Set:
@@ -184,14 +149,14 @@ def _set(request: Dict[str, Any]) -> Set:
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
         raise RequestError("set: a value is a number, a text or a truth value")
-    return Set(_name(request, "set", "node"), _name(request, "set", "name"), value)
+    return Set(name_in(request, "set", "node"), name_in(request, "set", "name"), value)
 
 
 def _call(request: Dict[str, Any]) -> Call:
     data = request.get("data")
     if data is not None and not isinstance(data, bool):
         raise RequestError("call: data is true or false")
-    return Call(_name(request, "call", "service"), data)
+    return Call(name_in(request, "call", "service"), data)
 
 
 def _graph(request: Dict[str, Any]) -> Graph:
@@ -208,35 +173,3 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "call": _call,
     "graph": _graph,
 }
-
-
-def _fields(name: Any, kind: str) -> List[str]:
-    if not isinstance(name, str):
-        raise RequestError(f"{kind}: the name of a field is a text")
-    try:
-        return expand(name)
-    except FieldError as error:
-        raise RequestError(f"{kind}: {error}") from None
-
-
-def _name(request: Dict[str, Any], kind: str, key: str) -> str:
-    name = request.get(key)
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
-        raise RequestError(f"{kind}: {key} is a name")
-    return name
-
-
-def _word(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
-    word = request.get(key)
-    if not isinstance(word, str) or word not in words:
-        raise RequestError(f"{kind}: {key} is one of {', '.join(words)}")
-    return word
-
-
-def _number(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
-    number = request.get(key)
-    if isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise RequestError(f"{kind}: {key} is a number")
-    if not low <= number <= high or not math.isfinite(number):
-        raise RequestError(f"{kind}: {key} is a number from {low:g} to {high:g}")
-    return float(number)

@@ -9,6 +9,7 @@ import tornado.ioloop
 
 from topic_scope import protocol
 from topic_scope.background import Background
+from topic_scope.checks import TRACES, RequestError
 from topic_scope.controls import Controls
 from topic_scope.export import parts
 from topic_scope.fields import FieldError
@@ -124,14 +125,14 @@ class Server:
 
     def _control(self, page: Page, request: protocol.Request) -> None:
         if not self._options.is_local:
-            raise protocol.RequestError("this scope is open to the network, and so is read-only")
+            raise RequestError("this scope is open to the network, and so is read-only")
         try:
             if isinstance(request, protocol.Set):
                 self._controls.set(request.node, request.name, request.value, page.note)
             elif isinstance(request, protocol.Call):
                 self._controls.call(request.service, request.data, page.note)
         except ValueError as error:
-            raise protocol.RequestError(str(error)) from None
+            raise RequestError(str(error)) from None
 
     # --- To pages ----------------------------------------------------------------------------
 
@@ -176,7 +177,7 @@ class Server:
             except FieldError as error:
                 if page is not None:
                     page.note({"type": "error", "text": f"{name}: {error}"})
-        return found[: protocol.TRACES]
+        return found[:TRACES]
 
     def _select(self, page: Page) -> None:
         names = self._initial if page.chosen is None else self._expanded(page.chosen)

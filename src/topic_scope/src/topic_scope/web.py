@@ -12,6 +12,7 @@ import tornado.web
 import tornado.websocket
 
 from topic_scope import hosts, protocol
+from topic_scope.checks import RequestError, fields_of, time_of
 from topic_scope.options import Options
 from topic_scope.page import Page
 
@@ -87,12 +88,12 @@ class Data(tornado.web.RequestHandler):
     async def get(self) -> None:
         """Send all samples of some fields in a time span."""
         try:
-            names = protocol.fields_of(self.get_arguments("field"))
+            names = fields_of(self.get_arguments("field"))
             start, end = (
-                protocol.time_of(self.get_argument(name, default))
+                time_of(self.get_argument(name, default))
                 for name, default in (("start", "0"), ("end", "1e11"))
             )
-        except protocol.RequestError as error:
+        except RequestError as error:
             raise tornado.web.HTTPError(400, str(error)) from None
         self.set_header("Content-Type", "text/csv; charset=utf-8")
         self.set_header("Content-Disposition", 'attachment; filename="scope.csv"')

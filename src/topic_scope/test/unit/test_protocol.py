@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from topic_scope import protocol
+from topic_scope.checks import RequestError
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -87,18 +88,18 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
     ],
 )
 def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
-    with pytest.raises(protocol.RequestError, match="[a-z]"):
+    with pytest.raises(RequestError, match="[a-z]"):
         protocol.parse(json.dumps(request_))
 
 
 @given(st.text(max_size=200) | st.binary(max_size=50))
 def test_garbage_is_refused(text: Any) -> None:
-    with pytest.raises(protocol.RequestError):
+    with pytest.raises(RequestError):
         protocol.parse(text)
 
 
 def test_json_that_is_nested_too_deeply_is_refused() -> None:
-    with pytest.raises(protocol.RequestError):
+    with pytest.raises(RequestError):
         protocol.parse("[" * 60000)
 
 
@@ -115,6 +116,6 @@ def test_json_that_is_nested_too_deeply_is_refused() -> None:
 def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, values: Any) -> None:
     try:
         request = protocol.parse(json.dumps({**values, "type": kind}))
-    except protocol.RequestError:
+    except RequestError:
         return
     assert type(request).__name__ == kind.capitalize()

@@ -29,6 +29,7 @@ class Page:
         self.wants_graph = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
+        self.measure = protocol.Measure()
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)

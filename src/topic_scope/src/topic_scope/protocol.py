@@ -18,6 +18,7 @@ LONGEST = 64 * 1024
 #: Limits of a view: time span, s, and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
+_AWAY = (-1e11, 1e11)
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
 
 
@@ -60,6 +61,30 @@ class Trigger(NamedTuple):
     number: int = 0
 
 
+class Measure(NamedTuple):
+    """Measure more of the traces, or another span of time than the one that is visible.
+
+    :param shapes: whether times and ratios of steps and waves are wanted
+    :param against: name of the field that phases are against; empty for none
+    :param start: begin of the span, s from the reference on; None for what is visible
+    :param end: its end, s from the reference on
+    :param reference: s since the epoch; None to go with the time
+    """
+
+    shapes: bool = False
+    against: str = ""
+    start: Optional[float] = None
+    end: Optional[float] = None
+    reference: Optional[float] = None
+
+    def span(self, now: float) -> Optional[Tuple[float, float]]:
+        """Return begin and end, s; None for what is visible."""
+        if self.start is None or self.end is None:
+            return None
+        reference = now if self.reference is None else self.reference
+        return reference + min(self.start, self.end), reference + max(self.start, self.end)
+
+
 class Set(NamedTuple):
     """Set a parameter.
 
@@ -93,7 +118,7 @@ class Graph(NamedTuple):
     on: bool
 
 
-Request = Union[Select, View, Trigger, Set, Call, Graph]
+Request = Union[Select, View, Trigger, Measure, Set, Call, Graph]
 
 
 def parse(text: Union[str, bytes]) -> Request:
@@ -143,6 +168,18 @@ def _trigger(request: Dict[str, Any]) -> Trigger:
     return Trigger(mode, field, level, rising, number)
 
 
+def _measure(request: Dict[str, Any]) -> Measure:
+    shapes = request.get("shapes", False)
+    if not isinstance(shapes, bool):
+        raise RequestError("measure: shapes is true or false")
+    start, end, reference = (
+        None if request.get(key) is None else number_in(request, "measure", key, *limits)
+        for key, limits in (("start", _AWAY), ("end", _AWAY), ("reference", TIMES))
+    )
+    against = field_in(request, "measure", "against") if request.get("against") else ""
+    return Measure(shapes, against, start, end, reference)
+
+
 def _set(request: Dict[str, Any]) -> Set:
     if "value" not in request:
         raise RequestError("set: a value is needed")
@@ -169,6 +206,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "select": _select,
     "view": _view,
     "trigger": _trigger,
+    "measure": _measure,
     "set": _set,
     "call": _call,
     "graph": _graph,

@@ -1,6 +1,5 @@
 """The oscilloscope between its pages and the graph; all of it runs in the thread of the web."""
 
-import math
 import time
 from typing import Any, AsyncIterator, Dict, List, Optional, Sequence, Tuple
 
@@ -15,10 +14,10 @@ from topic_scope.export import parts
 from topic_scope.fields import FieldError
 from topic_scope.graph_feed import GraphFeed
 from topic_scope.master_watch import GraphState, MasterWatch
+from topic_scope.measuring import statistics_of
 from topic_scope.options import Options
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
-from topic_scope.statistics import measure
 from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
 
@@ -26,8 +25,6 @@ from topic_scope.web import Socket
 FRAME_S = 0.025
 #: Time between two measurements of the traces, s.
 STATISTICS_S = 0.25
-#: Least time without a sample after which a page says so, s.
-SILENT_S = 1.0
 
 
 class Server:
@@ -114,6 +111,8 @@ class Server:
             self._pin()
         elif isinstance(request, protocol.Trigger):
             page.trigger = TriggerWatch(request, self._recorder.update())
+        elif isinstance(request, protocol.Measure):
+            page.measure = request
         elif isinstance(request, protocol.Graph):
             page.wants_graph = request.on
             graph = self._graph.message()
@@ -219,21 +218,8 @@ class Server:
             if not connection.is_ready or not page.is_due(began):
                 continue  # the next frame holds what this one would have
             if measures:
-                span = page.view.span(now)
-                traces = {name: self._measured(name, *span, now) for name in page.view.fields}
-                page.put({"type": "stats", "traces": traces})
+                page.put(statistics_of(self._recorder, page.view, page.measure, now))
             recorder = self._recorder
             frame = page.view.frame(now, samples, recorder.changed_since, recorder.longest_step)
             connection.send(page.take() + ([frame] if frame is not None else []))
             page.took(began, time.monotonic())
-
-    def _measured(self, name: str, start: float, end: float, now: float) -> Dict[str, Any]:
-        """Return what a page's table shows of a field."""
-        trace = self._recorder.trace(name)
-        if trace is None:
-            return {}
-        figures = measure(*trace.samples(start, end))
-        told = {"topic": trace.stream.topic, "time": trace.stream.base}
-        age, usual = trace.age(now), trace.longest_step
-        silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
-        return {**figures, **told, "silent": age if silent else None}

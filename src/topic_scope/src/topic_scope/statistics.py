@@ -1,7 +1,7 @@
 """What is measured of a trace."""
 
 import math
-from typing import Dict, Optional
+from typing import Dict, Optional, Tuple
 
 import numpy
 
@@ -15,11 +15,12 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
 
     :param times: ascending, s
     :param values: the samples; what is not finite counts for the rate only
-    :returns: rate in Hz, min, max, mean, rms, frequency in Hz, and the part of the samples that
-        is not finite; None for what there is not
+    :returns: rate in Hz, the latest value, min, max, peak to peak (vpp), mean, rms, standard
+        deviation, frequency in Hz, and the part of the samples that is not finite (nan); None for
+        what there is not
     """
     result: Dict[str, Optional[float]] = dict.fromkeys(
-        ("rate", "min", "max", "mean", "rms", "frequency", "nan")
+        ("rate", "value", "min", "max", "vpp", "mean", "rms", "deviation", "frequency", "nan")
     )
     if len(times) > 1:
         result["rate"] = (len(times) - 1) / float(times[-1] - times[0])
@@ -31,8 +32,13 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
         # Scaled, so that squares and sums of large numbers do not overflow.
         scale = float(numpy.abs(values).max()) or 1.0
         parts = values / scale
-        result["min"], result["max"] = float(values.min()), float(values.max())
-        result["mean"] = _finite(float(parts.mean()) * scale)
+        result["value"] = float(values[-1])
+        low, high = float(values.min()), float(values.max())
+        result["min"], result["max"], result["vpp"] = low, high, _finite(high - low)
+        mean = float(parts.mean())
+        result["mean"] = _finite(mean * scale)
+        # About the mean: of what is large and varies little, squares would keep no digit.
+        result["deviation"] = _finite(math.sqrt(float(numpy.square(parts - mean).mean())) * scale)
         result["rms"] = _finite(math.sqrt(float(numpy.square(parts).mean())) * scale)
         result["frequency"] = frequency(times, parts)
     return result
@@ -48,19 +54,47 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
     :param values: finite, and of moderate size
     :returns: the frequency in Hz, None if there is no whole period
     """
-    mean = values.mean()
-    band = HYSTERESIS * (values.max() - values.min())
-    side = (values > mean + band).astype(numpy.int8) - (values < mean - band)
+    low, high = values.min(), values.max()
+    band = HYSTERESIS * (high - low)
+    # Short pulses leave a mean that is close to where they come from on one side only.
+    level = min(max(values.mean(), low + 2 * band), high - 2 * band)
+    ups, _ = edges(times, values, level, band)
+    return (len(ups) - 1) / float(ups[-1] - ups[0]) if len(ups) > 1 else None
+
+
+def edges(
+    times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
+) -> "Tuple[numpy.ndarray, numpy.ndarray]":
+    """Return when a trace crosses a level upwards, and when downwards, in turn.
+
+    :param times: ascending, s
+    :param values: finite
+    :param level: the level
+    :param band: how far the trace has to get from the level before a crossing counts
+    """
+    side = (values > level + band).astype(numpy.int8) - (values < level - band)
     sure = numpy.flatnonzero(side)
-    highs = sure[1:][(side[sure[:-1]] < 0) & (side[sure[1:]] > 0)]
-    if len(highs) < 2:
-        return None
-    # Of all samples on the way up, the last one below the mean and the one behind it.
-    indices = numpy.arange(len(values))
-    below = numpy.maximum.accumulate(numpy.where(values < mean, indices, 0))[highs]
-    part = (mean - values[below]) / (values[below + 1] - values[below])
-    moments = times[below] + part * (times[below + 1] - times[below])
-    return (len(moments) - 1) / float(moments[-1] - moments[0])
+    before, after = side[sure[:-1]], side[sure[1:]]
+    rising, falling = sure[1:][(before < 0) & (after > 0)], sure[1:][(before > 0) & (after < 0)]
+    return (
+        _moments(times, values, level, values < level, rising),
+        _moments(times, values, level, values > level, falling),
+    )
+
+
+def _moments(
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    level: float,
+    is_before: numpy.ndarray,
+    arrivals: numpy.ndarray,
+) -> numpy.ndarray:
+    """Return when a trace crosses a level before it arrives on the other side of it."""
+    # Of all samples on the way, the last one before the level and the one behind it.
+    last = numpy.maximum.accumulate(numpy.where(is_before, numpy.arange(len(values)), 0))[arrivals]
+    part = (level - values[last]) / (values[last + 1] - values[last])
+    moments: numpy.ndarray = times[last] + part * (times[last + 1] - times[last])
+    return moments
 
 
 def _finite(number: float) -> Optional[float]:

@@ -54,6 +54,32 @@ class Modules(unittest.TestCase):
         self.assertEqual(answers, list(cases.values()))
         self.assertEqual(self.browser.call("numbers.js", "module.figure(null)"), "–")
 
+    def test_figures_have_as_many_digits_as_their_trace_needs(self) -> None:
+        # Value, and from the least to the greatest one of the trace.
+        cases = [(1e6, 2e-3, "1000000.00000"), (1e6 + 1e-3, 2e-3, "1000000.00100")]
+        cases += [(2.0, 4.0, "2.0000"), (-1.7e9, 20.0, "−1700000000.0"), (5.0, 0.0, "5.0000")]
+        answers = self.browser.call(
+            "numbers.js", "a[0].map(([x, spread]) => module.figure(x, 5, spread))", cases
+        )
+        self.assertEqual(answers, [text for *_, text in cases])
+        labels = self.browser.call("numbers.js", "module.ticks(1e6 - 1e-3, 1e6 + 1e-3, 8)")
+        self.assertEqual(len({tick["label"] for tick in labels}), len(labels), labels)
+
+    def test_the_clock_is_local(self) -> None:
+        moments = [0, 1.7e9, 1.72e9 + 0.25, 1.72e9 + 59.9999]
+        found = self.browser.call(
+            "clock.js",
+            "a[0].map((time) => [module.clockText(time, 1),"
+            " new Date(Math.round(time) * 1e3).toLocaleTimeString('en-GB'),"
+            " module.clockText(time, 0.01).slice(8),"
+            " module.clockTicks(time, time + 10, 8).map(({v}) => (v - time) % 2 + time % 2)])",
+            moments,
+        )
+        self.assertEqual([row[0] for row in found], [row[1] for row in found])
+        self.assertEqual([row[2] for row in found], [".00", ".00", ".25", ".00"])
+        for *_, steps in found:
+            self.assertTrue(len(steps) >= 5 and all(abs(one % 2) < 1e-6 for one in steps), steps)
+
     def test_waits_before_connecting_again_grow_up_to_a_limit_and_begin_anew(self) -> None:
         code = """(() => {
           const sockets = [], waits = [];

@@ -39,6 +39,11 @@ GOOD = [
         {**SINGLE, "number": 3},
         protocol.Trigger("single", "/a/x", 0.0, True, 3),
     ),
+    ({"type": "measure"}, protocol.Measure()),
+    (
+        {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
+        protocol.Measure(True, "/a/x", -2.0, -1.5),
+    ),
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
     ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),

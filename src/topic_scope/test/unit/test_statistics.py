@@ -20,6 +20,8 @@ def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: f
     assert result["rate"] == pytest.approx(500.0)
     assert result["mean"] == pytest.approx(mean, abs=0.02 * peak)
     assert result["max"] == values.max() and result["min"] == values.min()
+    assert result["vpp"] == values.max() - values.min() and result["value"] == values[-1]
+    assert result["deviation"] == pytest.approx(peak / math.sqrt(2), rel=1e-2)
     assert result["rms"] == pytest.approx(math.hypot(mean, peak / math.sqrt(2)), rel=1e-2)
 
 

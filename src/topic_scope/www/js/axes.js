@@ -59,6 +59,16 @@ export function startAxes(state) {
     return input;
   }
 
+  function clockField() {
+    const box = make("input", {
+      type: "checkbox",
+      "aria-label": "the time axis shows the time of day",
+      change: () => state.setAxis("x", { clock: box.checked }),
+    });
+    box.checked = Boolean(state.values.axes.x.clock);
+    return make("label", { class: "field" }, box, "clock");
+  }
+
   function fill() {
     const auto = (name) => make("button", {
       type: "button",
@@ -71,7 +81,7 @@ export function startAxes(state) {
       head("axis"), head("title"), head("from"), head("to"), head(""),
       make("span", {}, "left"), titleField("y"), boundField("y", "low"), boundField("y", "high"), auto("y"),
       make("span", {}, "right"), titleField("y2"), boundField("y2", "low"), boundField("y2", "high"), auto("y2"),
-      make("span", {}, "time"), titleField("x"), windowField(), make("span", { class: "muted" }, "s long"), head(""),
+      make("span", {}, "time"), titleField("x"), windowField(), make("span", { class: "muted" }, "s long"), clockField(),
     );
   }
 

@@ -1,5 +1,6 @@
 /** Two cursors in time. */
 
+import { clockText } from "./clock.js";
 import { byId, make, press, say } from "./dom.js";
 import { Handle } from "./handle.js";
 import { figure } from "./numbers.js";
@@ -56,7 +57,9 @@ export class Cursors {
     }
     if (!cursors) return;
     const apart = cursors.b - cursors.a;
-    say(this.readout, `A ${figure(cursors.a)} s   B ${figure(cursors.b)} s   ` +
+    const text = (time) => (this.state.values.axes?.x.clock
+      ? clockText(this.plot.shown.reference + time, (to - from) / 500) : `${figure(time)} s`);
+    say(this.readout, `A ${text(cursors.a)}   B ${text(cursors.b)}   ` +
       `Δt ${figure(apart)} s   1/Δt ${figure(apart ? 1 / Math.abs(apart) : null)} Hz`);
   }
 

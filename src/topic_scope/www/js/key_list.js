@@ -8,7 +8,8 @@ const CLOSER = 0.8;
  * List the keys of the page.
  * @param {{state: import("./state.js").State, view: import("./view.js").View,
  *   cursors: import("./cursors.js").Cursors, trigger: import("./trigger.js").Trigger,
- *   open: {chooser: function(): void, axes: function(): void}}} parts
+ *   open: {chooser: function(): void, axes: function(): void,
+ *   measures: function(): void}}} parts
  * @returns {import("./keys.js").Key[]}
  */
 export function keyList({ state, view, cursors, trigger, open }) {
@@ -40,6 +41,7 @@ export function keyList({ state, view, cursors, trigger, open }) {
     ]),
     key(["0"], "0", "reset the view", () => view.reset()),
     key(["x"], "x", "ranges and titles of the axes", open.axes),
+    key(["m"], "m", "what is measured, and of which span", open.measures),
     key(["p"], "p", "panels", click("show-panels")),
     key(["g"], "g", "scope or graph", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),

@@ -2,13 +2,10 @@
 
 import { colourOf } from "./colours.js";
 import { byId, make, press, say } from "./dom.js";
+import { LEVELS, shownFigures } from "./measures.js";
 import { figure } from "./numbers.js";
 import { TimeChoice } from "./time_base.js";
 
-const MEASURED = [
-  ["rate", "rate, Hz"], ["min", "min"], ["max", "max"], ["mean", "mean"], ["rms", "RMS"],
-  ["frequency", "freq., Hz"],
-];
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
 const CURSORS_EVERY_MS = 120;
 
@@ -33,9 +30,11 @@ export class Legend {
     this.state = state;
     this.cursors = cursors;
     this.rows = new Map();
+    this.spreads = new Map(); // field -> from its least to its greatest value
     this.body = byId("legend");
     this.cursorsShown = 0;
-    state.on(["fields", "hidden", "right", "colours", "theme"], () => this.build());
+    this.more = make("th", { scope: "col" }, byId("show-measures"));
+    state.on(["fields", "hidden", "right", "colours", "theme", "measures"], () => this.build());
     state.on(["cursors"], () => {
       if ((state.values.cursors !== null) !== this.withCursors) this.build();
     });
@@ -46,11 +45,12 @@ export class Legend {
   build() {
     const focused = document.activeElement?.dataset?.control;
     this.withCursors = this.state.values.cursors !== null;
-    this.columns = [...MEASURED, ...(this.withCursors ? AT_CURSORS : [])];
-    const head = (text, className) => make("th", { scope: "col", class: className }, text);
+    this.figures = shownFigures(this.state.values);
+    this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
+    const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
     byId("legend-head").replaceChildren(
       head("", ""), head("", ""), head("trace", "name"), head("axis", ""), head("time", ""),
-      ...this.columns.map(([, title]) => head(title, "figure")), head("", ""),
+      ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
     );
     const before = this.rows;
     this.rows = new Map();
@@ -120,8 +120,10 @@ export class Legend {
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
       // Of a mean that should be 0, only the rounding of the sum is left.
       const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;
-      for (const [key] of MEASURED) {
-        say(cells.get(key), figure(key === "mean" && largest ? mean : measured[key]));
+      this.spreads.set(field, measured.vpp);
+      for (const [key] of this.figures) {
+        const value = key === "mean" && largest ? mean : measured[key];
+        say(cells.get(key), figure(value, 5, LEVELS.includes(key) ? measured.vpp : null));
       }
     }
   }
@@ -132,7 +134,9 @@ export class Legend {
     this.cursorsShown = now;
     for (const [field, { cells }] of this.rows) {
       const values = this.cursors.valuesOf(field) || {};
-      for (const [key] of AT_CURSORS) say(cells.get(key), figure(values[key]));
+      for (const [key] of AT_CURSORS) {
+        say(cells.get(key), figure(values[key], 5, key === "difference" ? null : this.spreads.get(field)));
+      }
     }
   }
 }

@@ -8,10 +8,12 @@ import { Cursors } from "./cursors.js";
 import { byId, press } from "./dom.js";
 import { startGestures } from "./gestures.js";
 import { Graph } from "./graph.js";
+import { Hover } from "./hover.js";
 import { startKeys } from "./keys.js";
 import { keyList } from "./key_list.js";
 import { Legend } from "./legend.js";
 import { Panels } from "./panels.js";
+import { startMeasures } from "./measures.js";
 import { Plot } from "./plot.js";
 import { Requests } from "./requests.js";
 import { startScreen } from "./screen.js";
@@ -32,6 +34,7 @@ const view = new View(state, sweep, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
 const legend = new Legend(state, plot, cursors);
+new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
 const graph = new Graph();
 const screen = startScreen(state, sweep, plot);
 
@@ -66,7 +69,11 @@ const handlers = {
   error: ({ text }) => notify(text),
 };
 
-const open = { chooser: startChooser(state), axes: startAxes(state) };
+const open = {
+  chooser: startChooser(state),
+  axes: startAxes(state),
+  measures: startMeasures(state, sweep, plot, requests),
+};
 startGestures(byId("stage"), plot, view);
 startTools(state, view, plot, sweep, open);
 startKeys(keyList({ state, view, cursors, trigger, open }));

@@ -22,7 +22,7 @@ export function tickText(value, step) {
   if (Math.abs(value) < step * 1e-6) return "0";
   if (Math.abs(value) >= 1e6 || step < 1e-5) {
     const digits = Math.max(0, Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(step)));
-    return minus(value.toExponential(Math.min(digits, 8)));
+    return minus(value.toExponential(Math.min(digits, 15)));
   }
   const places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   return minus(value.toFixed(places));
@@ -46,14 +46,21 @@ export function ticks(low, high, most) {
 }
 
 /**
- * Write a measured number with some significant digits.
+ * Write a measured number with some significant digits, and with more where its trace varies by
+ * less than these show.
  * @param {?number} value
  * @param {number} [digits]
+ * @param {?number} [spread] from the least to the greatest value of the trace
  * @returns {string} a dash where there is none
  */
-export function figure(value, digits = 5) {
+export function figure(value, digits = 5, spread = null) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
+  if (spread > 0 && spread < size * 10 ** (3 - digits)) {
+    const places = 2 - Math.floor(Math.log10(spread));
+    const most = 15 - Math.floor(Math.log10(size)); // what a float holds
+    return minus(value.toFixed(Math.max(0, Math.min(places, most, 15))));
+  }
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) return minus(value.toExponential(digits - 2));
   const before = size < 1 ? 1 : Math.floor(Math.log10(size)) + 1;
   return minus(value.toFixed(Math.max(0, digits - before)));

@@ -1,11 +1,14 @@
 /** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
 
+import { clockTicks, zoneText } from "./clock.js";
 import { AutoRange, ticks } from "./numbers.js";
 
 /* global Dygraph */
 
 const STYLE_NAMES = ["grid", "axis"];
 const PIXELS_PER_TICK = { x: 90, y: 46, y2: 46 };
+const LABEL_WIDTH = 58;
+const LETTER = 7; // pixels, of a label
 const SPARSE_PIXELS = 9; // samples at least so far apart are marked
 const OUTSIDE = /^\d+ points out of [XY] bounds:/;
 
@@ -40,12 +43,12 @@ export class Plot {
     this.shown = null; // what was drawn last
     const axis = (name) => ({
       ticker: (low, high, pixels) => ticks(low, high, pixels / PIXELS_PER_TICK[name]),
-      axisLabelWidth: 58,
+      axisLabelWidth: LABEL_WIDTH,
       drawGrid: name !== "y2",
     });
     this.graph = new Dygraph(element, [[0, null]], {
       labels: ["time", " "],
-      axes: { x: { ...axis("x"), axisLabelWidth: 70 }, y: axis("y"), y2: axis("y2") },
+      axes: { x: { ...axis("x"), axisLabelWidth: 90, ticker: (...ends) => this.timeTicks(...ends) }, y: axis("y"), y2: axis("y2") },
       connectSeparatedPoints: true,
       gridLineWidth: 1,
       highlightCircleSize: 0,
@@ -93,6 +96,10 @@ export class Plot {
     const onLeft = fields.filter((field) => !right.has(field));
     const onlyRight = fields.length > 0 && !onLeft.length;
     this.shown = shown;
+    const ranges = {
+      y: this.rangeFor("y", onLeft),
+      y2: this.rangeFor("y2", fields.filter((field) => right.has(field))),
+    };
     const options = {
       file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference),
       labels: ["time", ...(fields.length ? fields : [" "])],
@@ -101,14 +108,20 @@ export class Plot {
       dateWindow: [shown.from - shown.reference, shown.to - shown.reference + 1e-9],
       axes: {
         // An axis without a trace has nothing to say: the grid is that of the other one.
-        y: { valueRange: this.rangeFor("y", onLeft), drawAxis: !onlyRight, drawGrid: !onlyRight },
+        y: {
+          valueRange: ranges.y,
+          drawAxis: !onlyRight,
+          drawGrid: !onlyRight,
+          axisLabelWidth: this.labelWidth(ranges.y),
+        },
         y2: {
-          valueRange: this.rangeFor("y2", fields.filter((field) => right.has(field))),
+          valueRange: ranges.y2,
+          axisLabelWidth: this.labelWidth(ranges.y2),
           drawGrid: onlyRight,
           independentTicks: onlyRight,
         },
       },
-      xlabel: axes.x.title || null,
+      xlabel: this.timeTitle(axes.x),
       ylabel: axes.y.title || null,
       y2label: axes.y2.title || null,
     };
@@ -127,6 +140,26 @@ export class Plot {
       };
     }
     return series;
+  }
+
+  /** Round times, by the clock or from what the axis counts from. */
+  timeTicks(low, high, pixels) {
+    const most = pixels / PIXELS_PER_TICK.x;
+    if (!this.state.values.axes.x.clock || !this.shown) return ticks(low, high, most);
+    const { reference } = this.shown;
+    return clockTicks(reference + low, reference + high, most)
+      .map(({ v, label }) => ({ v: v - reference, label }));
+  }
+
+  timeTitle({ title, clock }) {
+    if (!clock) return title || null;
+    return `${title === "time, s" ? "time" : title}, ${zoneText(this.shown.to)}`;
+  }
+
+  /** How wide the numbers of an axis are: more than usual where they need many digits. */
+  labelWidth([low, high]) {
+    const labels = ticks(low, high, this.area.h / PIXELS_PER_TICK.y).map(({ label }) => label.length);
+    return Math.max(LABEL_WIDTH, LETTER * Math.max(0, ...labels));
   }
 
   rangeFor(axis, fields) {

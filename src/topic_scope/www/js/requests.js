@@ -88,6 +88,12 @@ export class Requests {
     this.send({ type: "trigger", ...trigger });
   }
 
+  /** @param {Object} message what is to be measured */
+  sendMeasure(message) {
+    const plain = !message.shapes && !message.against && message.start === null;
+    if (!plain || this.sent.measure) this.send(message); // as a server begins
+  }
+
   sendGraph() {
     const on = this.state.values.view === "graph";
     if (on || this.sent.graph) this.send({ type: "graph", on });

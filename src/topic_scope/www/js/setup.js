@@ -31,10 +31,14 @@ const PARTS = {
     write: ({ mode, field, level, edge }) => ({ mode, field, level, edge }),
   },
   axes: {
-    ok: ({ x, y, y2 }) => isText(x.title) &&
+    ok: ({ x, y, y2 }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&
       [y, y2].every(({ title, low, high }) => isText(title) && isBound(low) && isBound(high)),
   },
   cursors: { ok: (value) => value === null || (Number.isFinite(value.a) && Number.isFinite(value.b)) },
+  measures: {
+    ok: ({ figures, against, between }) =>
+      isList(figures) && isText(against) && typeof between === "boolean",
+  },
   panels: { ok: (value) => typeof value === "boolean" },
   view: { ok: (value) => VIEWS.includes(value) },
 };

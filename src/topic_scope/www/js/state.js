@@ -5,6 +5,7 @@
  * @property {string} title
  * @property {?number} low null: by itself
  * @property {?number} high null: by itself
+ * @property {boolean} clock of the time axis: whether it shows the time of day
  */
 
 /** What a page starts with. Times are in s. */
@@ -21,11 +22,16 @@ const INITIAL = {
   reference: null, // what the time axis counts from; null follows
   trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising" },
   axes: {
-    x: { title: "time, s" },
+    x: { title: "time, s", clock: false },
     y: { title: "", low: null, high: null },
     y2: { title: "", low: null, high: null },
   },
   cursors: null, // {a, b} on the time axis
+  // Which figures the table has; what phases are against, "" for the first trace; whether they are
+  // of what is between the cursors.
+  measures: {
+    figures: ["rate", "value", "min", "max", "mean", "rms", "frequency"], against: "", between: false,
+  },
   readonly: false,
   panels: true, // whether they are shown
   view: "scope",

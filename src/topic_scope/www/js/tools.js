@@ -15,7 +15,8 @@ const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${t
  * @param {import("./view.js").View} view
  * @param {import("./plot.js").Plot} plot
  * @param {import("./sweep.js").Sweep} sweep
- * @param {{chooser: function(): void, axes: function(): void}} open opens the dialogs
+ * @param {{chooser: function(): void, axes: function(): void,
+ *   measures: function(): void}} open opens the dialogs
  */
 export function startTools(state, view, plot, sweep, open) {
   const run = byId("run");
@@ -25,6 +26,7 @@ export function startTools(state, view, plot, sweep, open) {
     reset: () => view.reset(),
     add: open.chooser,
     "show-axes": open.axes,
+    "show-measures": open.measures,
     "show-help": () => byId("help").showModal(),
     "show-setup": () => byId("setup").showModal(),
     "show-scope": () => state.set({ view: "scope" }),

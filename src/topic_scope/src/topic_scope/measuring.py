@@ -1,0 +1,46 @@
+"""What a page's table tells of its traces."""
+
+import math
+from typing import Any, Dict, Tuple
+
+from topic_scope import measurements, protocol
+from topic_scope.recorder import Recorder
+from topic_scope.statistics import measure
+from topic_scope.view import LiveView
+
+#: Least time without a sample after which a page says so, s.
+SILENT_S = 1.0
+
+
+def statistics_of(
+    recorder: Recorder, view: LiveView, wish: protocol.Measure, now: float
+) -> Dict[str, Any]:
+    """Return the message that tells a page what is measured of its traces.
+
+    :param recorder: has the samples
+    :param view: what the page shows
+    :param wish: what it wants to be measured
+    :param now: the time, s
+    """
+    span = wish.span(now) or view.span(now)
+    traces = {name: _measured(recorder, name, span, wish, now) for name in view.fields}
+    return {"type": "stats", "traces": traces}
+
+
+def _measured(
+    recorder: Recorder, name: str, span: Tuple[float, float], wish: protocol.Measure, now: float
+) -> Dict[str, Any]:
+    trace = recorder.trace(name)
+    if trace is None:
+        return {}
+    samples = trace.samples(*span)
+    told: Dict[str, Any] = {"topic": trace.stream.topic, "time": trace.stream.base}
+    told.update(measure(*samples))
+    if wish.shapes:
+        told.update(measurements.figures(*samples))
+    if wish.against:
+        told["phase"] = measurements.phase(samples, recorder.samples(wish.against, *span))
+    age, usual = trace.age(now), trace.longest_step
+    silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
+    told["silent"] = age if silent else None
+    return told

@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+"""The page measures, and plots otherwise than over time."""
+
+import math
+import re
+
+import rospy
+import rostest
+from browsing.page_test import PROCESSED, SIGNAL, PageTest
+from browsing.waiting import wait_until
+from selenium.webdriver.common.keys import Keys
+
+
+class Plots(PageTest):
+    """What a user does to learn more of a trace."""
+
+    def cell(self, field: str, name: str) -> float:
+        """Return a number of the table; NaN for a dash."""
+        text = self.browser.text(f"#legend tr[data-field='{field}'] [data-cell='{name}']")
+        return math.nan if text == "–" else float(text.replace("−", "-"))
+
+    def test_measures_what_is_asked_for_and_between_the_cursors(self) -> None:
+        self.browser.keys("m")
+        self.browser.wait_for("#measures")
+        for name in ("vpp", "deviation", "rise", "duty", "phase"):
+            self.browser.find(f"[data-figure='{name}']").click()
+        self.browser.keys(Keys.ESCAPE)
+        # A sine of the amplitude 2 and 1 Hz, and one that is a quarter of a period ahead of it.
+        expected = {"vpp": 4.0, "deviation": math.sqrt(2.0), "rise": 0.295, "duty": 50.0}
+        for name, value in expected.items():
+            wait_until(
+                lambda: abs(self.cell(SIGNAL, name) - value) < 0.05 * value,
+                lambda: (name, self.browser.text("#legend")),
+            )
+        wait_until(
+            lambda: abs(self.cell(PROCESSED, "phase") - 90.0) < 20.0
+            and abs(self.cell(SIGNAL, "phase")) < 1e-3,
+            lambda: self.browser.text("#legend"),
+        )
+        self.browser.choose("#window", "1")
+        self.browser.find("#cursors").click()
+        self.browser.keys("m")
+        self.browser.wait_for("#measures-between").click()
+        self.browser.keys(Keys.ESCAPE)
+        # Within 0.3 s of the period.
+        wait_until(
+            lambda: self.cell(SIGNAL, "vpp") < 3.3 and math.isnan(self.cell(SIGNAL, "frequency")),
+            lambda: self.browser.text("#legend"),
+        )
+
+    def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
+        self.browser.keys("x")
+        self.browser.find("[aria-label='the time axis shows the time of day']").click()
+        self.browser.keys(Keys.ESCAPE)
+        wait_until(
+            lambda: re.match(r"\d\d:\d\d:\d\d", self.browser.text(".dygraph-axis-label-x"))
+            and self.browser.text(".dygraph-xlabel").startswith("time, UTC"),
+            lambda: self.browser.text("#plot"),
+        )
+        self.browser.run(
+            "arguments[0].dispatchEvent(new PointerEvent('pointermove',"
+            " {clientX: 500, clientY: 250, bubbles: true}))",
+            self.browser.find("#stage"),
+        )
+        found = self.browser.text(".hover")
+        self.assertRegex(found, r"\d\d:\d\d:\d\d\.\d\d")
+        self.assertRegex(found, SIGNAL + r"\s+−?[0-2]\.\d{4}\s+" + PROCESSED)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_page_plots")
+    rostest.rosrun("topic_scope", "page_plots", Plots)

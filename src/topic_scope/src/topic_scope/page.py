@@ -4,6 +4,7 @@ from collections import deque
 from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 from topic_scope import protocol
+from topic_scope.charts import ChartFeed
 from topic_scope.checks import RequestError
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
@@ -29,6 +30,7 @@ class Page:
         self.wants_graph = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
+        self.chart = ChartFeed(protocol.Chart())
         self.measure = protocol.Measure()
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}

@@ -12,12 +12,15 @@ from topic_scope.checks import (
     number_in,
     word_in,
 )
+from topic_scope.spectrum import WINDOWS
 
 #: Longest request that is read, bytes.
 LONGEST = 64 * 1024
 #: Limits of a view: time span, s, and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
+#: Least and most parts that a spectrum is the mean of.
+AVERAGES = (1, 64)
 _AWAY = (-1e11, 1e11)
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
 
@@ -85,6 +88,21 @@ class Measure(NamedTuple):
         return reference + min(self.start, self.end), reference + max(self.start, self.end)
 
 
+class Chart(NamedTuple):
+    """Show the traces otherwise than over time.
+
+    :param kind: time; spectrum; xy, one over another
+    :param x: name of the field that goes to the right, of the kind xy
+    :param window: window of a spectrum
+    :param averages: of how many parts a spectrum is the mean
+    """
+
+    kind: str = "time"
+    x: str = ""
+    window: str = "hann"
+    averages: int = 1
+
+
 class Set(NamedTuple):
     """Set a parameter.
 
@@ -118,7 +136,7 @@ class Graph(NamedTuple):
     on: bool
 
 
-Request = Union[Select, View, Trigger, Measure, Set, Call, Graph]
+Request = Union[Select, View, Trigger, Measure, Chart, Set, Call, Graph]
 
 
 def parse(text: Union[str, bytes]) -> Request:
@@ -180,6 +198,16 @@ def _measure(request: Dict[str, Any]) -> Measure:
     return Measure(shapes, against, start, end, reference)
 
 
+def _chart(request: Dict[str, Any]) -> Chart:
+    kind = word_in(request, "chart", "kind", ("time", "spectrum", "xy"))
+    if kind == "xy":
+        return Chart(kind, field_in(request, "chart", "x"))
+    if kind == "time":
+        return Chart()
+    window = word_in(request, "chart", "window", tuple(WINDOWS))
+    return Chart(kind, "", window, int(number_in(request, "chart", "averages", *AVERAGES)))
+
+
 def _set(request: Dict[str, Any]) -> Set:
     if "value" not in request:
         raise RequestError("set: a value is needed")
@@ -207,6 +235,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "view": _view,
     "trigger": _trigger,
     "measure": _measure,
+    "chart": _chart,
     "set": _set,
     "call": _call,
     "graph": _graph,

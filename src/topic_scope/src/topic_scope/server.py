@@ -8,6 +8,7 @@ import tornado.ioloop
 
 from topic_scope import protocol
 from topic_scope.background import Background
+from topic_scope.charts import ChartFeed
 from topic_scope.checks import TRACES, RequestError
 from topic_scope.controls import Controls
 from topic_scope.export import parts
@@ -113,6 +114,8 @@ class Server:
             page.trigger = TriggerWatch(request, self._recorder.update())
         elif isinstance(request, protocol.Measure):
             page.measure = request
+        elif isinstance(request, protocol.Chart):
+            page.chart = ChartFeed(request)
         elif isinstance(request, protocol.Graph):
             page.wants_graph = request.on
             graph = self._graph.message()
@@ -220,6 +223,9 @@ class Server:
             if measures:
                 page.put(statistics_of(self._recorder, page.view, page.measure, now))
             recorder = self._recorder
+            chart = page.chart.update(now, recorder, page.view)
+            if chart is not None:
+                page.put(chart)
             frame = page.view.frame(now, samples, recorder.changed_since, recorder.longest_step)
             connection.send(page.take() + ([frame] if frame is not None else []))
             page.took(began, time.monotonic())

@@ -54,6 +54,11 @@ class LiveView:
         """How long the span of time is, s."""
         return self._view.window
 
+    @property
+    def width(self) -> int:
+        """How many bins it is shown in."""
+        return self._view.width
+
     def span(self, now: float) -> "tuple[float, float]":
         """Return start and end of what is shown, s."""
         end = now if self._view.end is None else self._view.end

@@ -48,6 +48,47 @@ class Plots(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
+    def drawn(self) -> str:
+        """Return what is painted in place of the plot over time."""
+        return str(self.browser.run("return document.querySelector('#chart canvas').toDataURL()"))
+
+    def test_shows_spectra_and_one_trace_over_another(self) -> None:
+        # What the chart is told to write: its canvas cannot be read.
+        self.browser.run(
+            "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
+            "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
+            " window.written.push(text); return write.call(this, text, ...place); };"
+        )
+        written = "const all = window.written; window.written = []; return all.join('\\n')"
+        self.browser.keys("k")
+        seen = [""]
+
+        def marked() -> bool:
+            seen[0] = self.browser.run(written)
+            peaks = re.findall(r"^([\d.]+) Hz, ([\d.]+) dB$", seen[0], re.MULTILINE)
+            return any(
+                abs(float(hertz) - 1.0) < 0.01 and abs(float(level) - 20 * math.log10(2.0)) < 0.2
+                for hertz, level in peaks
+            )
+
+        wait_until(marked, lambda: seen)
+        self.browser.keys("k")
+        self.browser.wait_for("[aria-label='trace to the right']")
+        first = self.drawn()
+        wait_until(
+            lambda: PROCESSED in self.browser.run(written).split("\n") and self.drawn() != first,
+            lambda: self.browser.run(written),
+        )
+        # It is in the address, and so survives a reload.
+        wait_until(
+            lambda: "xy" in self.browser.driver.current_url,
+            lambda: self.browser.driver.current_url,
+        )
+        self.browser.driver.refresh()
+        self.browser.wait_for("[aria-label='trace to the right']")
+        self.browser.keys("k")
+        self.assertFalse(self.browser.find("#chart").is_displayed())
+
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")
         self.browser.find("[aria-label='the time axis shows the time of day']").click()

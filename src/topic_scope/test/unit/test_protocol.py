@@ -44,6 +44,12 @@ GOOD = [
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
         protocol.Measure(True, "/a/x", -2.0, -1.5),
     ),
+    ({"type": "chart", "kind": "time"}, protocol.Chart()),
+    ({"type": "chart", "kind": "xy", "x": "/a/x"}, protocol.Chart("xy", "/a/x")),
+    (
+        {"type": "chart", "kind": "spectrum", "window": "flattop", "averages": 4},
+        protocol.Chart("spectrum", "", "flattop", 4),
+    ),
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
     ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),

@@ -45,7 +45,7 @@ export function startGestures(stage, plot, view) {
 
   let drag = null;
   stage.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || event.target.closest(".handle, .readout")) return;
+    if (event.button !== 0 || event.target.closest(".handle, .readout, .chart-controls")) return;
     drag = { axis: axisUnder(plot, box(), event), x: event.clientX, y: event.clientY };
     stage.setPointerCapture(event.pointerId);
   });

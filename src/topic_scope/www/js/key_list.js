@@ -1,5 +1,6 @@
 /** Which key does what. */
 
+import { KINDS } from "./charts.js";
 import { byId } from "./dom.js";
 
 const CLOSER = 0.8;
@@ -42,6 +43,11 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key(["0"], "0", "reset the view", () => view.reset()),
     key(["x"], "x", "ranges and titles of the axes", open.axes),
     key(["m"], "m", "what is measured, and of which span", open.measures),
+    key(["k"], "k", "over time, spectrum, XY", () => {
+      const { chart } = state.values;
+      const place = KINDS.findIndex(([kind]) => kind === chart.kind);
+      state.set({ chart: { ...chart, kind: KINDS[(place + 1) % KINDS.length][0] } });
+    }),
     key(["p"], "p", "panels", click("show-panels")),
     key(["g"], "g", "scope or graph", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),

@@ -1,6 +1,7 @@
 /** Puts the page together. */
 
 import { startAxes } from "./axes.js";
+import { startCharts } from "./charts.js";
 import { startChooser } from "./chooser.js";
 import { colourOf, startTheme } from "./colours.js";
 import { Connection } from "./connection.js";
@@ -45,6 +46,7 @@ const connection = new Connection(
 );
 const setup = new Setup(state);
 const requests = new Requests(state, plot, connection, setup);
+const charts = startCharts(state, requests, colour);
 const panels = new Panels(state, (message) => connection.send(message));
 
 const handlers = {
@@ -55,6 +57,8 @@ const handlers = {
     sweep.onFrame(frame);
     screen.refresh();
   },
+  spectrum: (message) => charts.onSpectrum(message),
+  xy: (message) => charts.onXy(message),
   stats: ({ traces }) => legend.showStats(traces),
   trigger: (message) => {
     if (message.number !== state.values.trigger.number) return; // of before the latest change
@@ -75,7 +79,7 @@ const open = {
   measures: startMeasures(state, sweep, plot, requests),
 };
 startGestures(byId("stage"), plot, view);
-startTools(state, view, plot, sweep, open);
+startTools(state, view, plot, sweep, open, charts.chart);
 startKeys(keyList({ state, view, cursors, trigger, open }));
 byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {

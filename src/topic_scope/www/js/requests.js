@@ -20,6 +20,7 @@ export class Requests {
     this.greeting = false;
     this.sent = {}; // kind -> what was sent last
     this.timer = null;
+    this.chart = { type: "chart", kind: "time" };
     state.on(["fields"], () => {
       this.picked = this.picked || !this.greeting;
       this.sendSelect();
@@ -53,6 +54,7 @@ export class Requests {
     this.sendSelect();
     this.sendView();
     this.sendTrigger();
+    this.sendChart(this.chart);
     this.sendGraph();
   }
 
@@ -86,6 +88,12 @@ export class Requests {
     const { trigger } = this.state.values;
     if (trigger.mode === "off" && !this.sent.trigger) return; // as a server begins
     this.send({ type: "trigger", ...trigger });
+  }
+
+  /** @param {Object} message what is to be made in place of a plot over time */
+  sendChart(message) {
+    this.chart = message;
+    if (message.kind !== "time" || this.sent.chart) this.send(message); // as a server begins
   }
 
   /** @param {Object} message what is to be measured */

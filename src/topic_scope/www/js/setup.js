@@ -1,5 +1,6 @@
 /** What a page is set up to show: kept in its address, in files, and given by the command line. */
 
+import { isChart } from "./charts.js";
 import { byId, make } from "./dom.js";
 import { notify } from "./link.js";
 
@@ -35,6 +36,7 @@ const PARTS = {
       [y, y2].every(({ title, low, high }) => isText(title) && isBound(low) && isBound(high)),
   },
   cursors: { ok: (value) => value === null || (Number.isFinite(value.a) && Number.isFinite(value.b)) },
+  chart: { ok: isChart },
   measures: {
     ok: ({ figures, against, between }) =>
       isList(figures) && isText(against) && typeof between === "boolean",

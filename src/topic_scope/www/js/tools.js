@@ -17,8 +17,9 @@ const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${t
  * @param {import("./sweep.js").Sweep} sweep
  * @param {{chooser: function(): void, axes: function(): void,
  *   measures: function(): void}} open opens the dialogs
+ * @param {import("./chart.js").Chart} chart
  */
-export function startTools(state, view, plot, sweep, open) {
+export function startTools(state, view, plot, sweep, open, chart) {
   const run = byId("run");
   const select = byId("window");
   const clicks = {
@@ -31,7 +32,10 @@ export function startTools(state, view, plot, sweep, open) {
     "show-setup": () => byId("setup").showModal(),
     "show-scope": () => state.set({ view: "scope" }),
     "show-graph": () => state.set({ view: "graph" }),
-    png: () => save(picture(plot, state.shown, (field) => colourOf(state, field)), "scope.png"),
+    png: () => {
+      const drawn = state.values.chart.kind === "time" ? plot : chart;
+      save(picture(drawn, state.shown, (field) => colourOf(state, field)), "scope.png");
+    },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   select.addEventListener("change", () => view.choose(Number(select.value)));

@@ -1,0 +1,117 @@
+"""Spectra are as scipy's, and peaks where they were put."""
+
+import math
+
+import numpy
+import pytest
+import scipy.signal
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from topic_scope.spectrum import WINDOWS, Spectrum, peaks, reduced, spectrum
+
+EPOCH = 1.7e9
+
+windows = st.sampled_from(sorted(WINDOWS))
+
+
+def decibels(amplitudes: numpy.ndarray) -> numpy.ndarray:
+    return 20.0 * numpy.log10(numpy.maximum(amplitudes, 1e-300))
+
+
+def signal(seed: int, times: numpy.ndarray) -> numpy.ndarray:
+    """Return three sines in some noise, on a mean."""
+    random = numpy.random.RandomState(seed)
+    values = 5.0 + 0.01 * random.standard_normal(len(times))
+    for frequency, peak in zip(random.uniform(2.0, 45.0, 3), random.uniform(0.01, 10.0, 3)):
+        values += peak * numpy.sin(2 * math.pi * frequency * times + random.uniform(0.0, 6.0))
+    return values
+
+
+@given(st.integers(0, 1000), windows, st.integers(1, 9), st.integers(200, 2000))
+@settings(max_examples=40)
+def test_the_same_as_scipy_to_a_tenth_of_a_decibel(
+    seed: int, window: str, averages: int, count: int
+) -> None:
+    times = numpy.arange(count) / 100.0
+    values = signal(seed, times)
+    found = spectrum(EPOCH + times, values, window, averages)
+    assert found is not None
+    length = 2 * (count // (averages + 1))
+    name = "boxcar" if window == "rectangular" else window
+    frequencies, power = scipy.signal.welch(
+        values[: length * (averages + 1) // 2],
+        100.0,
+        name,
+        length,
+        length // 2,
+        scaling="spectrum",
+    )
+    assert found.step == pytest.approx(frequencies[1], rel=1e-6)
+    expected = numpy.sqrt(2.0 * power)
+    # The lines at 0 Hz and at half of the rate stand for no sine.
+    inner = slice(1, len(expected) - 1)
+    difference = decibels(found.amplitudes[inner]) - decibels(expected[inner])
+    assert numpy.abs(difference).max() < 0.1
+    assert found.seconds == pytest.approx(count / 100.0)
+
+
+@given(st.floats(1.0, 20.0), st.floats(1e-3, 1e3), st.integers(0, 1000))
+@settings(max_examples=30)
+def test_uneven_samples_are_put_at_even_times(frequency: float, peak: float, seed: int) -> None:
+    random = numpy.random.RandomState(seed)
+    times = numpy.sort(numpy.arange(3000) / 200.0 + random.uniform(0.0, 0.004, 3000))
+    values = peak * numpy.sin(2 * math.pi * frequency * times)
+    found = spectrum(EPOCH + times, values, "flattop")
+    assert found is not None
+    (at, height), *_ = peaks(found, "flattop", 1)
+    assert at == pytest.approx(frequency, abs=found.step)
+    assert decibels(numpy.array(height / peak)) == pytest.approx(0.0, abs=0.1)
+
+
+@settings(max_examples=40)
+@given(st.floats(3.0, 40.0), st.floats(1e-3, 1e3), st.sampled_from(["hann", "blackman"]))
+def test_a_peak_is_told_between_the_lines(frequency: float, peak: float, window: str) -> None:
+    times = numpy.arange(1000) / 100.0
+    values = peak * numpy.sin(2 * math.pi * frequency * times)
+    found = spectrum(EPOCH + times, values, window)
+    assert found is not None
+    told = peaks(found, window)
+    assert told[0][0] == pytest.approx(frequency, abs=0.1 * found.step)
+    assert decibels(numpy.array(told[0][1] / peak)) == pytest.approx(0.0, abs=0.2)
+    assert len(told) == 1
+
+
+def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:
+    # Ten at a time, as they are received on a machine that is busy.
+    index = numpy.arange(1000)
+    times = index // 10 * 0.1 + index % 10 * 1e-5
+    found = spectrum(times, numpy.sin(2 * math.pi * index / 100.0))
+    assert found is not None
+    assert found.amplitudes.max() == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_gap_ends_what_a_spectrum_is_made_of() -> None:
+    times = numpy.concatenate([numpy.arange(300) / 100.0, 10.0 + numpy.arange(500) / 100.0])
+    values = numpy.where(times < 5.0, 100.0, 1.0) * numpy.sin(2 * math.pi * 10.0 * times)
+    found = spectrum(times, values, longest=0.05)
+    assert found is not None and found.seconds == pytest.approx(5.0)
+    assert found.amplitudes.max() == pytest.approx(1.0, rel=1e-3)
+
+
+@given(st.lists(st.floats(), max_size=40), windows, st.integers(1, 5))
+def test_anything_has_a_spectrum_or_none(values: list, window: str, averages: int) -> None:
+    with numpy.errstate(all="ignore"):
+        found = spectrum(
+            numpy.arange(float(len(values))), numpy.array(values, float), window, averages
+        )
+        if found is not None:
+            assert len(peaks(found, window)) <= 5
+
+
+def test_no_peak_is_lost_on_a_screen_of_few_points() -> None:
+    lines = numpy.zeros(1001)
+    lines[777] = 1.0
+    first, step, values = reduced(Spectrum(0.5, lines, 1.0), 100)
+    assert len(values) <= 100
+    assert first + int(values.argmax()) * step == pytest.approx(777 * 0.5, abs=step)

@@ -1,0 +1,57 @@
+"""Samples of two traces are paired by time."""
+
+import math
+from typing import List
+
+import numpy
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope.xy import LONGEST, paired, thinned
+
+TIMES = numpy.arange(0.0, 10.0, 0.01)
+
+
+def test_fields_of_one_message_are_paired_exactly() -> None:
+    random = numpy.random.RandomState(1)
+    x, y = random.standard_normal((2, len(TIMES)))
+    assert (paired((TIMES, x), (TIMES, y), 0.05) == [x, y]).all()
+
+
+@given(st.floats(0.001, 0.009), st.floats(0.5, 2.0))
+def test_what_comes_at_other_times_lies_on_the_line(late: float, radius: float) -> None:
+    moments = TIMES[:-1] + late
+    points = paired((TIMES, radius * numpy.cos(TIMES)), (moments, radius * numpy.sin(moments)), 0.1)
+    assert numpy.hypot(*points) == pytest.approx(radius, rel=1e-4)
+
+
+def test_nothing_is_made_up() -> None:
+    x = numpy.array([0.0, 1.0, 5.0, 6.0]), numpy.array([0.0, 1.0, 5.0, math.nan])
+    y = numpy.array([-1.0, 0.5, 1.0, 3.0, 5.0, 5.5, 7.0]), numpy.arange(7.0)
+    right, up = paired(x, y, 2.0)
+    assert right.tolist()[1:3] == [0.5, 1.0] and right[4] == 5.0
+    assert numpy.isnan(right[[0, 3, 5, 6]]).all() and (numpy.isnan(up) == numpy.isnan(right)).all()
+    assert paired((TIMES[:0], TIMES[:0]), y, 1.0).shape == (2, 7)
+
+
+@given(st.lists(st.tuples(st.floats(), st.floats()), max_size=50))
+def test_thinned_points_are_some_of_them(pairs: List[tuple]) -> None:
+    numbers = numpy.array(pairs, float).reshape(-1, 2).T
+    points = paired(
+        (numpy.arange(float(len(pairs))), numbers[0]),
+        (numpy.arange(float(len(pairs))), numbers[1]),
+        2.0,
+    )
+    kept = thinned(points)
+    finite = {tuple(point) for point in points.T if numpy.isfinite(point).all()}
+    assert all(tuple(point) in finite for point in kept.T if numpy.isfinite(point).all())
+    assert finite == set() or kept.shape[1] > 0
+
+
+def test_a_long_path_keeps_its_form() -> None:
+    turns = numpy.linspace(0.0, 200.0, 100000)
+    kept = thinned(numpy.array([turns * numpy.cos(turns), turns * numpy.sin(turns)]))
+    assert kept.shape[1] <= LONGEST
+    still = thinned(numpy.ones((2, 1000)))
+    assert still.shape[1] == 2

@@ -7,6 +7,7 @@ from topic_scope.definitions import layout_of
 from topic_scope.fields import (
     FieldError,
     Path,
+    ending,
     expand,
     lengths_in,
     numeric_fields,
@@ -24,16 +25,19 @@ class Column(NamedTuple):
     :param topic: global name of the topic
     :param path: where the number stands in a message
     :param base: name of the time to plot it over; see :func:`.time_base.path_of`
+    :param function: name of what is computed of it; see :mod:`.derived`
     """
 
     topic: str
     path: Path
     base: str = ""
+    function: str = ""
 
     @property
     def name(self) -> str:
         """The name of the field, e.g. ``/signal/signal_y``."""
-        return f"{self.topic}/{to_text(self.path)}" + (self.base and f"@{self.base}")
+        field = f"{self.topic}/{to_text(self.path)}" if self.path else self.topic
+        return field + ending(self.function, self.base)
 
 
 def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Column]:
@@ -63,7 +67,7 @@ def all_columns(first_messages: Mapping[str, Any]) -> List[Column]:
 
 
 def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
-    bare, base = parted(name)
+    bare, function, base = parted(name)
     parts = split(bare, first_messages)
     try:
         if parts is None:
@@ -72,10 +76,10 @@ def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
         message = first_messages[topic]
         layout = layout_of(type(message))
         path_of(base, layout)
-        found = resolve(layout, rest, lengths_in(message))
+        found = resolve(layout, rest, lengths_in(message), function)
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         near = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or known[:3]
         hint = f"nearest to it: {', '.join(near)}" if near else "there are no numbers at all"
         raise FieldError(f"{name}: {error}; {hint}") from error
-    return [Column(topic, field.path, base) for field in found]
+    return [Column(topic, field.path, base, function) for field in found]

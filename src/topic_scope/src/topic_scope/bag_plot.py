@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
+from topic_scope.derived import make, parts
 from topic_scope.fields import Path, getter
 from topic_scope.time_base import longest_step, path_of, placed
 
@@ -57,32 +58,37 @@ class _Recorded:
 
     def __init__(self, column: Column) -> None:
         self._column = column
-        self._value = getter(column.path)
+        self._getters = [getter(column.path + part) for part in parts(column.function)]
         self._path: Optional[Path] = None
-        self._received, self._own, self._values = array("d"), array("d"), array("d")
+        self._received, self._own = array("d"), array("d")
+        self._rows = [array("d") for _ in self._getters]
 
     def add(self, sample: Sample) -> None:
         """Take the number from a message."""
         if not self._received:
             self._path = path_of(self._column.base, layout_of(type(sample.message)))
-        value = self._value(sample.message)
         self._received.append(sample.time / 1e9)
         self._own.append(getter(self._path)(sample.message) if self._path else math.nan)
-        self._values.append(value if abs(value) <= _LARGEST else math.nan)
+        for row, value in zip(self._rows, self._getters):
+            row.append(value(sample.message))
 
     def series(self) -> Series:
         """Return all of it in the order of time; where the time was set back, the line ends."""
         times, values = array("d"), array("d")
+        function, rows = make(self._column.function), numpy.array(self._rows)
         begin = 0
         for part in placed(self._path, numpy.array(self._own), numpy.array(self._received)):
-            if begin:
+            if times:
                 times.append(times[-1])
                 values.append(math.nan)
             order = numpy.argsort(part, kind="stable")
-            values_of_part = numpy.array(self._values[begin : begin + len(part)])[order]
-            part, values_of_part = _with_gaps(self._path, part[order], values_of_part)
+            found = function(part[order], rows[:, begin : begin + len(part)][:, order])
+            found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
+            # What is computed of two begins with the second.
+            late = len(order) - len(found)
+            part, found = _with_gaps(self._path, part[order][late:], found)
             times.extend(part)
-            values.extend(values_of_part)
+            values.extend(found)
             begin += len(order)
         return Series(self._column.name, times, values)
 

@@ -2,8 +2,9 @@
 
 The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
 side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. A time or a
-duration is a number too, in s, and a truth value is 0 or 1. ``@`` and the name of a time may
-follow, see :mod:`topic_scope.time_base`: ``/topic/field@stamp``.
+duration is a number too, in s, and a truth value is 0 or 1. ``.`` and the name of what is computed
+of it may follow, see :mod:`topic_scope.derived`: ``/topic/field.derivative``; and then ``@`` and
+the name of a time, see :mod:`topic_scope.time_base`: ``/topic/field@stamp``.
 """
 
 import itertools
@@ -11,6 +12,7 @@ import re
 from typing import Any, Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.definitions import Array, Layout, Record, Scalar
+from topic_scope.derived import FUNCTIONS, QUATERNION
 
 #: Names of fields and, behind the one of an array, indices.
 Path = Tuple[Union[str, int], ...]
@@ -25,7 +27,7 @@ LISTED_FIELDS = 200
 
 _NAME = r"[A-Za-z][A-Za-z0-9_]*(?:\[\d{1,9}\])*"
 _EXPRESSION = re.compile(
-    rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:@{_NAME}(?:/{_NAME})*)?\Z"
+    rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:\.([a-z]+))?(?:@{_NAME}(?:/{_NAME})*)?\Z"
 )
 _PART = re.compile(r"([A-Za-z][A-Za-z0-9_]*)((?:\[\d+\])*)\Z")
 _LONGEST = 300
@@ -58,23 +60,32 @@ def expand(expression: str) -> List[str]:
     :returns: global names, one for each part between colons
     :raises FieldError: if it is no name
     """
-    if len(expression) > _LONGEST or not _EXPRESSION.match(expression):
+    match = _EXPRESSION.match(expression) if len(expression) <= _LONGEST else None
+    if not match:
         raise FieldError(f"{expression[:_LONGEST]!r} is no name of a field, such as /topic/field")
-    names, at, base = expression.partition("@")
+    if match.group(1) and match.group(1) not in FUNCTIONS:
+        raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
+    names, end = re.fullmatch(r"([^.@]*)(.*)", expression).groups()  # type: ignore[union-attr]
     first, *others = names.split(":")
     first = "/" + first.lstrip("/")
     parent = first.rpartition("/")[0]
-    return [first + at + base] + [f"{parent}/{other}{at}{base}" for other in others]
+    return [first + end] + [f"{parent}/{other}{end}" for other in others]
 
 
-def parted(name: str) -> Tuple[str, str]:
-    """Take the name of a time off.
+def parted(name: str) -> Tuple[str, str, str]:
+    """Take off the names of what is computed and of a time.
 
     :param name: one that :func:`expand` returned
-    :returns: the name without it, and the name of the time, empty where none was given
+    :returns: the name without them, and both, each empty where none was given
     """
-    field, _, base = name.partition("@")
-    return field, base
+    names, _, base = name.partition("@")
+    field, _, function = names.partition(".")
+    return field, function, base
+
+
+def ending(function: str, base: str) -> str:
+    """Return what stands behind a name for what :func:`parted` has taken off."""
+    return (function and f".{function}") + (base and f"@{base}")
 
 
 def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
@@ -115,20 +126,31 @@ def to_text(path: Path) -> str:
     return "".join(parts).lstrip("/")
 
 
-def resolve(layout: Record, text: str, lengths: Lengths = one_element) -> List[NumericField]:
+def resolve(
+    layout: Record, text: str, lengths: Lengths = one_element, function: str = ""
+) -> List[NumericField]:
     """Return the numeric fields that a text stands for in a message.
 
     :param layout: layout of the messages
     :param text: as :func:`split` returned it; empty for all of a message
     :param lengths: tells how many elements an array has whose length is not declared
+    :param function: name of what is computed of each; for a yaw, those of quaternions are returned
     :raises FieldError: if there are none
     """
     path = to_path(text)
     node = leaf_at(layout, path)
-    found = list(itertools.islice(_numbers(node, path, lengths), LISTED_FIELDS))
+    is_wanted, kind = (
+        (_is_number, "number") if function != "yaw" else (_is_quaternion, "quaternion")
+    )
+    found = list(itertools.islice(_found(node, path, lengths, is_wanted), LISTED_FIELDS))
     if not found:
-        raise FieldError(f"there is no number in {to_text(path) or layout.datatype}")
+        raise FieldError(f"there is no {kind} in {to_text(path) or layout.datatype}")
     return found
+
+
+def quaternions(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+    """List what has a heading in a message; as :func:`numeric_fields`."""
+    return list(itertools.islice(_found(layout, (), lengths, _is_quaternion), LISTED_FIELDS))
 
 
 def leaf_at(layout: Record, path: Path) -> Layout:
@@ -150,7 +172,7 @@ def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[Numer
     :param layout: layout of the messages
     :param lengths: as for :func:`resolve`
     """
-    return list(itertools.islice(_numbers(layout, (), lengths), LISTED_FIELDS))
+    return list(itertools.islice(_found(layout, (), lengths, _is_number), LISTED_FIELDS))
 
 
 def lengths_in(message: Any) -> Lengths:
@@ -204,13 +226,25 @@ def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
     return fields[part]
 
 
-def _numbers(node: Layout, path: Path, lengths: Lengths) -> Iterator[NumericField]:
-    if isinstance(node, Scalar):
+def _is_number(node: Layout) -> bool:
+    return isinstance(node, Scalar)
+
+
+def _is_quaternion(node: Layout) -> bool:
+    if not isinstance(node, Record) or tuple(name for name, _ in node.fields) != QUATERNION:
+        return False
+    return all(isinstance(field, Scalar) for _, field in node.fields)
+
+
+def _found(
+    node: Layout, path: Path, lengths: Lengths, is_wanted: Callable[[Layout], bool]
+) -> Iterator[NumericField]:
+    if is_wanted(node):
         yield NumericField(path, node.datatype)
     elif isinstance(node, Record) and node.numeric:
         for name, field in node.fields:
-            yield from _numbers(field, path + (name,), lengths)
+            yield from _found(field, path + (name,), lengths, is_wanted)
     elif isinstance(node, Array) and node.numeric:
         count = lengths(path) if node.length is None else node.length
         for index in range(min(count, LISTED_ELEMENTS)):
-            yield from _numbers(node.element, path + (index,), lengths)
+            yield from _found(node.element, path + (index,), lengths, is_wanted)

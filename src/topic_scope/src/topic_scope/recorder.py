@@ -102,6 +102,9 @@ class Recorder:
                 listed = fields.numeric_fields(layout, lengths)
                 known[topic, datatype] = [
                     Choice(_name(topic, field.path), field.datatype) for field in listed
+                ] + [
+                    Choice(_name(topic, field.path) + ".yaw", field.datatype)
+                    for field in fields.quaternions(layout, lengths)
                 ]
             self._choices[topic, datatype] = known[topic, datatype]
         return [choice for listed in self._choices.values() for choice in listed][:LISTED]
@@ -118,7 +121,7 @@ class Recorder:
         :returns: the name itself, as long as its topic is not known
         :raises FieldError: if its topic has no such field
         """
-        bare, base = fields.parted(name)
+        bare, function, base = fields.parted(name)
         place = fields.split(bare, self._types)
         layout = self._layouts.installed(self._types[place[0]]) if place else None
         if place is None or layout is None:
@@ -126,7 +129,7 @@ class Recorder:
         topic, text = place
         time_base.path_of(base, layout)
         lengths = self._lengths.get(topic, fields.one_element)
-        found = fields.resolve(layout, text, lengths)
+        found = fields.resolve(layout, text, lengths, function)
         return [_name(topic, field.path) + name[len(bare) :] for field in found]
 
     def want(self, names: Collection[str], now: float) -> None:
@@ -157,12 +160,12 @@ class Recorder:
             trace.pin(*spans.get(name, _NEVER))
 
     def _record(self, name: str) -> None:
-        bare, base = fields.parted(name)
+        bare, function, base = fields.parted(name)
         place = fields.split(bare, self._types)
-        if place is None or not place[1]:
+        if place is None or not (place[1] or function):
             return  # its topic is not there yet
         stream = self._streams.setdefault((place[0], base), Stream(place[0], base))
-        self._traces[name] = stream.record(fields.to_path(place[1]), self.history)
+        self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
 
     def update(self) -> float:
         """Take in what has come.
@@ -219,4 +222,4 @@ def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
 
 
 def _name(topic: str, path: fields.Path) -> str:
-    return f"{topic}/{fields.to_text(path)}"
+    return f"{topic}/{fields.to_text(path)}" if path else topic

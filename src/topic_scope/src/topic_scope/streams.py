@@ -5,7 +5,7 @@ from typing import List, Optional, Tuple
 
 import numpy
 
-from topic_scope import fields, time_base
+from topic_scope import derived, fields, time_base
 from topic_scope.decoding import Decoder
 from topic_scope.definitions import Record
 from topic_scope.ring import Ring, Samples
@@ -23,22 +23,27 @@ class Trace:
     :param stream: where they come from
     :param path: where the field stands in a message
     :param history: how long samples are kept, s
+    :param function: name of what is computed of it, see :mod:`.derived`; empty for nothing
 
     :ivar ring: the samples, by the own clock of their messages
     :ivar used_at: when somebody has looked at it, s
     """
 
-    def __init__(self, stream: "Stream", path: fields.Path, history: float) -> None:
+    def __init__(
+        self, stream: "Stream", path: fields.Path, history: float, function: str = ""
+    ) -> None:
         self.stream = stream
         self.path = path
         self.ring = Ring(history)
         self.used_at = 0.0
         self._pinned = (math.inf, -math.inf)
-        self._decoder: Optional[Decoder] = None
+        self._function = derived.make(function)
+        self._paths = [path + part for part in derived.parts(function)]
+        self._decoders: List[Optional[Decoder]] = []
 
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""
-        self._decoder = _decoder(layout, self.path)
+        self._decoders = [_decoder(layout, path) for path in self._paths]
 
     def add(self, batch: Batch, times: numpy.ndarray) -> None:
         """Take the samples of some messages.
@@ -46,9 +51,12 @@ class Trace:
         :param batch: the messages
         :param times: when they were taken, by their own clock, s
         """
-        if self._decoder is not None:
-            values = self._decoder.decode(batch.messages)
-            self.ring.append(times, values, numpy.array(batch.times))
+        decoders = [decoder for decoder in self._decoders if decoder is not None]
+        if len(decoders) == len(self._paths):
+            rows = numpy.array([decoder.decode(batch.messages) for decoder in decoders])
+            values = self._function(times, rows)
+            late = len(times) - len(values)  # what is computed of two begins with the second
+            self.ring.append(times[late:], values, numpy.array(batch.times)[late:])
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span by the scope's clock, its ends included, s."""
@@ -122,9 +130,9 @@ class Stream:
         """The name of the time that is in use."""
         return time_base.name_of(self.path)
 
-    def record(self, path: fields.Path, history: float) -> Trace:
+    def record(self, path: fields.Path, history: float, function: str = "") -> Trace:
         """Record one more field; see :class:`Trace`."""
-        trace = Trace(self, path, history)
+        trace = Trace(self, path, history, function)
         if self._layout is not None:
             trace.read_as(self._layout)
         self.traces.append(trace)

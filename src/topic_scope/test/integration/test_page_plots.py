@@ -89,6 +89,28 @@ class Plots(PageTest):
         self.browser.keys("k")
         self.assertFalse(self.browser.find("#chart").is_displayed())
 
+    def test_shows_what_is_computed_of_a_trace(self) -> None:
+        name = f"{SIGNAL}.derivative"
+        self.browser.keys("a", name)
+        wait_until(
+            lambda: self.browser.text("#chooser-list") == f"{name}\nas typed",
+            lambda: self.browser.text("#chooser-list"),
+        )
+        self.browser.keys(Keys.ENTER)
+        search = self.browser.find("#chooser-search")
+        search.clear()
+        search.send_keys("signal_y")
+        self.browser.wait_for(f"[aria-label='what is computed of {SIGNAL}']")
+        self.browser.choose(f"[aria-label='what is computed of {SIGNAL}']", "difference")
+        self.browser.keys(Keys.ESCAPE)
+        # Of a sine of the amplitude 2 and 1 Hz, 100 times a second.
+        for field, peak in ((name, 4 * math.pi), (f"{SIGNAL}.difference", 0.04 * math.pi)):
+            wait_until(
+                lambda: abs(self.cell(field, "max") - peak) < 0.01 * peak
+                and abs(self.cell(field, "min") + peak) < 0.01 * peak,
+                lambda: self.browser.text("#legend"),
+            )
+
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")
         self.browser.find("[aria-label='the time axis shows the time of day']").click()

@@ -62,6 +62,16 @@ def test_what_is_no_float() -> None:
     ]
 
 
+def test_what_is_computed_begins_with_the_second_message() -> None:
+    columns = [Column("/x", ("data",), "", "derivative"), Column("/x", ("data",))]
+    samples = [Sample(time * 10**9, "/x", Float64(value)) for time, value in ((0, 1.0), (2, 5.0))]
+    assert rows(columns, samples) == [
+        ["time", "/x/data.derivative", "/x/data"],
+        ["0.000000000", "", "1.0"],
+        ["2.000000000", "2.0", "5.0"],
+    ]
+
+
 def test_fields_of_one_message_share_its_row() -> None:
     columns = [Column("/x", ("data", 0)), Column("/y", ("data",)), Column("/x", ("data", 1))]
     samples = [

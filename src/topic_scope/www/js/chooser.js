@@ -3,6 +3,9 @@
 import { byId, make, say } from "./dom.js";
 
 const MOST = 500; // listed at once; the search finds the rest
+const TYPED = "as typed";
+const FUNCTIONS = ["derivative", "difference", "unwrap"];
+const NAME = /^\/[\w/[\]]+(\.[a-z]+)?(@[\w/[\]]+)?$/; // of one field, with what is computed, and its time
 
 /**
  * Make the dialog work.
@@ -22,7 +25,16 @@ export function startChooser(state) {
   function row({ field, datatype }) {
     const box = make("input", { type: "checkbox", change: () => choose(field, box.checked) });
     box.checked = state.values.fields.includes(field);
-    return make("label", {}, box, make("span", {}, field), make("span", { class: "type" }, datatype));
+    const computed = make("select", {
+      "aria-label": `what is computed of ${field}`,
+      title: "what is computed of it",
+      change: () => {
+        choose(`${field}.${computed.value}`, true);
+        computed.value = "";
+      },
+    }, make("option", { value: "" }, "…"), ...FUNCTIONS.map((name) => make("option", { value: name }, name)));
+    return make("label", {}, box, make("span", {}, field), make("span", { class: "type" }, datatype),
+      field.includes(".") || datatype === TYPED ? null : computed);
   }
 
   function fill() {
@@ -31,7 +43,10 @@ export function startChooser(state) {
       const text = `${field} ${datatype}`.toLowerCase();
       return words.every((word) => text.includes(word));
     });
-    list.replaceChildren(...found.slice(0, MOST).map(row));
+    const typed = search.value.trim();
+    const isTyped = NAME.test(typed) && !found.some(({ field }) => field === typed);
+    const rows = [...found.slice(0, MOST), ...(isTyped ? [{ field: typed, datatype: TYPED }] : [])];
+    list.replaceChildren(...rows.map(row));
     const total = state.values.available.length;
     say(byId("chooser-count"), `${found.length} of ${total} numeric fields` +
       (found.length > MOST ? `, the first ${MOST} are listed` : ""));
@@ -45,6 +60,7 @@ export function startChooser(state) {
 
   search.addEventListener("input", fill);
   dialog.addEventListener("keydown", (event) => {
+    if (event.target.matches("select")) return;
     if (event.key === "ArrowDown") moveFocus(1);
     else if (event.key === "ArrowUp") moveFocus(-1);
     else if (event.key === "Enter") {

@@ -1,0 +1,91 @@
+"""Traces that are computed of others: a fixed list, nothing of a name is ever evaluated."""
+
+import math
+from typing import Callable, Dict, Sequence, Tuple
+
+import numpy
+
+#: Computes a trace, as its samples come: takes their times, s, and a row for each number that is
+#: needed of a message; returns values for the last of these times, for all but perhaps the first.
+Function = Callable[[numpy.ndarray, numpy.ndarray], numpy.ndarray]
+
+#: What has a heading: the names of its fields.
+QUATERNION = ("x", "y", "z", "w")
+
+
+def make(name: str) -> Function:
+    """Return a function that has seen no samples yet.
+
+    :param name: one of :data:`FUNCTIONS`, or nothing for the samples as they are
+    """
+    return _FUNCTIONS[name]() if name else _as_it_is
+
+
+def parts(name: str) -> Sequence[Tuple[str, ...]]:
+    """Return what a function needs of a message, as ends of the path of its field.
+
+    :param name: as for :func:`make`
+    """
+    return [(part,) for part in QUATERNION] if name == "yaw" else [()]
+
+
+def _as_it_is(_times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+    values: numpy.ndarray = rows[0]
+    return values
+
+
+def _yaw(_times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+    """Return how far quaternions turn to the left, rad; they need not be of length 1."""
+    x, y, z, w = rows
+    turned: numpy.ndarray = numpy.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    return numpy.where((rows == 0.0).all(axis=0), numpy.nan, turned)
+
+
+class _Steps:
+    """Computes something of each sample and the one before.
+
+    :param is_slope: whether that is divided by the time between both
+    """
+
+    def __init__(self, is_slope: bool) -> None:
+        self._is_slope = is_slope
+        self._last = numpy.empty((2, 0))
+
+    def __call__(self, times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+        samples = numpy.hstack([self._last, [times, rows[0]]])
+        self._last = samples[:, -1:]
+        with numpy.errstate(all="ignore"):
+            apart, steps = numpy.diff(samples)
+            # What is late, or comes after its clock was set back, is no step from the one before.
+            steps[apart <= 0.0] = numpy.nan
+            found: numpy.ndarray = steps / apart if self._is_slope else steps
+        return found
+
+
+class _Unwrap:
+    """Takes the jumps out of an angle that is kept within a turn, rad."""
+
+    def __init__(self) -> None:
+        self._last = numpy.empty(0)
+        self._turns = 0.0
+
+    def __call__(self, _times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+        values = numpy.array(rows[0])
+        finite = numpy.isfinite(values)
+        angles = numpy.concatenate([self._last, values[finite]])
+        if len(angles):
+            jumps = numpy.round(numpy.diff(angles / (2.0 * math.pi)))
+            turns = self._turns - numpy.concatenate([[0.0], numpy.cumsum(jumps)])
+            values[finite] = (angles + 2.0 * math.pi * turns)[len(self._last) :]
+            self._last, self._turns = angles[-1:], float(turns[-1])
+        return values
+
+
+_FUNCTIONS: Dict[str, Callable[[], Function]] = {
+    "derivative": lambda: _Steps(True),
+    "difference": lambda: _Steps(False),
+    "unwrap": _Unwrap,
+    "yaw": lambda: _yaw,
+}
+#: Their names, as they stand behind the name of a field, after a dot.
+FUNCTIONS: Tuple[str, ...] = tuple(_FUNCTIONS)

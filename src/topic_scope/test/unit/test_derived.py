@@ -1,0 +1,93 @@
+"""What is computed of traces, however their samples come."""
+
+import math
+from typing import List
+
+import numpy
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from topic_scope.bag_columns import choose
+from topic_scope.derived import FUNCTIONS, make, parts
+from topic_scope.fields import FieldError, expand, parted
+
+from geometry_msgs.msg import PoseStamped, Quaternion  # isort: skip
+
+cuts = st.lists(st.integers(0, 400), max_size=6)
+
+
+def computed(
+    name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int]
+) -> numpy.ndarray:
+    """Return what is computed of samples that come in parts."""
+    function, edges = make(name), [0] + sorted(cuts) + [len(times)]
+    found = [function(times[a:b], rows[:, a:b]) for a, b in zip(edges, edges[1:]) if a < b]
+    return numpy.concatenate(found)
+
+
+@given(cuts, st.floats(0.1, 20.0))
+@settings(max_examples=30)
+def test_a_derivative_is_the_slope(cuts: List[int], omega: float) -> None:
+    times = 1.7e9 + numpy.arange(400) / 1024.0
+    found = computed("derivative", times, numpy.sin(omega * (times - 1.7e9))[None], cuts)
+    middles = times[1:] - 1.7e9 - 0.5 / 1024.0
+    assert len(found) == len(times) - 1
+    assert found == pytest.approx(omega * numpy.cos(omega * middles), abs=omega**3 / 1e6 + 1e-6)
+    steps = computed("difference", times, numpy.arange(400.0)[None] ** 2, cuts)
+    assert steps.tolist() == [2 * index + 1 for index in range(399)]
+
+
+def test_what_is_late_is_no_step() -> None:
+    times, values = numpy.array([1.0, 2.0, 2.0, 1.5, 3.0]), numpy.arange(5.0)[None]
+    found = computed("derivative", times, values, [2])
+    assert found[0] == 1.0 and numpy.isnan(found[1:3]).all() and found[3] == pytest.approx(1 / 1.5)
+
+
+@given(cuts, st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
+@settings(max_examples=30)
+def test_an_angle_turns_on_and_on(cuts: List[int], step: float, start: float) -> None:
+    turned = start + step * numpy.arange(400)
+    wrapped = numpy.arctan2(numpy.sin(turned), numpy.cos(turned))
+    wrapped[7] = math.nan  # one that is missing
+    found = computed("unwrap", turned, wrapped[None], cuts)
+    assert numpy.isnan(found[7])
+    found[7] = turned[7]
+    assert found == pytest.approx(turned, abs=1e-9)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(0.1, 10.0))
+def test_the_yaw_of_a_quaternion(yaw: float, pitch: float, roll: float, length: float) -> None:
+    (cy, sy), (cp, sp), (cr, sr) = (
+        (math.cos(angle / 2), math.sin(angle / 2)) for angle in (yaw, pitch, roll)
+    )
+    quaternion = [sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy]
+    quaternion += [cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy]
+    found = make("yaw")(numpy.zeros(1), length * numpy.array(quaternion)[:, None])
+    assert found[0] == pytest.approx(yaw, abs=1e-6)
+    assert numpy.isnan(make("yaw")(numpy.zeros(1), numpy.zeros((4, 1)))[0])
+
+
+@given(st.sampled_from(FUNCTIONS), st.lists(st.floats(), max_size=30))
+def test_anything_can_be_computed(name: str, values: List[float]) -> None:
+    rows = numpy.array([values] * len(parts(name)), float)
+    with numpy.errstate(all="ignore"):
+        found = computed(name, numpy.arange(float(len(values))), rows, []) if values else []
+    assert len(values) - 1 <= len(found) <= len(values)
+
+
+def test_names() -> None:
+    assert expand("/a/x:y.derivative@stamp") == ["/a/x.derivative@stamp", "/a/y.derivative@stamp"]
+    assert parted("/a/x[3].unwrap@t/u") == ("/a/x[3]", "unwrap", "t/u")
+    assert parted("/a/x") == ("/a/x", "", "")
+    for wrong in ("/a/x.", "/a/x.eval", "/a.yaw/x", "/a/x.yaw.unwrap", "/a/x@stamp.yaw"):
+        with pytest.raises(FieldError):
+            expand(wrong)
+
+
+def test_what_has_a_heading_is_found_in_a_message() -> None:
+    messages = {"/pose": PoseStamped(), "/turn": Quaternion()}
+    names = [column.name for column in choose(["/pose.yaw", "/turn.yaw@received"], messages)]
+    assert names == ["/pose/pose/orientation.yaw", "/turn.yaw@received"]
+    with pytest.raises(FieldError, match="no quaternion in pose/position"):
+        choose(["/pose/pose/position.yaw"], messages)

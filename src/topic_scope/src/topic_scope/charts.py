@@ -2,11 +2,11 @@
 
 from typing import Any, Dict, Optional
 
-from topic_scope import protocol
 from topic_scope.decimation import as_json
 from topic_scope.recorder import Recorder
 from topic_scope.spectrum import peaks, reduced, spectrum
 from topic_scope.view import LATE_S, LiveView
+from topic_scope.wishes import Chart
 from topic_scope.xy import paired, thinned
 
 #: Time between two charts, s.
@@ -19,7 +19,7 @@ class ChartFeed:
     :param request: which kind
     """
 
-    def __init__(self, request: protocol.Chart) -> None:
+    def __init__(self, request: Chart) -> None:
         self._request = request
         self._made_at = 0.0
         self._made_of: Any = None
@@ -43,7 +43,7 @@ class ChartFeed:
 
 
 def _spectra(
-    recorder: Recorder, view: LiveView, request: protocol.Chart, start: float, end: float
+    recorder: Recorder, view: LiveView, request: Chart, start: float, end: float
 ) -> Dict[str, Any]:
     traces: Dict[str, Any] = {}
     for name in view.fields:
@@ -62,7 +62,7 @@ def _spectra(
 
 
 def _xy(
-    recorder: Recorder, view: LiveView, request: protocol.Chart, start: float, end: float
+    recorder: Recorder, view: LiveView, request: Chart, start: float, end: float
 ) -> Dict[str, Any]:
     x = recorder.samples(request.x, start, end)
     longest = recorder.longest_step(request.x)

@@ -3,18 +3,17 @@
 import math
 from typing import Any, Dict, Tuple
 
-from topic_scope import measurements, protocol
+from topic_scope import measurements
 from topic_scope.recorder import Recorder
 from topic_scope.statistics import measure
 from topic_scope.view import LiveView
+from topic_scope.wishes import Measure
 
 #: Least time without a sample after which a page says so, s.
 SILENT_S = 1.0
 
 
-def statistics_of(
-    recorder: Recorder, view: LiveView, wish: protocol.Measure, now: float
-) -> Dict[str, Any]:
+def statistics_of(recorder: Recorder, view: LiveView, wish: Measure, now: float) -> Dict[str, Any]:
     """Return the message that tells a page what is measured of its traces.
 
     :param recorder: has the samples
@@ -28,7 +27,7 @@ def statistics_of(
 
 
 def _measured(
-    recorder: Recorder, name: str, span: Tuple[float, float], wish: protocol.Measure, now: float
+    recorder: Recorder, name: str, span: Tuple[float, float], wish: Measure, now: float
 ) -> Dict[str, Any]:
     trace = recorder.trace(name)
     if trace is None:

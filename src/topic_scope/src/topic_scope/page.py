@@ -8,6 +8,7 @@ from topic_scope.charts import ChartFeed
 from topic_scope.checks import RequestError
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
+from topic_scope.wishes import Chart, Measure
 
 #: Most answers that wait for a page that does not read.
 _NOTES = 50
@@ -30,8 +31,8 @@ class Page:
         self.wants_graph = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
-        self.chart = ChartFeed(protocol.Chart())
-        self.measure = protocol.Measure()
+        self.chart = ChartFeed(Chart())
+        self.measure = Measure()
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)

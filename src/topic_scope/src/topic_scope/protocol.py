@@ -12,16 +12,13 @@ from topic_scope.checks import (
     number_in,
     word_in,
 )
-from topic_scope.spectrum import WINDOWS
+from topic_scope.wishes import Chart, Measure, chart_of, measure_of
 
 #: Longest request that is read, bytes.
 LONGEST = 64 * 1024
 #: Limits of a view: time span, s, and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
-#: Least and most parts that a spectrum is the mean of.
-AVERAGES = (1, 64)
-_AWAY = (-1e11, 1e11)
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
 
 
@@ -62,45 +59,6 @@ class Trigger(NamedTuple):
     level: float
     rising: bool
     number: int = 0
-
-
-class Measure(NamedTuple):
-    """Measure more of the traces, or another span of time than the one that is visible.
-
-    :param shapes: whether times and ratios of steps and waves are wanted
-    :param against: name of the field that phases are against; empty for none
-    :param start: begin of the span, s from the reference on; None for what is visible
-    :param end: its end, s from the reference on
-    :param reference: s since the epoch; None to go with the time
-    """
-
-    shapes: bool = False
-    against: str = ""
-    start: Optional[float] = None
-    end: Optional[float] = None
-    reference: Optional[float] = None
-
-    def span(self, now: float) -> Optional[Tuple[float, float]]:
-        """Return begin and end, s; None for what is visible."""
-        if self.start is None or self.end is None:
-            return None
-        reference = now if self.reference is None else self.reference
-        return reference + min(self.start, self.end), reference + max(self.start, self.end)
-
-
-class Chart(NamedTuple):
-    """Show the traces otherwise than over time.
-
-    :param kind: time; spectrum; xy, one over another
-    :param x: name of the field that goes to the right, of the kind xy
-    :param window: window of a spectrum
-    :param averages: of how many parts a spectrum is the mean
-    """
-
-    kind: str = "time"
-    x: str = ""
-    window: str = "hann"
-    averages: int = 1
 
 
 class Set(NamedTuple):
@@ -186,28 +144,6 @@ def _trigger(request: Dict[str, Any]) -> Trigger:
     return Trigger(mode, field, level, rising, number)
 
 
-def _measure(request: Dict[str, Any]) -> Measure:
-    shapes = request.get("shapes", False)
-    if not isinstance(shapes, bool):
-        raise RequestError("measure: shapes is true or false")
-    start, end, reference = (
-        None if request.get(key) is None else number_in(request, "measure", key, *limits)
-        for key, limits in (("start", _AWAY), ("end", _AWAY), ("reference", TIMES))
-    )
-    against = field_in(request, "measure", "against") if request.get("against") else ""
-    return Measure(shapes, against, start, end, reference)
-
-
-def _chart(request: Dict[str, Any]) -> Chart:
-    kind = word_in(request, "chart", "kind", ("time", "spectrum", "xy"))
-    if kind == "xy":
-        return Chart(kind, field_in(request, "chart", "x"))
-    if kind == "time":
-        return Chart()
-    window = word_in(request, "chart", "window", tuple(WINDOWS))
-    return Chart(kind, "", window, int(number_in(request, "chart", "averages", *AVERAGES)))
-
-
 def _set(request: Dict[str, Any]) -> Set:
     if "value" not in request:
         raise RequestError("set: a value is needed")
@@ -234,8 +170,8 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "select": _select,
     "view": _view,
     "trigger": _trigger,
-    "measure": _measure,
-    "chart": _chart,
+    "measure": measure_of,
+    "chart": chart_of,
     "set": _set,
     "call": _call,
     "graph": _graph,

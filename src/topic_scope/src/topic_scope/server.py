@@ -21,6 +21,7 @@ from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
 from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
+from topic_scope.wishes import Chart, Measure
 
 #: Time between two frames, s.
 FRAME_S = 0.025
@@ -112,9 +113,9 @@ class Server:
             self._pin()
         elif isinstance(request, protocol.Trigger):
             page.trigger = TriggerWatch(request, self._recorder.update())
-        elif isinstance(request, protocol.Measure):
+        elif isinstance(request, Measure):
             page.measure = request
-        elif isinstance(request, protocol.Chart):
+        elif isinstance(request, Chart):
             page.chart = ChartFeed(request)
         elif isinstance(request, protocol.Graph):
             page.wants_graph = request.on

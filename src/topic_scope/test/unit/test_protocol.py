@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from topic_scope import protocol
 from topic_scope.checks import RequestError
+from topic_scope.wishes import Chart, Measure
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -39,16 +40,16 @@ GOOD = [
         {**SINGLE, "number": 3},
         protocol.Trigger("single", "/a/x", 0.0, True, 3),
     ),
-    ({"type": "measure"}, protocol.Measure()),
+    ({"type": "measure"}, Measure()),
     (
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
-        protocol.Measure(True, "/a/x", -2.0, -1.5),
+        Measure(True, "/a/x", -2.0, -1.5),
     ),
-    ({"type": "chart", "kind": "time"}, protocol.Chart()),
-    ({"type": "chart", "kind": "xy", "x": "/a/x"}, protocol.Chart("xy", "/a/x")),
+    ({"type": "chart", "kind": "time"}, Chart()),
+    ({"type": "chart", "kind": "xy", "x": "/a/x"}, Chart("xy", "/a/x")),
     (
         {"type": "chart", "kind": "spectrum", "window": "flattop", "averages": 4},
-        protocol.Chart("spectrum", "", "flattop", 4),
+        Chart("spectrum", "", "flattop", 4),
     ),
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),

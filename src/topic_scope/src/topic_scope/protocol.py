@@ -47,11 +47,15 @@ class View(NamedTuple):
 class Trigger(NamedTuple):
     """Show what is around the crossing of a level.
 
-    :param mode: off; normal, to show each crossing; single, to stop at the next one
+    :param mode: off; normal, to show each crossing; auto, the same, but to go on where none comes;
+        single, to stop at the next one
     :param field: name of the field
     :param level: the level
     :param rising: whether it is crossed upwards
     :param number: the page's own, by which it knows what is told of this request
+    :param hysteresis: how far beyond the level the trace has to be before it crosses it
+    :param holdoff: least time from one crossing to the next, s
+    :param position: which part of the span lies before the crossing
     """
 
     mode: str
@@ -59,6 +63,9 @@ class Trigger(NamedTuple):
     level: float
     rising: bool
     number: int = 0
+    hysteresis: float = 0.0
+    holdoff: float = 0.0
+    position: float = 0.5
 
 
 class Set(NamedTuple):
@@ -132,7 +139,7 @@ def _view(request: Dict[str, Any]) -> View:
 
 
 def _trigger(request: Dict[str, Any]) -> Trigger:
-    mode = word_in(request, "trigger", "mode", ("off", "normal", "single"))
+    mode = word_in(request, "trigger", "mode", ("off", "normal", "auto", "single"))
     number = 0
     if "number" in request:
         number = int(number_in(request, "trigger", "number", 0, _LARGEST_NUMBER))
@@ -141,7 +148,15 @@ def _trigger(request: Dict[str, Any]) -> Trigger:
     field = field_in(request, "trigger")
     level = number_in(request, "trigger", "level", -1e300, 1e300)
     rising = word_in(request, "trigger", "edge", ("rising", "falling")) == "rising"
-    return Trigger(mode, field, level, rising, number)
+    hysteresis, holdoff, position = (
+        number_in(request, "trigger", key, 0.0, most) if key in request else default
+        for key, most, default in (
+            ("hysteresis", 1e300, 0.0),
+            ("holdoff", WINDOW[1], 0.0),
+            ("position", 1.0, 0.5),
+        )
+    )
+    return Trigger(mode, field, level, rising, number, hysteresis, holdoff, position)
 
 
 def _set(request: Dict[str, Any]) -> Set:

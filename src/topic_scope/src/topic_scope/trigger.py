@@ -1,6 +1,6 @@
 """Find the moments at which a trace crosses a level, and tell a page of them."""
 
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy
 
@@ -9,12 +9,18 @@ from topic_scope.ring import Samples
 
 #: How long after the last crossing it is said that none comes, s.
 _QUIET_S = 0.5
+#: The mode auto shows the last one this much longer at least, so that slow ones do not flicker, s.
+_AUTO_S = 1.5
 #: Least time from one crossing to the next that is told, s.
 _SHORTEST_S = 1.0 / 30.0
 
 
 def crossings(
-    times: numpy.ndarray, values: numpy.ndarray, level: float, rising: bool
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    level: float,
+    rising: bool,
+    hysteresis: float = 0.0,
 ) -> numpy.ndarray:
     """Return when a trace crosses a level, on the straight line between two samples.
 
@@ -22,23 +28,44 @@ def crossings(
     :param values: the samples; what is not finite is left out
     :param level: the level; a sample on it has arrived on the far side
     :param rising: whether it is crossed upwards
+    :param hysteresis: how far on the near side the trace has to be before
     :returns: the moments, s
+    """
+    return _crossings(times, values, level, rising, hysteresis, False)[0]
+
+
+def _crossings(
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    level: float,
+    rising: bool,
+    hysteresis: float,
+    is_ready: bool,
+) -> Tuple[numpy.ndarray, bool]:
+    """Return crossings, and whether the next one counts.
+
+    :param is_ready: whether the trace has been far enough on the near side before
     """
     finite = numpy.isfinite(values)
     times, values = times[finite], values[finite]
-    height = (values - level) if rising else (level - values)
-    before = numpy.flatnonzero((height[:-1] < 0) & (height[1:] >= 0))
+    with numpy.errstate(over="ignore"):
+        height = (values - level) if rising else (level - values)
+    side = (height >= 0).astype(numpy.int8) - ((height < 0) & (height <= -hysteresis))
+    sure = numpy.flatnonzero(side)
+    before = numpy.concatenate([[-1 if is_ready else 1], side[sure]])
+    arrived = sure[(before[:-1] < 0) & (before[1:] > 0)]
+    arrived = arrived[arrived > 0]
     # Halved, so that a step from one end of the range of floats to the other does not overflow.
-    low, high = height[before] / 2, height[before + 1] / 2
+    low, high = height[arrived - 1] / 2, height[arrived] / 2
     part = low / (low - high)
-    moments: numpy.ndarray = times[before] + part * (times[before + 1] - times[before])
-    return moments
+    moments = times[arrived - 1] + part * (times[arrived] - times[arrived - 1])
+    return moments, bool(before[-1] < 0)
 
 
 class TriggerWatch:
     """Waits for crossings on behalf of a page.
 
-    In the normal mode it tells of one, lets the page show it in the middle of its span of time, and
+    In the modes normal and auto it tells of one, lets the page show it within its span of time, and
     waits for the next. In the mode single it tells of the first only.
 
     :param request: what to wait for
@@ -49,6 +76,7 @@ class TriggerWatch:
         self._request = request
         self._seen = now
         self._hold_until = now
+        self._is_ready = False
         self._state = "off" if request.mode == "off" else "armed"
         self._time: Optional[float] = None
         self._told: Optional[Dict[str, Any]] = None
@@ -65,8 +93,9 @@ class TriggerWatch:
         """
         if self._is_waiting:
             self._look(source(self._request.field, self._seen, now), window)
-            if self._state == "triggered" and self._request.mode == "normal":
-                if now > self._hold_until + _QUIET_S:
+            if self._state == "triggered" and self._request.mode != "single":
+                is_auto = self._request.mode == "auto"
+                if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
                     self._state, self._time = "armed", None
         message = {
             "type": "trigger",
@@ -81,15 +110,19 @@ class TriggerWatch:
 
     @property
     def _is_waiting(self) -> bool:
-        return self._request.mode == "normal" or self._state == "armed"
+        return self._request.mode in ("normal", "auto") or self._state == "armed"
 
     def _look(self, samples: Samples, window: float) -> None:
         times, values = samples
         if not len(times):
             return
         self._seen = float(times[-1])  # again with the next look, as the one before its first
-        found = crossings(times, values, self._request.level, self._request.rising)
+        wanted = self._request
+        found, self._is_ready = _crossings(
+            times, values, wanted.level, wanted.rising, wanted.hysteresis, self._is_ready
+        )
         found = found[found > self._hold_until]
         if len(found):
             self._state, self._time = "triggered", float(found[0])
-            self._hold_until = self._time + max(window / 2, _SHORTEST_S)
+            after = window * (1.0 - wanted.position)
+            self._hold_until = self._time + max(after, wanted.holdoff, _SHORTEST_S)

@@ -111,6 +111,39 @@ class Plots(PageTest):
                 lambda: self.browser.text("#legend"),
             )
 
+    def test_says_where_a_level_is_that_is_not_in_view_and_brings_it_back(self) -> None:
+        height = self.browser.find("#plot").size["height"]
+        self.browser.choose("#window", "1")
+        self.browser.choose("#trigger-mode", "auto")
+        level = self.browser.find("#trigger-level")
+        level.clear()
+        level.send_keys("50", Keys.ENTER)
+        arrow = self.browser.wait_for(".beyond.above")
+        self.assertIn("T 50.000", arrow.text)
+        # Nothing crosses it: the mode auto goes on.
+        first = self.browser.picture()
+        wait_until(lambda: self.browser.picture() != first, lambda: "it stands still")
+        self.browser.find("#show-trigger").click()
+        for name, value in (("hysteresis", "0.5"), ("holdoff", "0.1"), ("position", "20")):
+            field = self.browser.wait_for(f"#trigger-{name}")
+            field.send_keys(Keys.CONTROL + "a")
+            field.send_keys(value, Keys.TAB)
+        self.browser.find("#trigger-half").click()
+        self.browser.keys(Keys.ESCAPE)
+        wait_until(
+            lambda: self.browser.text("#trigger-state") == "triggered"
+            and abs(float(self.browser.value("#trigger-level").replace("−", "-"))) < 0.1,
+            lambda: self.browser.value("#trigger-level"),
+        )
+        self.assertFalse(self.browser.find(".beyond").is_displayed())
+        # A fifth of the second is left of the crossing, where the axis has its zero.
+        wait_until(
+            lambda: "0.6" in self.browser.text(".dygraph-axis-label-x").split()
+            and "−0.4" not in self.browser.text(".dygraph-axis-label-x").split(),
+            lambda: self.browser.text(".dygraph-axis-label-x"),
+        )
+        self.assertEqual(self.browser.find("#plot").size["height"], height)
+
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")
         self.browser.find("[aria-label='the time axis shows the time of day']").click()

@@ -112,3 +112,32 @@ def test_off_says_so_once() -> None:
 def test_no_crossing_is_missed_however_often_one_looks(moments: List[float]) -> None:
     found = told("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
     assert found[-1] == ("triggered", pytest.approx(1 / 3, abs=1e-5))
+
+
+@given(st.integers(0, 1000), st.lists(st.floats(0.0, 4.9), max_size=10))
+def test_noise_within_the_hysteresis_makes_no_crossings(seed: int, moments: List[float]) -> None:
+    times, values = sine(4.9)
+    noise = numpy.random.RandomState(seed).uniform(-0.1, 0.1, len(times))
+    found = crossings(times, values + noise, 0.0, True, hysteresis=0.25)
+    assert found == pytest.approx([1.0, 2.0, 3.0, 4.0], abs=0.05)
+    assert len(crossings(times, values + noise, 0.0, True)) > 10
+    # However often one looks, and so whatever is seen at a time.
+    request = protocol.Trigger("single", "/a", 0.0, True, 0, hysteresis=0.25)
+    watch, heard = TriggerWatch(request, 0.0), []
+    for now in sorted(moments) + [4.95]:
+
+        def source(_name: str, start: float, end: float) -> Samples:
+            seen = (times >= start) & (times <= end)
+            return times[seen], (values + noise)[seen]
+
+        heard.append(watch.update(now, WINDOW, source))
+    assert [one["time"] for one in heard if one and one["time"]] == [found[0]]
+
+
+def test_holdoff_and_position_say_when_the_next_crossing_counts() -> None:
+    for changes, apart in (({"holdoff": 1.5}, 5 / 3), ({"position": 0.1}, 1.0), ({}, 2 / 3)):
+        request = protocol.Trigger("auto", "/a", 0.0, True)._replace(**changes)
+        watch = TriggerWatch(request, 0.0)
+        heard = [watch.update(now, WINDOW, lambda *_: sine(5.0, frequency=3.0)) for now in MOMENTS]
+        times = [one["time"] for one in heard if one and one["time"]]
+        assert times[1] - times[0] == pytest.approx(apart, abs=1e-4), changes

@@ -22,7 +22,8 @@ export function keyList({ state, view, cursors, trigger, open }) {
   return [
     key([" "], "Space", "run or pause; arms a single trigger again", () => view.toggle()),
     key(["a"], "a", "choose traces", open.chooser),
-    key(["t"], "t", "trigger off, normal, single", () => trigger.cycle()),
+    key(["t"], "t", "trigger off, normal, auto, single", () => trigger.cycle()),
+    key(["l"], "l", "trigger level to 50 %", () => trigger.halve()),
     key(["c"], "c", "cursors; the arrow keys move the one with the focus", () => cursors.toggle()),
     ...pair("+ −", "zoom in time", [
       [["+", "="], () => view.zoomX(CLOSER, 0.5)],

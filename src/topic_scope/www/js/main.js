@@ -23,6 +23,7 @@ import { State } from "./state.js";
 import { Sweep } from "./sweep.js";
 import { startTools } from "./tools.js";
 import { Trigger } from "./trigger.js";
+import { startTriggerMore } from "./trigger_more.js";
 import { View } from "./view.js";
 import { showLink, notify } from "./link.js";
 
@@ -80,6 +81,7 @@ const open = {
 };
 startGestures(byId("stage"), plot, view);
 startTools(state, view, plot, sweep, open, charts.chart);
+startTriggerMore(state, trigger);
 startKeys(keyList({ state, view, cursors, trigger, open }));
 byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {

@@ -7,7 +7,7 @@ import { notify } from "./link.js";
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;
 const VIEWS = ["scope", "graph"];
-const MODES = ["off", "normal", "single"];
+const MODES = ["off", "normal", "auto", "single"];
 const EDGES = ["rising", "falling"];
 
 const isText = (value) => typeof value === "string";
@@ -27,9 +27,10 @@ const PARTS = {
   window: { ok: (value) => value > 0 && value <= 3600 },
   baseWindow: { ok: (value) => value > 0 && value <= 3600 },
   trigger: {
-    ok: ({ mode, field, level, edge }) =>
-      MODES.includes(mode) && isText(field) && Number.isFinite(level) && EDGES.includes(edge),
-    write: ({ mode, field, level, edge }) => ({ mode, field, level, edge }),
+    ok: ({ mode, field, level, edge, hysteresis = 0, holdoff = 0, position = 0.5 }) =>
+      MODES.includes(mode) && isText(field) && Number.isFinite(level) && EDGES.includes(edge) &&
+      hysteresis >= 0 && holdoff >= 0 && position >= 0 && position <= 1,
+    write: ({ number, ...others }) => others,
   },
   axes: {
     ok: ({ x, y, y2 }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&

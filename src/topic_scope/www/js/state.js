@@ -20,7 +20,8 @@ const INITIAL = {
   window: 5, // as zoomed
   end: null, // right edge, since the epoch; null follows
   reference: null, // what the time axis counts from; null follows
-  trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising" },
+  trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising",
+    hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the part of the window before it
   axes: {
     x: { title: "time, s", clock: false },
     y: { title: "", low: null, high: null },

@@ -4,6 +4,9 @@ import { TraceBuffer } from "./buffer.js";
 
 const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only when a frame says so
 
+/** The part of the window behind the trigger. */
+export const after = ({ position = 0.5 }) => 1 - position;
+
 /** Takes frames and triggers; tells what is to be drawn. */
 export class Sweep {
   /**
@@ -17,7 +20,7 @@ export class Sweep {
     this.armed = "";
     this.ahead = 0; // of the server's clock over this page's, s
     state.on(["trigger"], ({ trigger }) => {
-      const mode = trigger.mode + trigger.field + trigger.edge;
+      const mode = trigger.mode + trigger.field + trigger.edge + trigger.position;
       this.pending = [];
       if (mode !== this.armed) this.release();
       this.armed = mode;
@@ -38,17 +41,18 @@ export class Sweep {
     const { window, trigger, end } = this.state.values;
     this.live.apply(frame, window + SPARE_S);
     this.ahead = frame.now - performance.now() / 1000;
-    if (!this.pending.length || frame.now < this.pending[0] + window / 2) return;
+    if (!this.pending.length || frame.now < this.pending[0] + window * after(trigger)) return;
     const time = this.pending.shift();
     if (end !== null) return;
     this.held = { buffer: this.live.copy(), time };
-    if (trigger.mode === "single") this.state.set({ end: time + window / 2, reference: time });
+    if (trigger.mode === "single") this.state.set({ end: time + window * after(trigger), reference: time });
   }
 
   /**
    * @param {{state: string, time: number}} message
    */
   onTrigger(message) {
+    if (message.state === "armed" && this.state.values.trigger.mode === "auto") this.held = null;
     if (message.state === "triggered") this.pending = [...this.pending.slice(-1), message.time];
   }
 
@@ -68,7 +72,8 @@ export class Sweep {
     }
     if (this.held) {
       const { buffer, time } = this.held;
-      return { buffer, reference: time, from: time - window / 2, to: time + window / 2 };
+      const to = time + window * after(this.state.values.trigger);
+      return { buffer, reference: time, from: to - window, to };
     }
     const { now } = this.live;
     return { buffer: this.live, reference: now, from: now - window, to: now };

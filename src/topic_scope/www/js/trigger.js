@@ -1,10 +1,10 @@
 /** The trigger: its controls, its line on the plot, and its lamp. */
 
-import { byId, make } from "./dom.js";
+import { byId, make, say } from "./dom.js";
 import { Handle } from "./handle.js";
 import { figure, readNumber, typed } from "./numbers.js";
 
-const MODES = ["off", "normal", "single"];
+const MODES = ["off", "normal", "auto", "single"];
 
 /** Round to what a screen can tell apart. */
 const rounded = (value, span) => {
@@ -33,6 +33,11 @@ export class Trigger {
       label: "T",
       move: (part) => this.moveTo(part),
     });
+    this.arrow = make("button", {
+      type: "button", class: "beyond", hidden: true, title: "bring the level to 50 %",
+      click: () => this.halve(),
+    });
+    overlay.append(this.arrow);
     this.mode.addEventListener("change", () => this.change({ mode: this.mode.value }));
     this.field.addEventListener("change", () => this.change({ field: this.field.value }));
     this.edge.addEventListener("change", () => this.change({ edge: this.edge.value }));
@@ -59,6 +64,14 @@ export class Trigger {
     // Any change arms a single trigger again.
     const again = this.state.values.end !== null && ("mode" in changes || trigger.mode === "single");
     this.state.setTrigger(trigger, again ? { end: null, reference: null } : {});
+  }
+
+  /** Bring the level to the middle between the least and the greatest value that are visible. */
+  halve() {
+    const { trigger, fields } = this.state.values;
+    const { buffer, from, to } = this.plot.shown;
+    const [low, high] = buffer.extent([trigger.field || fields[0]], from, to);
+    if (low < high) this.change({ level: rounded((low + high) / 2, high - low) });
   }
 
   moveTo(part) {
@@ -98,5 +111,10 @@ export class Trigger {
     const [low, high] = this.plot.range(this.plot.axisOf(trigger.field));
     const part = shown ? (trigger.level - low) / (high - low) : null;
     this.line.place(part, trigger.level, figure(trigger.level));
+    // Where the level is outside of the view an arrow says where.
+    this.arrow.hidden = part === null || (part >= 0 && part <= 1);
+    if (this.arrow.hidden) return;
+    this.arrow.classList.toggle("above", part > 1);
+    say(this.arrow, `${part > 1 ? "▲" : "▼"} T ${figure(trigger.level)}`);
   }
 }

@@ -1,5 +1,7 @@
 /** Run, pause, zoom and pan: what the wheel, the keys and the buttons do to the view. */
 
+import { after } from "./sweep.js";
+
 const SHORTEST_S = 0.002;
 
 /** Changes the view; knows what is shown, so that nothing jumps. */
@@ -101,7 +103,7 @@ export class View {
     this.state.setAxis("y", { low: null, high: null });
     this.state.setAxis("y2", { low: null, high: null });
     const change = { window: baseWindow };
-    if (end !== null) change.end = centred ? reference + baseWindow / 2 : reference;
+    if (end !== null) change.end = centred ? reference + baseWindow * after(trigger) : reference;
     this.state.set(change);
   }
 }

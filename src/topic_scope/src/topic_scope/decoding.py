@@ -12,7 +12,7 @@ from typing import Callable, List, Sequence, Union
 import numpy
 
 from topic_scope.definitions import Array, Layout, Record, Scalar
-from topic_scope.fields import FieldError, Lengths, Path
+from topic_scope.fields import FieldError, Lengths, Path, leaf_at, to_text
 
 #: How to get on: a number of bytes, or a function from data and offset to the next offset.
 Step = Union[int, Callable[[bytes, int], int]]
@@ -84,6 +84,22 @@ def lengths_in(layout: Record, data: bytes) -> Lengths:
             return 0
 
     return length
+
+
+def check_length(layout: Record, path: Path, lengths: Lengths) -> None:
+    """Check that the arrays on the way to a place are long enough.
+
+    :param layout: layout of the messages
+    :param path: the place
+    :param lengths: tells how many elements an array has whose length is not declared
+    :raises FieldError: if one is too short
+    """
+    for position, part in enumerate(path):
+        node = leaf_at(layout, path[:position])
+        if isinstance(part, int) and isinstance(node, Array) and node.length is None:
+            if part >= lengths(path[:position]):
+                count = lengths(path[:position])
+                raise FieldError(f"{to_text(path[:position])} has {count} elements now")
 
 
 def _follow(steps: Sequence[Step], data: bytes) -> int:

@@ -29,11 +29,12 @@ def statistics_of(recorder: Recorder, view: LiveView, wish: Measure, now: float)
 def _measured(
     recorder: Recorder, name: str, span: Tuple[float, float], wish: Measure, now: float
 ) -> Dict[str, Any]:
+    told: Dict[str, Any] = {"problem": recorder.problem(name)}
     trace = recorder.trace(name)
     if trace is None:
-        return {}
+        return told
     samples = trace.samples(*span)
-    told: Dict[str, Any] = {"topic": trace.stream.topic, "time": trace.stream.base}
+    told.update({"topic": trace.stream.topic, "time": trace.stream.base})
     told.update(measure(*samples))
     if wish.shapes:
         told.update(measurements.figures(*samples))

@@ -42,15 +42,16 @@ class _Longest:
 
     def __init__(self) -> None:
         self._known: Dict[fields.Path, int] = {}
-        self._latest: fields.Lengths = fields.one_element
+        #: Those of the latest message.
+        self.latest: fields.Lengths = fields.one_element
 
     def look(self, layout: Record, message: bytes) -> None:
         """Take the lengths from a message."""
-        self._latest = decoding.lengths_in(layout, message)
+        self.latest = decoding.lengths_in(layout, message)
 
     def __call__(self, path: fields.Path) -> int:
         try:
-            latest = self._latest(path)
+            latest = self.latest(path)
         except fields.FieldError:  # the topic has got another type
             latest = 1
         longest = max(latest, self._known.get(path, 0))
@@ -209,6 +210,23 @@ class Recorder:
         """Return how far apart samples of one line of a field may be, s."""
         trace = self._traces.get(name)
         return trace.longest_step if trace else math.inf
+
+    def problem(self, name: str) -> Optional[str]:
+        """Return why there is nothing of a field, in words; None where nothing is known."""
+        place = fields.split(fields.parted(name)[0], self._types)
+        if place is None:
+            trace = self._traces.get(name)
+            return None if trace is not None and trace.span else "there is no such topic yet"
+        layout = self._layouts.installed(self._types[place[0]])
+        try:
+            self.expand(name)
+            if layout is not None and place[0] in self._lengths:
+                decoding.check_length(
+                    layout, fields.to_path(place[1]), self._lengths[place[0]].latest
+                )
+        except fields.FieldError as error:
+            return str(error)
+        return None
 
     def trace(self, name: str) -> Optional[Trace]:
         """Return what is recorded of a field, None where nothing is."""

@@ -25,6 +25,8 @@ from topic_scope.wishes import Chart, Measure
 
 #: Time between two frames, s.
 FRAME_S = 0.025
+#: How long the nodes of a launch file may take to start, until a field that is missing is named, s.
+WARN_AFTER_S = 5.0
 #: Time between two measurements of the traces, s.
 STATISTICS_S = 0.25
 
@@ -48,6 +50,7 @@ class Server:
         self._controls = Controls(loop.add_callback, self._tell)
         self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
         watch.start(lambda state: loop.add_callback(self._on_graph, state))
+        loop.call_later(WARN_AFTER_S, self._warn)
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
     # --- From the graph ----------------------------------------------------------------------
@@ -70,6 +73,13 @@ class Server:
         self._record()
         self._controls.on_services([name for name, nodes in state.services if nodes])
         self._graph.on_state(state, any(page.wants_graph for page in self._pages()))
+
+    def _warn(self) -> None:
+        """Say on the terminal what is wrong with the fields of the command line."""
+        for name in self._initial:
+            problem = self._recorder.problem(name)
+            if problem is not None:
+                rospy.logwarn(f"{name}: {problem}")
 
     # --- From pages --------------------------------------------------------------------------
 
@@ -172,12 +182,13 @@ class Server:
         return {"type": "fields", "fields": [choice._asdict() for choice in self._choices]}
 
     def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
-        """Return the fields that names stand for; tell a page of those that stand for none."""
+        """Return the fields that names stand for; those that stand for none stay as they are."""
         found: List[str] = []
         for name in names:
             try:
                 found += [field for field in self._recorder.expand(name) if field not in found]
             except FieldError as error:
+                found += [name] if name not in found else []
                 if page is not None:
                     page.note({"type": "error", "text": f"{name}: {error}"})
         return found[:TRACES]

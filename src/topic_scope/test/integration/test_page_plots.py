@@ -9,6 +9,7 @@ import rostest
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
+from std_msgs.msg import Float64MultiArray
 
 
 class Plots(PageTest):
@@ -143,6 +144,39 @@ class Plots(PageTest):
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
         self.assertEqual(self.browser.find("#plot").size["height"], height)
+
+    def test_a_field_that_is_not_there_stays_and_says_so(self) -> None:
+        expected = {
+            "/signal/nothing": "there is no nothing in basic_comms/signal_msg",
+            "/later/data[7]": "there is no such topic yet",
+        }
+        for name in expected:
+            self.browser.keys("a", name)
+            self.browser.wait_for("#chooser-list input")
+            self.browser.keys(Keys.ENTER, Keys.ESCAPE)
+        for name, text in expected.items():
+            row = f"#legend tr.gone[data-field='{name}']"
+            wait_until(
+                lambda: self.browser.text(f"{row} .badge") == text,
+                lambda: self.browser.text("#legend"),
+            )
+            # All of it can be read.
+            cell, badge = self.browser.find(f"{row} .name"), self.browser.find(f"{row} .badge")
+            right = cell.rect["x"] + cell.rect["width"]
+            self.assertLessEqual(badge.rect["x"] + badge.rect["width"], right)
+        publisher = rospy.Publisher("/later", Float64MultiArray, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(Float64MultiArray(data=[1.0, 2.0]))
+        badge = "#legend tr.gone[data-field='/later/data[7]'] .badge"
+        wait_until(
+            lambda: self.browser.text(badge) == "data has 2 elements now",
+            lambda: self.browser.text("#legend"),
+        )
+        publisher.publish(Float64MultiArray(data=[3.0] * 8))
+        wait_until(
+            lambda: self.cell("/later/data[7]", "value") == 3.0 and not self.browser.count(badge),
+            lambda: self.browser.text("#legend"),
+        )
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

@@ -1,12 +1,13 @@
 """What is recorded, and for how long; messages come from taps that a test fills."""
 
+import io
 import struct
 from typing import Collection, Dict, Iterator, List
 
 import numpy
 from hypothesis import given
 from hypothesis import strategies as st
-from std_msgs.msg import Float32, Float64
+from std_msgs.msg import Float32, Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
 from topic_scope import fields, recorder
@@ -155,12 +156,34 @@ def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() ->
 def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited() -> None:
     longest = recorder._Longest()
     latest = 5
-    longest._latest = lambda _path: latest
+    longest.latest = lambda _path: latest
     paths: List[fields.Path] = [fields.to_path(f"a[{n}]/b") for n in range(recorder._ARRAYS + 10)]
     assert [longest(path) for path in paths] == [5] * len(paths)
     latest = 2
     # The list of fields stands still, but for those beyond the limit.
     assert [longest(path) for path in paths] == [5] * recorder._ARRAYS + [2] * 10
+
+
+def test_says_in_words_what_is_wrong_with_a_field() -> None:
+    taps = FakeTaps()
+    names = ["/a/data", "/a/nothing", "/b/data[2]", "/b/data[3]", "/d/later", "/a/data.yaw"]
+    made, buffer = recording(taps, *names), io.BytesIO()
+    Float64MultiArray(data=[1.0, 2.0, 3.0]).serialize(buffer)
+    batch = Batch(header(Float64MultiArray), [taps.time], [buffer.getvalue()])
+    taps.taps["/b"].batches.append(batch)
+    made.update()
+    assert {name: made.problem(name) for name in names} == {
+        "/a/data": None,
+        "/a/nothing": "there is no nothing in std_msgs/Float32",
+        "/b/data[2]": None,
+        "/b/data[3]": "data has 3 elements now",
+        "/d/later": "there is no such topic yet",
+        "/a/data.yaw": "there is no quaternion in data",
+    }
+    # Another type: the same field is not there any more.
+    made.set_topics({**TYPES, "/a": "std_msgs/Empty", "/d": "std_msgs/Float32"})
+    assert made.problem("/a/data") == "there is no data in std_msgs/Empty"
+    assert made.problem("/d/later") == "there is no later in std_msgs/Float32"
 
 
 def test_names_are_expanded_as_far_as_they_are_known() -> None:

@@ -13,7 +13,8 @@ const without = (set, item) => new Set([...set].filter((other) => other !== item
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
 /** Say in words what is not there of a trace. */
-function missing({ silent, nan }) {
+function missing({ silent, nan, problem }) {
+  if (problem) return problem;
   const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
   if (nan > 0) words.push(`NaN ${Math.max(1, Math.round(100 * nan))} %`);
   return words.join(", ");
@@ -99,12 +100,13 @@ export class Legend {
       "aria-label": `remove ${field}`,
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
+    const name = make("td", { class: "name", title: field }, field, badge);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
-      make("td", {}, shown), make("td", {}, colour), make("td", { class: "name", title: field }, field, badge),
-      make("td", {}, axis), make("td", {}, time.element), ...cells.values(), make("td", {}, remove),
+      make("td", {}, shown), make("td", {}, colour), name,
+      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, remove),
     );
-    return { element, cells, time, badge };
+    return { element, name, cells, time, badge };
   }
 
   /**
@@ -112,8 +114,10 @@ export class Legend {
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
-    for (const [field, { cells, time, badge }] of this.rows) {
+    for (const [field, { element, name, cells, time, badge }] of this.rows) {
       const measured = traces[field] || {};
+      element.classList.toggle("gone", Boolean(measured.problem));
+      name.colSpan = measured.problem ? 3 + this.columns.length : 1; // the words take the room
       if (measured.topic) time.show(measured.topic, measured.time);
       say(badge, missing(measured));
       badge.hidden = !badge.textContent;

@@ -171,7 +171,9 @@ def build_twins() -> None:
         if not stamp.exists() or stamp.read_text("utf-8") != digests[name]:
             build_twin(name, twins[name])
             stamp.write_text(digests[name], "utf-8")
-    names = {**RENAMED, **{ours: its for twin in twins.values() for ours, its in twin.names.items()}}
+    names = dict(RENAMED)
+    for twin in twins.values():
+        names.update(twin.names)
     target = ENVIRONMENT / "share" / "ros2_bridge" / "names.yaml"
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text(yaml.safe_dump(names), "utf-8")

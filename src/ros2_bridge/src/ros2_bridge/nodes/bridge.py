@@ -1,0 +1,92 @@
+"""The bridge: what is there in one ROS, is there in the other."""
+
+import threading
+import traceback
+from typing import Any, Dict
+
+import rospy
+import yaml
+
+from nodekit import MasterUnreachable, Node, run
+from nodekit.live.watcher import get_watcher
+from nodekit.rospy_internals.shutdown import before_shutdown
+from ros2_bridge import ros1_graph
+from ros2_bridge.ros1 import String
+from ros2_bridge.ros2_graph import Ros2Graph
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.settings import BridgeParameters, Qualities
+from ros2_bridge.telling import Telling
+from ros2_bridge.topic_bridge import TopicBridge
+from ros2_bridge.types import Types
+
+#: Time between two looks at the graphs, s.
+LOOK_S = 0.5
+
+
+class Bridge:
+    """Bridges topics, services, parameters and managed nodes between ROS 1 and ROS 2.
+
+    :ROS Publishers:
+        - ``~statistics`` (std_msgs/String): each second what has gone through, as YAML
+
+    :ROS Parameters:
+        - those of :class:`.BridgeParameters`, private and live; and ``~qos``, read at the start
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._parameters = node.parameters(BridgeParameters, exempt=("qos",))
+        client = get_watcher().client
+        qos = client.read([node.resolve("~qos")]).values[node.resolve("~qos")]
+        depth = self._parameters.values.depth
+        qualities = Qualities(depth, qos if isinstance(qos, dict) else None)
+        self._side = Ros2(node.name)
+        self._graph = Ros2Graph(self._side)
+        self._telling = Telling()
+        types = Types()
+        self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
+        self._statistics = node.publisher("~statistics", String)
+        node.every(1.0, self._publish_statistics, steady=True)
+        self._ended = threading.Event()
+        self._looking = threading.Thread(target=self._run, name="looks", daemon=True)
+        self._looking.start()
+        before_shutdown(self.close)
+
+    def _run(self) -> None:
+        while not self._ended.wait(LOOK_S if self._node.is_up else 0.01):
+            if not self._node.is_up:
+                continue
+            try:
+                self._look()
+            except MasterUnreachable:
+                continue  # all stays as it is until it is back
+            except Exception:
+                if not self._ended.is_set():
+                    rospy.logerr_throttle(10.0, traceback.format_exc())
+
+    def _look(self) -> None:
+        ros1 = ros1_graph.look(get_watcher().client, {self._node.name})
+        ros2 = self._graph.topics()
+        rules = self._parameters.values.openings()
+        self._topics.look(rules, ros1, ros2)
+        self._telling.look()
+
+    def _publish_statistics(self, _: float) -> None:
+        if not self._statistics.get_num_connections():
+            return
+        topics: Dict[str, Any] = {"to_ros1": {}, "to_ros2": {}}
+        for way, count in self._topics.counts().items():
+            topics["to_ros2" if way.to_ros2 else "to_ros1"][way.name] = vars(count)
+        self._statistics.publish(String(yaml.safe_dump({"topics": topics})))
+
+    def close(self) -> None:
+        """End it while both ROSes are there."""
+        self._ended.set()
+        self._looking.join(1.0)
+        self._topics.close()
+        self._side.close()
+
+
+def main() -> None:
+    """Run the bridge until it is shut down."""
+    run("ros2_bridge", Bridge)

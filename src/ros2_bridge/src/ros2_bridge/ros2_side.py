@@ -1,0 +1,186 @@
+"""The bridge as ROS 2 sees it: one participant with many nodes."""
+
+import os
+import threading
+from functools import partial
+from typing import Any, Callable, List, Set, Tuple
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from ros2_bridge.wait_loop import Source, WaitLoop
+
+#: Of the 16 bytes that name an endpoint those that name its participant.
+_PARTICIPANT = 12
+
+
+def quality(depth: int, latched: bool = False, best_effort: bool = False) -> QoSProfile:
+    """Return the quality of service of a topic."""
+    return QoSProfile(
+        depth=depth,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+    )
+
+
+class Ros2:
+    """Makes and destroys what the bridge has in ROS 2; may be used from several threads.
+
+    :param name: global name of the bridge's own node
+    """
+
+    def __init__(self, name: str) -> None:
+        self.context = Context()
+        rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
+        self._lock = threading.RLock()
+        self.own_names: Set[str] = set()
+        self.node = self.make_node(name)
+        self.messages = WaitLoop(self.context, "messages from ROS 2")
+        self.calls = WaitLoop(self.context, "calls from ROS 2")
+        self.participant = self._find_participant()
+
+    def _find_participant(self) -> bytes:
+        """Return what the names of all our endpoints begin with."""
+        (one, *_) = self.node.get_publishers_info_by_topic("/parameter_events")
+        return bytes(one.endpoint_gid)[:_PARTICIPANT]
+
+    @property
+    def domain(self) -> int:
+        """Number of the domain, as ROS_DOMAIN_ID has it."""
+        return int(os.environ.get("ROS_DOMAIN_ID") or 0)
+
+    def make_node(self, name: str) -> Node:
+        """Make a node without parameters, services and a log of its own."""
+        namespace, _, base = name.rpartition("/")
+        quiet = [Parameter("start_type_description_service", value=False)]
+        with self._lock:
+            node = Node(
+                base,
+                context=self.context,
+                namespace=namespace or "/",
+                use_global_arguments=False,
+                enable_rosout=False,
+                start_parameter_services=False,
+                parameter_overrides=quiet,
+            )
+            self.own_names.add(name)
+        return node
+
+    def destroy_node(self, name: str, node: Node) -> None:
+        """Destroy a node; what it had was removed before."""
+
+        def destroy() -> None:
+            with self._lock:
+                node.destroy_node()
+                self.own_names.discard(name)
+
+        self.calls.remove(Source("none", node, lambda _: None), destroy)
+
+    def publisher(self, cls: Any, topic: str, qos: QoSProfile) -> Any:
+        """Publish a topic: ``publish`` of what is returned takes bytes."""
+        with self._lock:
+            return self.node.create_publisher(cls, topic, qos)
+
+    def destroy_publisher(self, publisher: Any) -> None:
+        """Publish a topic no longer."""
+        with self._lock:
+            self.node.destroy_publisher(publisher)
+
+    def subscribe(
+        self, cls: Any, topic: str, qos: QoSProfile, receive: Callable[[List[Any]], None]
+    ) -> Callable[[], None]:
+        """Hear a topic.
+
+        :param receive: called with what has arrived, each message as bytes, what is known of it
+        :returns: what ends it
+        """
+        with self._lock:
+            subscription = self.node.create_subscription(
+                cls, topic, lambda message: None, qos, raw=True
+            )
+        handle = subscription.handle
+
+        def take(most: int) -> None:
+            messages: List[Any] = []
+            while len(messages) < most:
+                message = handle.take_message(cls, True)
+                if message is None:
+                    break
+                messages.append(message)
+            receive(messages)
+
+        source = Source("subscription", subscription, take)
+        self.messages.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                self.node.destroy_subscription(subscription)
+
+        return lambda: self.messages.remove(source, destroy)
+
+    def serve(
+        self, node: Node, cls: Any, name: str, answer: Callable[[Any, Callable[[Any], None]], None]
+    ) -> Callable[[], None]:
+        """Offer a service.
+
+        :param node: whose it is
+        :param answer: called in the loop's thread with the request and what sends the answer, once
+            and from any thread
+        :returns: what ends it
+        """
+        with self._lock:
+            service = node.create_service(cls, name, lambda request, response: response)
+
+        def take(most: int) -> None:
+            for _ in range(most):
+                request, header = service.handle.service_take_request(cls.Request)
+                if header is None:
+                    break
+                answer(request, partial(_send, service, header))
+
+        source = Source("service", service, take)
+        self.calls.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                node.destroy_service(service)
+
+        return lambda: self.calls.remove(source, destroy)
+
+    def client(
+        self, cls: Any, name: str, take: Callable[[int], None]
+    ) -> Tuple[Any, Callable[[], None]]:
+        """Make what calls a service.
+
+        :param take: takes answers that have arrived; called in the loop's thread
+        :returns: rclpy's client, and what ends it
+        """
+        with self._lock:
+            client = self.node.create_client(cls, name)
+        source = Source("client", client, take)
+        self.calls.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                self.node.destroy_client(client)
+
+        return client, lambda: self.calls.remove(source, destroy)
+
+    def close(self) -> None:
+        """End everything."""
+        self.messages.close()
+        self.calls.close()
+        with self._lock:
+            rclpy.shutdown(context=self.context)
+
+    def is_ours(self, gid: bytes) -> bool:
+        """Tell whether the endpoint of this name is one of our own."""
+        return gid.startswith(self.participant)
+
+
+def _send(service: Any, header: Any, response: Any) -> None:
+    service.send_response(response, header)

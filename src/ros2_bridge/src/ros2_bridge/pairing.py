@@ -16,6 +16,10 @@ NEVER = (
     *("*/get_loggers", "*/set_logger_level", "*/get_type_description"),
 )
 
+#: Packages whose types each ROS has for itself, or that are bridged in a way of their own:
+#: dynamic_reconfigure's service ``set_parameters`` has the very name of ROS 2's.
+OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_description_interfaces/")
+
 
 class Rules(NamedTuple):
     """What the user allows.

@@ -3,7 +3,7 @@
 from typing import Dict, List, Optional, Union
 
 from nodekit import Node
-from ros2_bridge.pairing import Patience, Rules, Way, wanted
+from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
 from ros2_bridge.ros1_graph import Ros1Graph
 from ros2_bridge.ros2_graph import Topic
 from ros2_bridge.ros2_side import Ros2
@@ -68,7 +68,7 @@ class TopicBridge:
     def _kind(
         self, way: Way, type1: Optional[str], found: Optional[Topic]
     ) -> Optional[MessageType]:
-        """Return the type of a topic, None where nobody tells it yet.
+        """Return the type of a topic, None where nobody tells it, or each ROS has it for itself.
 
         :raises Unbridgeable: if it is not one for both sides
         """
@@ -76,6 +76,8 @@ class TopicBridge:
         if way.to_ros2 and known is None:
             return None
         types = found.types if found is not None else set()
+        if any(name.startswith(OWN_WAYS) for name in (known or "", *types)):
+            return None
         names: List[str] = sorted({self._types.ros1_name(name) for name in types})
         if len({*names, *([known] if known else [])}) > 1:
             used = ", ".join([*([f"{known} in ROS 1"] if known else []), *sorted(types)])

@@ -19,6 +19,10 @@ from ros2_bridge.definitions import parse
 from ros2_bridge.twins import twin_type
 
 
+#: What is raised for a type that there simply is not.
+_UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
+
+
 class Unbridgeable(Exception):
     """A type that is not in both ROSes; the text says why."""
 
@@ -191,4 +195,4 @@ def _judging(what: str) -> Any:
     except Unbridgeable:
         raise
     except Exception as error:  # of any kind: genmsg and rclpy have many
-        raise Unbridgeable(f"{what} ({' '.join(str(error).split())})") from None
+        raise Unbridgeable(what if isinstance(error, _UNKNOWN) else f"{what} ({error})") from None

@@ -98,11 +98,12 @@ class WaitLoop:
         held.enter_context(self._context.handle)
         held.enter_context(self._bell)
         for kind in _KINDS:
-            mine = {
-                source.entity.handle.pointer: source for source in sources if source.kind == kind
-            }
-            for source in mine.values():
-                held.enter_context(source.entity.handle)
+            mine = {}
+            for source in sources:
+                with contextlib.suppress(_rclpy.InvalidHandle):  # destroyed with its node
+                    if source.kind == kind:
+                        held.enter_context(source.entity.handle)
+                        mine[source.entity.handle.pointer] = source
             by_kind.append((kind, f"add_{kind}", mine))
         counts = {kind: len(mine) for kind, _, mine in by_kind}
         wait_set = _rclpy.WaitSet(

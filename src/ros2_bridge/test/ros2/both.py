@@ -3,10 +3,8 @@
 import contextlib
 import os
 import pathlib
-import sys
 import threading
-import time
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, List
 
 import rclpy
 import rospy
@@ -15,10 +13,10 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from nodekit.testing.processes import Master, Process
-from nodekit.testing.waiting import wait_until
-from ros2_bridge.types import MessageType, Types
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from ros2_bridge.types import Types
 
-SCRIPT = str(pathlib.Path(__file__).parents[2] / "scripts" / "bridge")
+SOURCES = pathlib.Path(__file__).resolve().parents[3]
 
 
 class Both:
@@ -46,6 +44,28 @@ class Both:
         rclpy.shutdown()
         self._thread.join(5.0)
         self.master.kill()
+
+    def call2(self, cls: Any, name: str, **fields: Any) -> Any:
+        """Call a service of ROS 2, as ``ros2 service call`` does."""
+        client = self.node.create_client(cls, name)
+        assert client.wait_for_service(TIMEOUT_S), name
+        future = client.call_async(cls.Request(**fields))
+        wait_until(future.done, lambda: f"no answer of {name}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def offers2(self, name: str) -> bool:
+        """Tell whether there is a service in ROS 2."""
+        return name in dict(self.node.get_service_names_and_types())
+
+    def call1(self, name: str, kind: str, request: bytes, timeout: float = TIMEOUT_S) -> bytes:
+        """Call a service of ROS 1."""
+        raw = self.types.service(kind).raw
+        rospy.wait_for_service(name, timeout)
+        message = raw._request_class()
+        message._buff = request
+        answer: bytes = rospy.ServiceProxy(name, raw)(message)._buff
+        return answer
 
     def hear1(self, topic: str, kind: str) -> "Ear":
         """Hear a topic in ROS 1."""
@@ -80,16 +100,26 @@ class Ear:
         return self.heard
 
 
-class Bridge(Process):
-    """The bridge, as a process."""
+class Running(Process):
+    """A node of ROS 1, as a process.
 
-    def __init__(self, *arguments: str) -> None:
-        super().__init__(SCRIPT, arguments)
+    :param package: package of a script
+    """
 
-    def __enter__(self) -> "Bridge":
+    def __init__(self, package: str, script: str, *arguments: str) -> None:
+        super().__init__(str(SOURCES / package / "scripts" / script), arguments)
+
+    def __enter__(self) -> "Running":
         return self
 
     def __exit__(self, *_: Any) -> None:
         if self.popen.poll() is None:
             self.end()
-        print("the bridge's log:", *self.logged(), sep="\n")
+        print("the log:", *self.logged(), sep="\n")
+
+
+class Bridge(Running):
+    """The bridge."""
+
+    def __init__(self, *arguments: str) -> None:
+        super().__init__("ros2_bridge", "bridge", *arguments)

@@ -7,7 +7,7 @@ import os
 import pathlib
 import random
 import sys
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Iterator
 
 import pytest
 

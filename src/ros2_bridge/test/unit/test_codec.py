@@ -18,8 +18,8 @@ SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
 EVERYTHING = (
     "Header header\nbool[] flags\nint8 a\nfloat64 b\nuint16[3] c\nstring d\nstring[] e\n"
-    "inner[] f\ninner[2] g\npoint[] h\ntime i\nduration[] j\nempty k\nempty[] l\nint64 m\nchar[5] n\n"
-    "stamped[] o\nstring[2] p\nfloat32[] q\npoint[3] r\n"
+    "inner[] f\ninner[2] g\npoint[] h\ntime i\nduration[] j\nempty k\nempty[] l\n"
+    "int64 m\nchar[5] n\nstamped[] o\nstring[2] p\nfloat32[] q\npoint[3] r\n"
     + SEPARATOR
     + "MSG: pkg/inner\nuint8 x\nstring y\nfloat64[] z"
     + SEPARATOR

@@ -11,12 +11,14 @@ class Ros1Graph(NamedTuple):
     :param publishers, subscribers: names of nodes by topic
     :param types: of topics, by topic
     :param services: name of the node by service
+    :param master_pid: process id of the master: another one has forgotten everything
     """
 
     publishers: Dict[str, Set[str]]
     subscribers: Dict[str, Set[str]]
     types: Dict[str, str]
     services: Dict[str, str]
+    master_pid: int
 
     def nodes(self) -> Set[str]:
         """Return the names of all nodes that publish, subscribe or serve."""
@@ -37,5 +39,6 @@ def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
         return {name: nodes for name, nodes in found.items() if nodes}
 
     state, types = client.system_state(), client.topic_types()
+    pid = client.request([("getPid",)])[0][2]
     services = {name: min(nodes) for name, nodes in others(state.services).items()}
-    return Ros1Graph(others(state.publishers), others(state.subscribers), types, services)
+    return Ros1Graph(others(state.publishers), others(state.subscribers), types, services, pid)

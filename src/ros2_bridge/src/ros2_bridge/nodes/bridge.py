@@ -11,9 +11,11 @@ from nodekit import MasterUnreachable, Node, run
 from nodekit.live.watcher import get_watcher
 from nodekit.rospy_internals.shutdown import before_shutdown
 from ros2_bridge import ros1_graph
+from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1 import String
 from ros2_bridge.ros2_graph import Ros2Graph
 from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.service_bridge import ServiceBridge
 from ros2_bridge.settings import BridgeParameters, Qualities
 from ros2_bridge.telling import Telling
 from ros2_bridge.topic_bridge import TopicBridge
@@ -45,6 +47,9 @@ class Bridge:
         self._telling = Telling()
         types = Types()
         self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
+        self._nodes = NodeBridge(node, self._side, client, self._telling)
+        self._services = ServiceBridge(node, self._side, types, self._telling, self._timeout)
+        self._master_pid = 0
         self._statistics = node.publisher("~statistics", String)
         node.every(1.0, self._publish_statistics, steady=True)
         self._ended = threading.Event()
@@ -66,10 +71,17 @@ class Bridge:
 
     def _look(self) -> None:
         ros1 = ros1_graph.look(get_watcher().client, {self._node.name})
-        ros2 = self._graph.topics()
-        rules = self._parameters.values.openings()
-        self._topics.look(rules, ros1, ros2)
+        values = self._parameters.values
+        rules, in_ros2 = values.openings(), self._graph.nodes()
+        is_restarted = self._master_pid not in (0, ros1.master_pid)
+        self._master_pid = ros1.master_pid
+        self._topics.look(rules, ros1, self._graph.topics())
+        self._nodes.look(ros1, in_ros2, values.parameters, values.max_nodes, is_restarted)
+        self._services.look(rules, ros1, self._graph.services(in_ros2), self._nodes.homes())
         self._telling.look()
+
+    def _timeout(self) -> float:
+        return self._parameters.values.service_timeout
 
     def _publish_statistics(self, _: float) -> None:
         if not self._statistics.get_num_connections():
@@ -83,7 +95,9 @@ class Bridge:
         """End it while both ROSes are there."""
         self._ended.set()
         self._looking.join(1.0)
+        self._services.close()
         self._topics.close()
+        self._nodes.close()
         self._side.close()
 
 

@@ -24,10 +24,16 @@ _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 
 
 class NodeTwin:
-    """A node of ROS 1 in ROS 2: its name, and its parameters."""
+    """A node of ROS 1 in ROS 2: its name, and its parameters.
 
-    def __init__(self, home: Ros2Node, parameters: Optional[ParametersToRos2], made: Any) -> None:
-        self.home, self.parameters, self.made = home, parameters, made
+    :param style: how its parameters are bridged
+    :param made: what it has in ROS 1
+    """
+
+    def __init__(
+        self, home: Ros2Node, style: str, parameters: Optional[ParametersToRos2], made: Any
+    ) -> None:
+        self.home, self.style, self.parameters, self.made = home, style, parameters, made
 
 
 class NodeBridge:
@@ -63,12 +69,14 @@ class NodeBridge:
         for name in self._patience.gone(self.twins, wanted):
             self._end_twin(name)
         for name in wanted:
+            style = "described" if name in describing else "plain"
+            style = style if parameters else "none"
             twin = self.twins.get(name)
-            if twin is not None and (twin.parameters is not None) != parameters:
-                self._end_twin(name)
+            if twin is not None and twin.style != style:
+                self._end_twin(name)  # a managed node has its parameters only for a time
                 twin = None
             if twin is None:
-                self._begin_twin(name, name in describing, parameters)
+                self._begin_twin(name, style)
         self._look_at_ros2(in_ros2 - ros1.nodes() if parameters else set(), most, is_restarted)
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
@@ -85,16 +93,16 @@ class NodeBridge:
             )
         return legal[:most]
 
-    def _begin_twin(self, name: str, is_described: bool, parameters: bool) -> None:
+    def _begin_twin(self, name: str, style: str) -> None:
         home = self._side.make_node(name)
         made = self._node.lifetime()
         source: Union[Described, Plain] = Plain(self._client, name)
-        if is_described:
+        if style == "described":
             source = Described(made, name)
         twin = None
-        if parameters:
+        if style != "none":
             twin = ParametersToRos2(self._node, self._side, home, name, source, self._tell.publish)
-        self.twins[name] = NodeTwin(home, twin, made)
+        self.twins[name] = NodeTwin(home, style, twin, made)
 
     def _end_twin(self, name: str) -> None:
         twin = self.twins.pop(name)

@@ -27,6 +27,11 @@ def quality(depth: int, latched: bool = False, best_effort: bool = False) -> QoS
     )
 
 
+def domain() -> int:
+    """Return the number of ROS 2's domain."""
+    return int(os.environ.get("ROS_DOMAIN_ID") or 0)
+
+
 class Ros2:
     """Makes and destroys what the bridge has in ROS 2; may be used from several threads.
 
@@ -47,11 +52,6 @@ class Ros2:
         """Return what the names of all our endpoints begin with."""
         (one, *_) = self.node.get_publishers_info_by_topic("/parameter_events")
         return bytes(one.endpoint_gid)[:_PARTICIPANT]
-
-    @property
-    def domain(self) -> int:
-        """Number of the domain, as ROS_DOMAIN_ID has it."""
-        return int(os.environ.get("ROS_DOMAIN_ID") or 0)
 
     def make_node(self, name: str) -> Node:
         """Make a node without parameters, services and a log of its own."""

@@ -1,5 +1,7 @@
 """The bridge: what is there in one ROS, is there in the other."""
 
+import contextlib
+import sys
 import threading
 import traceback
 from typing import Any, Dict
@@ -7,14 +9,20 @@ from typing import Any, Dict
 import rospy
 import yaml
 
-from nodekit import MasterUnreachable, Node, run
+from nodekit import CallError, MasterUnreachable, Node, run
+from nodekit.life.server import Server
 from nodekit.live.watcher import get_watcher
+from nodekit.process.ending import end
 from nodekit.rospy_internals.shutdown import before_shutdown
-from ros2_bridge import ros1_graph
+from nodekit.transport.service_call import ServiceCall
+from ros2_bridge import ros1_graph, rosout
+from ros2_bridge.names_in_ros1 import NamesInRos1
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.ros1 import String
+from ros2_bridge.print_pairs import print_pairs
+from ros2_bridge.ros1 import String, Trigger
 from ros2_bridge.ros2_graph import Ros2Graph
-from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.ros2_side import Ros2, domain
+from ros2_bridge.rosout import Rosout
 from ros2_bridge.service_bridge import ServiceBridge
 from ros2_bridge.settings import BridgeParameters, Qualities
 from ros2_bridge.telling import Telling
@@ -49,7 +57,9 @@ class Bridge:
         self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
         self._nodes = NodeBridge(node, self._side, client, self._telling)
         self._services = ServiceBridge(node, self._side, types, self._telling, self._timeout)
+        self._rosout, self._names = Rosout(node, self._side), NamesInRos1()
         self._master_pid = 0
+        node.service(marker(), Trigger, lambda _: (True, node.name))
         self._statistics = node.publisher("~statistics", String)
         node.every(1.0, self._publish_statistics, steady=True)
         self._ended = threading.Event()
@@ -70,12 +80,16 @@ class Bridge:
                     rospy.logerr_throttle(10.0, traceback.format_exc())
 
     def _look(self) -> None:
-        ros1 = ros1_graph.look(get_watcher().client, {self._node.name})
+        own = {self._node.name, *self._names.names}
+        ros1 = ros1_graph.look(get_watcher().client, own)
         values = self._parameters.values
         rules, in_ros2 = values.openings(), self._graph.nodes()
         is_restarted = self._master_pid not in (0, ros1.master_pid)
         self._master_pid = ros1.master_pid
-        self._topics.look(rules, ros1, self._graph.topics())
+        self._names.look(in_ros2 - ros1.nodes(), is_restarted)
+        topics = self._graph.topics()
+        self._rosout.look(rosout.TOPIC in topics and bool(topics[rosout.TOPIC].subscribers))
+        self._topics.look(rules, ros1, topics)
         self._nodes.look(ros1, in_ros2, values.parameters, values.max_nodes, is_restarted)
         self._services.look(rules, ros1, self._graph.services(in_ros2), self._nodes.homes())
         self._telling.look()
@@ -95,12 +109,30 @@ class Bridge:
         """End it while both ROSes are there."""
         self._ended.set()
         self._looking.join(1.0)
+        self._names.close()
         self._services.close()
         self._topics.close()
         self._nodes.close()
         self._side.close()
 
 
+def marker() -> str:
+    """Return the service that one bridge between this master and this domain offers."""
+    return f"/ros2_bridge_of_domain_{domain()}"
+
+
+def refuse_second() -> None:
+    """End where there is such a bridge already: two would answer each other for ever."""
+    with contextlib.suppress(CallError):
+        call = ServiceCall(1.0)
+        Server(marker(), Trigger).look(call)
+        end(f"bridge: {call.said.get('callerid')} joins this master and this domain already")
+
+
 def main() -> None:
     """Run the bridge until it is shut down."""
+    if "--print-pairs" in sys.argv:
+        print_pairs()
+        end(0)
+    refuse_second()
     run("ros2_bridge", Bridge)

@@ -133,6 +133,11 @@ def changes(
     return fresh, changed, gone
 
 
+def differs(server: Mapping[str, Any], in_force: Mapping[str, Any]) -> bool:
+    """Tell whether the server holds another value than the one in force."""
+    return any(name in server and server[name] != value for name, value in in_force.items())
+
+
 def listed(names: List[str], prefixes: List[str], depth: int) -> Tuple[List[str], List[str]]:
     """Answer ROS 2's ListParameters: names, and the prefixes of those with a dot.
 

@@ -1,6 +1,7 @@
 """The parameters of a node of ROS 1, as those of a node of ROS 2."""
 
 import threading
+import time
 from typing import Any, Callable, Dict, List, Union
 
 import rospy
@@ -20,8 +21,11 @@ from nodekit import Node
 from nodekit.execution.groups import Outside
 from ros2_bridge import parameter_messages as messages
 from ros2_bridge.parameter_sources import Described, Parameter, Plain, Unreadable, unfit
-from ros2_bridge.parameter_values import changes, listed
+from ros2_bridge.parameter_values import changes, differs, flat, listed
 from ros2_bridge.ros2_side import Ros2
+
+#: How often a node is asked whether what was set is in force or put back, and the pause, s.
+_MOST_LOOKS, _PAUSE_S = 20, 0.1
 
 
 class ParametersToRos2:
@@ -48,6 +52,7 @@ class ParametersToRos2:
         self._clock = home.get_clock()
         self._lock = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
+        self._server: Dict[str, Any] = {}
         self._is_known = self._is_looking = self._again = False
         self._ends = [
             side.serve(home, cls, f"{name}/{verb}", self._beside(answer))
@@ -61,7 +66,7 @@ class ParametersToRos2:
             )
         ]
         self._made = node.lifetime()
-        self._made.follow(name, lambda _: self._look_soon(), group=Outside())
+        self._made.follow(name, self._look_soon, group=Outside())
 
     def _beside(self, answer: Callable[[Any], Any]) -> Callable[[Any, Callable[[Any], None]], None]:
         """Return what answers in a thread of its own: it waits for the node."""
@@ -117,9 +122,13 @@ class ParametersToRos2:
             self._look()
         return SetParametersResult(successful=not reason, reason=reason)
 
-    def _look_soon(self) -> None:
-        """Look what has changed, in a thread of its own, and once more where that is under way."""
+    def _look_soon(self, tree: Any) -> None:
+        """Look what has changed, in a thread of its own, and once more where that is under way.
+
+        :param tree: what the server holds now
+        """
         with self._lock:
+            self._server = flat(tree) if isinstance(tree, dict) else {}
             self._again = True
             if self._is_looking:
                 return
@@ -127,20 +136,30 @@ class ParametersToRos2:
         threading.Thread(target=self._look_until_done, daemon=True).start()
 
     def _look_until_done(self) -> None:
+        looks = 0
         while True:
             with self._lock:
-                if not self._again:
+                looks = 0 if self._again else looks
+                self._again = False
+            in_force = self._look()
+            looks += 1
+            with self._lock:
+                # The node judges what was set on the server in its own time.
+                behind = looks < _MOST_LOOKS and differs(self._server, in_force)
+                if not (behind or self._again):
                     self._is_looking = False
                     return
-                self._again = False
-            self._look()
+            time.sleep(_PAUSE_S)
 
-    def _look(self) -> None:
-        """Tell others what has changed in force; of what is refused they hear nothing."""
+    def _look(self) -> Dict[str, Any]:
+        """Tell others what has changed in force; of what is refused they hear nothing.
+
+        :returns: the values in force
+        """
         try:
             read = self._source.read()
         except Unreadable:
-            return  # it has just ended, or does so
+            return {}  # it has just ended, or does so
         now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
         with self._lock:
             parts = changes(self._known, now)
@@ -148,6 +167,7 @@ class ParametersToRos2:
         if any(parts) and not is_first:
             stamp = self._clock.now().to_msg()
             self._tell(messages.event(self._name, stamp, *parts))
+        return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:
         """End it."""

@@ -2,10 +2,12 @@
 
 import os
 import threading
+import uuid
 from functools import partial
 from typing import Any, Callable, List, Set, Tuple
 
 import rclpy
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -49,9 +51,16 @@ class Ros2:
         self.participant = self._find_participant()
 
     def _find_participant(self) -> bytes:
-        """Return what the names of all our endpoints begin with."""
-        (one, *_) = self.node.get_publishers_info_by_topic("/parameter_events")
-        return bytes(one.endpoint_gid)[:_PARTICIPANT]
+        """Return what the names of all our endpoints begin with.
+
+        A topic that nobody else can have tells: under our node's name, another bridge may still be
+        seen that was killed.
+        """
+        topic = f"_{uuid.uuid4().hex}"
+        publisher = self.node.create_publisher(ParameterEvent, topic, 1)
+        (own,) = self.node.get_publishers_info_by_topic(publisher.topic_name)
+        self.node.destroy_publisher(publisher)
+        return bytes(own.endpoint_gid)[:_PARTICIPANT]
 
     def make_node(self, name: str) -> Node:
         """Make a node without parameters, services and a log of its own."""

@@ -18,7 +18,9 @@ PACKAGES = "std_msgs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph
 #: Types that differ: what is bridged of them is nothing, with a sentence.
 DIFFERENT = {"sensor_msgs/Range"}
 #: What ROS 2 has in another way: actions, and what goes with its tf2.
-OLD = re.compile("Action|Goal$|Result$|Feedback$|TF2Error|FrameGraph")
+OLD = re.compile(
+    "Action|Goal$|Result$|Feedback$|TF2Error|FrameGraph|rosgraph_msgs/(Log|TopicStatistics)"
+)
 TIMES = {"sec": 2**31, "nanosec": 10**9}
 INTEGERS = {"int8": 8, "uint8": 8, "octet": 8, "int16": 16, "uint16": 16, "int32": 32}
 INTEGERS.update({"uint32": 32, "int64": 64, "uint64": 64})

@@ -14,8 +14,9 @@ from ros2_bridge.parameter_sources import Described, Plain
 from ros2_bridge.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters_to_ros2 import ParametersToRos2
 from ros2_bridge.ros1_graph import Ros1Graph
-from ros2_bridge.ros2_side import Ros2, quality
+from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.service_bridge import described
+from ros2_bridge.settings import Quality
 from ros2_bridge.telling import Telling
 from ros2_bridge.topic_bridge import LOOKS
 
@@ -50,8 +51,8 @@ class NodeBridge:
         self.mirrors: Dict[str, ParametersToRos1] = {}
         self._patience: Patience[str] = Patience(LOOKS)
         self._mirror_patience: Patience[str] = Patience(LOOKS)
-        self._tell = side.publisher(ParameterEvent, _EVENTS, quality(1000))
-        self._end = side.subscribe(ParameterEvent, _EVENTS, quality(1000), self._hear)
+        self._tell = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
+        self._end = side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._hear)
 
     def look(
         self, ros1: Ros1Graph, in_ros2: Set[str], parameters: bool, most: int, is_restarted: bool

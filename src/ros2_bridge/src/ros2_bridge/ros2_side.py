@@ -14,18 +14,20 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
+from ros2_bridge.settings import Quality
 from ros2_bridge.wait_loop import Source, WaitLoop
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
 _PARTICIPANT = 12
 
 
-def quality(depth: int, latched: bool = False, best_effort: bool = False) -> QoSProfile:
-    """Return the quality of service of a topic."""
+def _profile(quality: Quality) -> QoSProfile:
+    """Return a quality of service as rclpy has it."""
+    kept, lost = DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.BEST_EFFORT
     return QoSProfile(
-        depth=depth,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+        depth=quality.depth,
+        durability=kept if quality.latched else DurabilityPolicy.VOLATILE,
+        reliability=lost if quality.best_effort else ReliabilityPolicy.RELIABLE,
     )
 
 
@@ -89,10 +91,10 @@ class Ros2:
 
         self.calls.remove(Source("none", node, lambda _: None), destroy)
 
-    def publisher(self, cls: Any, topic: str, qos: QoSProfile) -> Any:
+    def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
         """Publish a topic: ``publish`` of what is returned takes bytes."""
         with self._lock:
-            return self.node.create_publisher(cls, topic, qos)
+            return self.node.create_publisher(cls, topic, _profile(quality))
 
     def destroy_publisher(self, publisher: Any) -> None:
         """Publish a topic no longer."""
@@ -100,7 +102,7 @@ class Ros2:
             self.node.destroy_publisher(publisher)
 
     def subscribe(
-        self, cls: Any, topic: str, qos: QoSProfile, receive: Callable[[List[Any]], None]
+        self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Any]], None]
     ) -> Callable[[], None]:
         """Hear a topic.
 
@@ -109,7 +111,7 @@ class Ros2:
         """
         with self._lock:
             subscription = self.node.create_subscription(
-                cls, topic, lambda message: None, qos, raw=True
+                cls, topic, lambda message: None, _profile(quality), raw=True
             )
         handle = subscription.handle
 

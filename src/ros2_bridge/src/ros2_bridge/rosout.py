@@ -7,7 +7,8 @@ from rcl_interfaces.msg import Log
 from nodekit import Node
 from nodekit.execution.groups import Outside
 from ros2_bridge import ros1
-from ros2_bridge.ros2_side import Ros2, quality
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.settings import Quality
 
 TOPIC = "/rosout"
 #: ROS 2's levels by ROS 1's.
@@ -23,7 +24,7 @@ class Rosout:
 
     def __init__(self, node: Node, side: Ros2) -> None:
         self._node = node
-        self._publisher = side.publisher(Log, TOPIC, quality(1000, latched=True))
+        self._publisher = side.publisher(Log, TOPIC, Quality(1000, latched=True))
         self._hearing: Any = None
 
     def look(self, is_read: bool) -> None:

@@ -1,9 +1,7 @@
 """What the user can choose: parameters, and qualities of service."""
 
 import fnmatch
-from typing import Any, Dict, List, Mapping
-
-from rclpy.qos import QoSProfile
+from typing import Any, Dict, List, Mapping, NamedTuple
 
 from nodekit import (
     BoolParameter,
@@ -11,11 +9,11 @@ from nodekit import (
     FloatParameter,
     IntParameter,
     ListParameter,
+    ParameterError,
     ParameterSet,
     StringParameter,
 )
 from ros2_bridge.pairing import Rules
-from ros2_bridge.ros2_side import quality
 
 
 class BridgeParameters(ParameterSet):
@@ -51,8 +49,17 @@ class BridgeParameters(ParameterSet):
         return Rules(to_ros2, to_ros1, self.allow, self.deny)
 
 
-class QualityError(ValueError):
-    """A quality of service that makes no sense; the text says what is allowed."""
+class Quality(NamedTuple):
+    """The quality of service of a topic in ROS 2.
+
+    :param depth: how many messages are kept
+    :param latched: whether they are kept for those who come later too
+    :param best_effort: whether messages may be lost
+    """
+
+    depth: int
+    latched: bool = False
+    best_effort: bool = False
 
 
 class Qualities:
@@ -60,7 +67,7 @@ class Qualities:
 
     :param depth: how many messages are kept where the user does not say
     :param chosen: ``depth``, ``reliability`` and ``durability`` by pattern of topics
-    :raises QualityError: if it makes no sense
+    :raises ParameterError: if it makes no sense
     """
 
     #: What each may be, in ROS 2's own words.
@@ -73,7 +80,7 @@ class Qualities:
         self._depth = depth
         self._chosen: Dict[str, Mapping[str, Any]] = {}
         if chosen is not None and not isinstance(chosen, dict):
-            raise QualityError(f"parameter qos: refused {chosen!r}: must be a mapping of topics")
+            raise ParameterError("qos", chosen, "a mapping of topics")
         for pattern, choice in (chosen or {}).items():
             self._chosen["/" + pattern.lstrip("/")] = _judged(pattern, choice)
 
@@ -83,7 +90,7 @@ class Qualities:
         latched: bool = False,
         best_effort: bool = False,
         at_least: int = 0,
-    ) -> QoSProfile:
+    ) -> Quality:
         """Return the quality of a topic.
 
         :param latched: whether messages are kept for those who come later, unless the user says
@@ -101,7 +108,7 @@ class Qualities:
         if "reliability" in choice:
             best_effort = choice["reliability"] == "best_effort"
         depth = max(1, at_least) if at_least else self._depth
-        return quality(int(choice.get("depth", depth)), latched, best_effort)
+        return Quality(int(choice.get("depth", depth)), latched, best_effort)
 
 
 def _judged(pattern: str, choice: Any) -> Mapping[str, Any]:
@@ -115,8 +122,6 @@ def _judged(pattern: str, choice: Any) -> Mapping[str, Any]:
             continue
         words = f"one of {', '.join(allowed)}" if allowed else "1 to 100000"
         if allowed is None and name != "depth":
-            words = "depth, reliability and durability only"
-        raise QualityError(
-            f"parameter qos: refused {name}: {value!r} of {pattern}: must be {words}"
-        )
+            words = "made of depth, reliability and durability"
+        raise ParameterError(f"qos of {pattern}, {name}", value, words)
     return choice

@@ -12,6 +12,7 @@ import yaml
 from nodekit import CallError, MasterUnreachable, Node, run
 from nodekit.life.server import Server
 from nodekit.live.watcher import get_watcher
+from nodekit.parameters.no_value import MISSING
 from nodekit.process.ending import end
 from nodekit.rospy_internals.shutdown import before_shutdown
 from nodekit.transport.service_call import ServiceCall
@@ -49,7 +50,7 @@ class Bridge:
         client = get_watcher().client
         qos = client.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         depth = self._parameters.values.depth
-        qualities = Qualities(depth, qos if isinstance(qos, dict) else None)
+        qualities = Qualities(depth, None if qos is MISSING else qos)
         self._side = Ros2(node.name)
         self._graph = Ros2Graph(self._side)
         self._telling = Telling()

@@ -2,7 +2,7 @@
 
 Usage: hop.py send|hear 1|2 RATE SECONDS TOPICS FILE. Each message holds the moment when it was
 sent; whoever hears writes into FILE, as JSON, how long each took, us, and how many were lost.
-Before that it makes an empty FILE.any when anything has come, and FILE.first when a counted one has.
+Before that it makes an empty FILE.any when anything has come, FILE.first when a counted one has.
 """
 
 import json

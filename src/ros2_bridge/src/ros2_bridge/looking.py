@@ -4,10 +4,12 @@ import threading
 import traceback
 from typing import Any, Dict
 
+import rosgraph
 import rospy
 
 from nodekit import MasterUnreachable, Node
 from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.master import MasterClient
 from nodekit.live.watcher import get_watcher
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals.shutdown import before_shutdown
@@ -25,6 +27,8 @@ from ros2_bridge.types import Types
 
 #: Time between two looks, s.
 LOOK_S = 0.5
+#: Longest wait for the master, s.
+_MASTER_S = 2.0
 
 
 class Looking:
@@ -48,6 +52,8 @@ class Looking:
             node, self._side, types, self._telling, lambda: parameters.values.service_timeout
         )
         self._rosout, self._names = Rosout(node, self._side), NamesInRos1()
+        # Of its own: it remembers the latest answers.
+        self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
         self._master_pid = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="looks", daemon=True)
@@ -67,7 +73,7 @@ class Looking:
                     rospy.logerr_throttle(10.0, traceback.format_exc())
 
     def _look(self) -> None:
-        ros1 = ros1_graph.look(self._master, {self._node.name, *self._names.names})
+        ros1 = ros1_graph.look(self._asking, {self._node.name, *self._names.names})
         is_restarted = self._master_pid not in (0, ros1.master_pid)
         self._master_pid = ros1.master_pid
         values, in_ros2, topics = self._parameters.values, self._graph.nodes(), self._graph.topics()

@@ -2,6 +2,7 @@
 
 from typing import Dict, NamedTuple, Set
 
+from nodekit import MasterUnreachable
 from nodekit.live.master import MasterClient, Registrations
 
 
@@ -27,9 +28,9 @@ class Ros1Graph(NamedTuple):
 
 
 def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
-    """Ask the master.
+    """Ask the master, all in one request: while nothing changes, its answer need not be parsed.
 
-    :param client: asks it
+    :param client: asks it, and nothing else
     :param own: names of nodes that are the bridge's
     :raises MasterUnreachable: if it does not answer
     """
@@ -38,7 +39,10 @@ def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
         found = {name: set(nodes) - own for name, nodes in part}
         return {name: nodes for name, nodes in found.items() if nodes}
 
-    state, types = client.system_state(), client.topic_types()
-    pid = client.request([("getPid",)])[0][2]
-    services = {name: min(nodes) for name, nodes in others(state.services).items()}
-    return Ros1Graph(others(state.publishers), others(state.subscribers), types, services, pid)
+    state, types, pid = client.request([("getSystemState",), ("getTopicTypes",), ("getPid",)])
+    try:
+        publishers, subscribers, services = map(others, state[2])
+        servers = {name: min(nodes) for name, nodes in services.items()}
+        return Ros1Graph(publishers, subscribers, dict(types[2]), servers, pid[2])
+    except (TypeError, ValueError):
+        raise MasterUnreachable(f"no answer of a master: {state!r:.80}") from None

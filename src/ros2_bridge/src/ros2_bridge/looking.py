@@ -81,8 +81,10 @@ class Looking:
         self._names.look(in_ros2 - ros1.nodes(), is_restarted)
         self._rosout.look(rosout.TOPIC in topics and bool(topics[rosout.TOPIC].subscribers))
         self._topics.look(rules, ros1, topics)
-        self._nodes.look(ros1, in_ros2, values.parameters, values.max_nodes, is_restarted)
-        self._services.look(rules, ros1, self._graph.services(in_ros2), self._nodes.homes())
+        services = self._graph.services(in_ros2)
+        parameters, most = values.parameters, values.max_nodes
+        self._nodes.look(ros1, in_ros2, services, parameters, most, is_restarted)
+        self._services.look(rules, ros1, services, self._nodes.homes())
         self._telling.look()
 
     def statistics(self) -> Dict[str, Any]:
@@ -93,11 +95,8 @@ class Looking:
         return {"topics": topics}
 
     def close(self) -> None:
-        """End it while both ROSes are there."""
+        """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
         self._ended.set()
-        self._thread.join(1.0)
+        self._thread.join(0.5)
         self._names.close()
-        self._services.close()
-        self._topics.close()
-        self._nodes.close()
         self._side.close()

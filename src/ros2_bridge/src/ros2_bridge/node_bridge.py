@@ -1,7 +1,7 @@
 """The nodes of each ROS in the other, with their parameters."""
 
 import re
-from typing import Any, Dict, List, Optional, Set, Union
+from typing import Any, Collection, Dict, List, Optional, Set, Union
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
@@ -52,14 +52,21 @@ class NodeBridge:
         self._patience: Patience[str] = Patience(LOOKS)
         self._mirror_patience: Patience[str] = Patience(LOOKS)
         self._tell = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
-        self._end = side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._hear)
+        side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._hear)
 
     def look(
-        self, ros1: Ros1Graph, in_ros2: Set[str], parameters: bool, most: int, is_restarted: bool
+        self,
+        ros1: Ros1Graph,
+        in_ros2: Set[str],
+        services2: Collection[str],
+        parameters: bool,
+        most: int,
+        is_restarted: bool,
     ) -> None:
         """Begin and end what this look at both graphs asks for.
 
         :param in_ros2: names of the nodes of ROS 2
+        :param services2: names of their services
         :param parameters: whether parameters are bridged
         :param most: how many nodes of ROS 1 may appear
         :param is_restarted: whether the master has forgotten everything
@@ -78,7 +85,8 @@ class NodeBridge:
                 twin = None
             if twin is None:
                 self._begin_twin(name, style)
-        self._look_at_ros2(in_ros2 - ros1.nodes() if parameters else set(), most, is_restarted)
+        telling = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
+        self._look_at_ros2(telling - ros1.nodes() if parameters else set(), most, is_restarted)
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
         """Return the nodes that appear: those that do already, then nodes, then parts of nodes."""
@@ -137,11 +145,3 @@ class NodeBridge:
     def homes(self) -> Dict[str, Ros2Node]:
         """Return the nodes of ROS 2 that stand for nodes of ROS 1, by name."""
         return {name: twin.home for name, twin in self.twins.items()}
-
-    def close(self) -> None:
-        """End everything."""
-        self._end()
-        for mirror in self.mirrors.values():
-            mirror.close()
-        for name in list(self.twins):
-            self._end_twin(name)

@@ -1,7 +1,9 @@
 """Which topics and services are to be bridged, and which way. Knows neither ROS."""
 
 import fnmatch
-from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence, Set, TypeVar
+import functools
+import re
+from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence, Set, Tuple, TypeVar
 
 #: Names that each side has for itself, or that are bridged in a way of their own.
 NEVER = (
@@ -35,9 +37,14 @@ class Rules(NamedTuple):
 
     def allows(self, name: str) -> bool:
         """Tell whether a topic or service of this name may be bridged."""
-        if any(fnmatch.fnmatchcase(name, pattern) for pattern in (*NEVER, *self.deny)):
-            return False
-        return any(fnmatch.fnmatchcase(name, pattern) for pattern in self.allow)
+        denied, allowed = _compiled((*NEVER, *self.deny)), _compiled(tuple(self.allow))
+        return allowed.match(name) is not None and denied.match(name) is None
+
+
+@functools.lru_cache(maxsize=16)
+def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
+    """Return one expression for all of some patterns; for none, one that matches nothing."""
+    return re.compile("|".join(map(fnmatch.translate, patterns)) or r"(?!)")
 
 
 class Way(NamedTuple):

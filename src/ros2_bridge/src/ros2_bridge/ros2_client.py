@@ -4,6 +4,8 @@ import threading
 from typing import Any, Callable, Dict, List
 
 
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+
 from ros2_bridge.ros2_side import Ros2
 
 
@@ -31,8 +33,6 @@ class Ros2Client:
         :param timeout: longest wait, s
         :raises NoAnswer: if nobody offers it, or does not answer in time
         """
-        if not self._client.service_is_ready():
-            raise NoAnswer(f"nobody in ROS 2 offers {self._name}")
         answers: List[Any] = []
         came = threading.Event()
 
@@ -40,9 +40,14 @@ class Ros2Client:
             answers.append(answer)
             came.set()
 
-        with self._lock:  # or the answer could come before it is waited for
-            number = self._client.handle.send_request(request)
-            self._waiting[number] = take
+        try:
+            if not self._client.service_is_ready():
+                raise NoAnswer(f"nobody in ROS 2 offers {self._name}")
+            with self._lock:  # or the answer could come before it is waited for
+                number = self._client.handle.send_request(request)
+                self._waiting[number] = take
+        except _rclpy.InvalidHandle:
+            raise NoAnswer(f"{self._name} in ROS 2 is not called any more") from None
         if not came.wait(timeout):
             with self._lock:
                 self._waiting.pop(number, None)

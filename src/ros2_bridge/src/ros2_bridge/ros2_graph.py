@@ -36,7 +36,9 @@ class Ros2Graph:
     def topics(self) -> Dict[str, Topic]:
         """Return the topics that others use."""
         found = {}
-        for name, types in self._side.node.get_topic_names_and_types():
+        for name, _ in self._side.node.get_topic_names_and_types():
+            if self._side.is_alone_with(name):
+                continue
             publishers = self._others(self._side.node.get_publishers_info_by_topic(name))
             subscribers = self._others(self._side.node.get_subscriptions_info_by_topic(name))
             if not publishers and not subscribers:

@@ -1,10 +1,11 @@
 """The bridge as ROS 2 sees it: one participant with many nodes."""
 
+import collections
 import os
 import threading
 import uuid
 from functools import partial
-from typing import Any, Callable, List, Set, Tuple
+from typing import Any, Callable, Counter, List, Set, Tuple
 
 import rclpy
 from rcl_interfaces.msg import ParameterEvent
@@ -47,6 +48,9 @@ class Ros2:
         rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
         self._lock = threading.RLock()
         self.own_names: Set[str] = set()
+        #: How many publishers and subscriptions of each topic are ours.
+        self._published: "Counter[str]" = collections.Counter()
+        self._heard: "Counter[str]" = collections.Counter()
         self.node = self.make_node(name)
         self.messages = WaitLoop(self.context, "messages from ROS 2")
         self.calls = WaitLoop(self.context, "calls from ROS 2")
@@ -94,11 +98,13 @@ class Ros2:
     def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
         """Publish a topic: ``publish`` of what is returned takes bytes."""
         with self._lock:
+            self._published[topic] += 1
             return self.node.create_publisher(cls, topic, _profile(quality))
 
     def destroy_publisher(self, publisher: Any) -> None:
         """Publish a topic no longer."""
         with self._lock:
+            self._published[publisher.topic_name] -= 1
             self.node.destroy_publisher(publisher)
 
     def subscribe(
@@ -110,6 +116,7 @@ class Ros2:
         :returns: what ends it
         """
         with self._lock:
+            self._heard[topic] += 1
             subscription = self.node.create_subscription(
                 cls, topic, lambda message: None, _profile(quality), raw=True
             )
@@ -129,6 +136,7 @@ class Ros2:
 
         def destroy() -> None:
             with self._lock:
+                self._heard[topic] -= 1
                 self.node.destroy_subscription(subscription)
 
         return lambda: self.messages.remove(source, destroy)
@@ -187,6 +195,13 @@ class Ros2:
         self.calls.close()
         with self._lock:
             rclpy.shutdown(context=self.context)
+
+    def is_alone_with(self, topic: str) -> bool:
+        """Tell quickly whether nobody else has anything to do with a topic."""
+        return bool(
+            self.node.count_publishers(topic) == self._published[topic]
+            and self.node.count_subscribers(topic) == self._heard[topic]
+        )
 
     def is_ours(self, gid: bytes) -> bool:
         """Tell whether the endpoint of this name is one of our own."""

@@ -76,11 +76,6 @@ class ServiceBridge:
         except Unbridgeable as reason:
             self._telling.say(str(reason))
 
-    def close(self) -> None:
-        """End all pairs."""
-        for pair in self.pairs.values():
-            pair.close()
-
 
 def described(services: Set[str]) -> Set[str]:
     """Return those by which nodes made with nodekit tell and change their parameters.

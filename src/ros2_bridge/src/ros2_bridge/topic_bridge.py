@@ -87,8 +87,3 @@ class TopicBridge:
     def counts(self) -> Dict[Way, Count]:
         """Return how much has gone through each pair."""
         return {way: pair.count for way, pair in list(self.pairs.items())}
-
-    def close(self) -> None:
-        """End all pairs."""
-        for pair in self.pairs.values():
-            pair.close()

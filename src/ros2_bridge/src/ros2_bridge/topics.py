@@ -60,6 +60,8 @@ class ToRos2:
 
     def _forward(self, messages: List[Any]) -> None:
         for message in messages:
+            if rospy.is_shutdown():
+                return
             header = message._connection_header
             if header.get("callerid") == self._node.name:
                 continue  # what has come from ROS 2

@@ -1,7 +1,7 @@
 """What the user can choose: parameters, and qualities of service."""
 
 import fnmatch
-from typing import Any, Dict, List, Mapping, NamedTuple
+from typing import Any, List, Mapping, NamedTuple
 
 from nodekit import (
     BoolParameter,
@@ -66,7 +66,9 @@ class Qualities:
     """The quality of service of each topic: the user's, or one that fits what others publish.
 
     :param depth: how many messages are kept where the user does not say
-    :param chosen: ``depth``, ``reliability`` and ``durability`` by pattern of topics
+    :param chosen: a list of mappings, each a pattern of topics, ``topic``, and what is chosen of
+        ``depth``, ``reliability`` and ``durability``. (The server of parameters takes no slash in a
+        name, so topics cannot be the keys of a mapping.)
     :raises ParameterError: if it makes no sense
     """
 
@@ -78,11 +80,13 @@ class Qualities:
 
     def __init__(self, depth: int, chosen: Any) -> None:
         self._depth = depth
-        self._chosen: Dict[str, Mapping[str, Any]] = {}
-        if chosen is not None and not isinstance(chosen, dict):
-            raise ParameterError("qos", chosen, "a mapping of topics")
-        for pattern, choice in (chosen or {}).items():
-            self._chosen["/" + pattern.lstrip("/")] = _judged(pattern, choice)
+        self._chosen: List[Mapping[str, Any]] = []
+        for choice in [] if chosen is None else chosen if isinstance(chosen, list) else [chosen]:
+            if not isinstance(choice, dict) or not isinstance(choice.get("topic"), str):
+                raise ParameterError("qos", choice, "a list of mappings, each with a topic")
+            for name, value in choice.items():
+                _judge(choice["topic"], name, value)
+            self._chosen.append(choice)
 
     def of(
         self,
@@ -97,11 +101,7 @@ class Qualities:
         :param best_effort: whether messages may be lost, unless the user says
         :param at_least: how many messages are kept where it is latched
         """
-        found: List[Mapping[str, Any]] = [
-            choice
-            for pattern, choice in self._chosen.items()
-            if fnmatch.fnmatchcase(topic, pattern)
-        ]
+        found = [one for one in self._chosen if fnmatch.fnmatchcase(topic, one["topic"])]
         choice = found[0] if found else {}
         if "durability" in choice:
             latched = choice["durability"] == "transient_local"
@@ -111,17 +111,13 @@ class Qualities:
         return Quality(int(choice.get("depth", depth)), latched, best_effort)
 
 
-def _judged(pattern: str, choice: Any) -> Mapping[str, Any]:
-    if not isinstance(choice, dict):
-        choice = {"": choice}
-    for name, value in choice.items():
-        allowed = Qualities.ALLOWED.get(name)
-        if allowed is not None and value in allowed:
-            continue
-        if name == "depth" and type(value) is int and 1 <= value <= 100_000:
-            continue
-        words = f"one of {', '.join(allowed)}" if allowed else "1 to 100000"
-        if allowed is None and name != "depth":
-            words = "made of depth, reliability and durability"
-        raise ParameterError(f"qos of {pattern}, {name}", value, words)
-    return choice
+def _judge(topic: str, name: str, value: Any) -> None:
+    allowed = Qualities.ALLOWED.get(name)
+    if allowed is not None:
+        is_good, words = value in allowed, f"one of {', '.join(allowed)}"
+    elif name == "depth":
+        is_good, words = type(value) is int and 1 <= value <= 100_000, "1 to 100000"
+    else:
+        is_good, words = name == "topic", "made of topic, depth, reliability and durability"
+    if not is_good:
+        raise ParameterError(f"qos of {topic}, {name}", value, words)

@@ -11,8 +11,10 @@ from ros2_bridge.start import find, variables
 
 
 def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
-    chosen = {"/camera/*": {"reliability": "best_effort", "depth": 2}, "map": {"depth": 1}}
-    qualities = Qualities(1000, {**chosen, "/map": {"durability": "transient_local"}})
+    camera = {"topic": "/camera/*", "reliability": "best_effort", "depth": 2}
+    later = {"topic": "/camera/left", "depth": 7}  # the first that fits is taken
+    map_ = {"topic": "/map", "durability": "transient_local"}
+    qualities = Qualities(1000, [camera, later, map_])
     assert qualities.of("/signal") == Quality(1000)
     assert qualities.of("/signal", latched=True, best_effort=True) == Quality(1000, True, True)
     assert qualities.of("/signal", latched=True, at_least=3) == Quality(3, True)
@@ -24,12 +26,12 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
 @pytest.mark.parametrize(
     "chosen, words",
     [
-        ("best", "a mapping of topics"),
-        ({"/a": 5}, "made of depth, reliability and durability"),
-        ({"/a": {"depth": 0}}, "qos of /a, depth: refused 0"),
-        ({"/a": {"depth": True}}, "1 to 100000"),
-        ({"/a": {"durability": "latched"}}, "one of volatile, transient_local"),
-        ({"/a": {"history": "all"}}, "made of depth, reliability and durability"),
+        ("best", "a list of mappings, each with a topic"),
+        ({"/a": 5}, "a list of mappings"),
+        ([{"topic": "/a", "depth": 0}], "qos of /a, depth: refused 0"),
+        ([{"topic": "/a", "depth": True}], "1 to 100000"),
+        ([{"topic": "/a", "durability": "latched"}], "one of volatile, transient_local"),
+        ([{"topic": "/a", "history": "all"}], "made of topic, depth, reliability and durability"),
     ],
 )
 def test_nonsense_is_refused(chosen: Any, words: str) -> None:

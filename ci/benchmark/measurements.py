@@ -146,7 +146,7 @@ MEASUREMENTS = [
     Measurement(
         "bridge-load",
         "the bridge with 4000 messages a second, and with fifty topics at 20 Hz",
-        [bridging.TO_ROS2, bridging.TO_ROS1],
+        [stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
         bridging.load,
         repeats=2,
     ),

@@ -4,6 +4,7 @@ import json
 import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
+from topic_scope.checks import RequestError, name_of, number_of, word_of
 from topic_scope.fields import FieldError, expand
 
 #: Longest request that is read, bytes.
@@ -14,12 +15,7 @@ TRACES = 32
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
 _TIMES = (0.0, 1e11)
-_LONGEST_NAME = 300
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
-
-
-class RequestError(ValueError):
-    """A request that cannot be obeyed, and why."""
 
 
 class Select(NamedTuple):
@@ -157,24 +153,24 @@ def _select(request: Dict[str, Any]) -> Select:
 def _view(request: Dict[str, Any]) -> View:
     end = request.get("end")
     return View(
-        _number(request, "view", "window", *WINDOW),
-        int(_number(request, "view", "width", *WIDTH)),
-        None if end is None else _number(request, "view", "end", *_TIMES),
+        number_of(request, "view", "window", *WINDOW),
+        int(number_of(request, "view", "width", *WIDTH)),
+        None if end is None else number_of(request, "view", "end", *_TIMES),
     )
 
 
 def _trigger(request: Dict[str, Any]) -> Trigger:
-    mode = _word(request, "trigger", "mode", ("off", "normal", "single"))
+    mode = word_of(request, "trigger", "mode", ("off", "normal", "single"))
     number = 0
     if "number" in request:
-        number = int(_number(request, "trigger", "number", 0, _LARGEST_NUMBER))
+        number = int(number_of(request, "trigger", "number", 0, _LARGEST_NUMBER))
     if mode == "off":
         return Trigger(mode, "", 0.0, True, number)
     fields = _fields(request.get("field"), "trigger")
     if len(fields) != 1:
         raise RequestError("trigger: one field is watched")
-    level = _number(request, "trigger", "level", -1e300, 1e300)
-    rising = _word(request, "trigger", "edge", ("rising", "falling")) == "rising"
+    level = number_of(request, "trigger", "level", -1e300, 1e300)
+    rising = word_of(request, "trigger", "edge", ("rising", "falling")) == "rising"
     return Trigger(mode, fields[0], level, rising, number)
 
 
@@ -184,14 +180,14 @@ def _set(request: Dict[str, Any]) -> Set:
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
         raise RequestError("set: a value is a number, a text or a truth value")
-    return Set(_name(request, "set", "node"), _name(request, "set", "name"), value)
+    return Set(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
 
 
 def _call(request: Dict[str, Any]) -> Call:
     data = request.get("data")
     if data is not None and not isinstance(data, bool):
         raise RequestError("call: data is true or false")
-    return Call(_name(request, "call", "service"), data)
+    return Call(name_of(request, "call", "service"), data)
 
 
 def _graph(request: Dict[str, Any]) -> Graph:
@@ -217,26 +213,3 @@ def _fields(name: Any, kind: str) -> List[str]:
         return expand(name)
     except FieldError as error:
         raise RequestError(f"{kind}: {error}") from None
-
-
-def _name(request: Dict[str, Any], kind: str, key: str) -> str:
-    name = request.get(key)
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
-        raise RequestError(f"{kind}: {key} is a name")
-    return name
-
-
-def _word(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
-    word = request.get(key)
-    if not isinstance(word, str) or word not in words:
-        raise RequestError(f"{kind}: {key} is one of {', '.join(words)}")
-    return word
-
-
-def _number(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
-    number = request.get(key)
-    if isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise RequestError(f"{kind}: {key} is a number")
-    if not low <= number <= high or not math.isfinite(number):
-        raise RequestError(f"{kind}: {key} is a number from {low:g} to {high:g}")
-    return float(number)

@@ -4,6 +4,7 @@ import json
 import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
+from topic_scope import robot_requests
 from topic_scope.checks import RequestError, name_of, number_of, word_of
 from topic_scope.fields import FieldError, expand
 
@@ -90,7 +91,7 @@ class Graph(NamedTuple):
     on: bool
 
 
-Request = Union[Select, View, Trigger, Set, Call, Graph]
+Request = Union[Select, View, Trigger, Set, Call, Graph, robot_requests.Request]
 
 
 def parse(text: Union[str, bytes]) -> Request:
@@ -203,6 +204,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "set": _set,
     "call": _call,
     "graph": _graph,
+    **robot_requests.READERS,
 }
 
 

@@ -17,6 +17,8 @@ from topic_scope.master_watch import GraphState, MasterWatch
 from topic_scope.options import Options
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
+from topic_scope.robot_requests import Drive, Goal, Robots, Steer
+from topic_scope.robot_view import RobotView
 from topic_scope.statistics import measure
 from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
@@ -47,6 +49,7 @@ class Server:
         loop = tornado.ioloop.IOLoop.current()
         self._controls = Controls(loop.add_callback, self._tell)
         self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
+        self._robots = RobotView(rospy.get_name(), loop.add_callback)
         watch.start(lambda state: loop.add_callback(self._on_graph, state))
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
@@ -70,6 +73,7 @@ class Server:
         self._record()
         self._controls.on_services([name for name, nodes in state.services if nodes])
         self._graph.on_state(state, any(page.wants_graph for page in self._pages()))
+        self._robots.on_state(state)
 
     # --- From pages --------------------------------------------------------------------------
 
@@ -85,6 +89,8 @@ class Server:
         """Forget a page."""
         if connection in self.sockets:
             self.sockets.remove(connection)
+            if connection.page is not None:
+                self._robots.leave(connection.page)
             self._pin()
 
     def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
@@ -119,6 +125,9 @@ class Server:
             if request.on and graph is not None:
                 page.put(graph)
                 self._watch.ring()
+        elif isinstance(request, Robots):
+            self._robots.handle(page, request)
+            self._watch.ring()
         else:
             self._control(page, request)
 
@@ -130,6 +139,8 @@ class Server:
                 self._controls.set(request.node, request.name, request.value, page.note)
             elif isinstance(request, protocol.Call):
                 self._controls.call(request.service, request.data, page.note)
+            elif isinstance(request, (Steer, Drive, Goal)):
+                self._robots.control(page, request)
         except ValueError as error:
             raise protocol.RequestError(str(error)) from None
 

@@ -95,13 +95,17 @@ class Driving:
     def drive(self, page: Page, request: Drive) -> None:
         """Move the robot that a page steers.
 
-        :raises ValueError: if it steers none
+        :raises ValueError: if it steers none, or this has come too late
         """
+        velocity = Velocity(request.speed, request.turn)
         wheels = [one for owner, one in self._wheels.values() if owner is page]
-        if wheels:
-            wheels[0].drive(Velocity(request.speed, request.turn), request.sent)
-        elif not request.is_stop:
+        if not wheels and not request.is_stop:
             raise ValueError("this page drives no robot: take the wheel first")
+        if not all([one.drive(velocity, request.sent) for one in wheels]):
+            raise ValueError(
+                "a command came too late and was left out: the link is slow; "
+                "if it stays so, take the wheel again"
+            )
 
     def _stop_all(self) -> None:
         if any([one.stop() for _, one in self._wheels.values()]):

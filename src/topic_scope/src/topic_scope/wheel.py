@@ -33,16 +33,18 @@ class Wheel:
         self._is_closed = False
         threading.Thread(target=self._watch, name="wheel", daemon=True).start()
 
-    def drive(self, velocity: Velocity, sent: float) -> None:
+    def drive(self, velocity: Velocity, sent: float) -> bool:
         """Tell the robot how to move.
 
         :param velocity: for a short time, or until the next one
         :param sent: when the page has sent it, by its clock, s
+        :returns: whether it was told; False for a command that came too late
         """
         with self._bell:
-            if not self._is_closed:
-                self._publish(self._dead_man.take(velocity, sent, time.monotonic()))
-                self._bell.notify()
+            told = self._dead_man.take(velocity, sent, time.monotonic())
+            self._publish(told)
+            self._bell.notify()
+        return told is not None
 
     def stop(self) -> bool:
         """Stop the robot, if it was told to move from here.

@@ -193,6 +193,17 @@ class DeadMan(RobotsTest):
         self.assertGreater(len(robot.commands), before)
         self.stopped(robot)
 
+    def test_a_command_that_comes_late_is_left_out_and_the_page_is_told(self) -> None:
+        robot = self.robot("/late/")
+        page = self.driver("/late/cmd_vel")
+        self.drive(page)
+        self.stopped(robot)
+        page.forget()
+        del robot.commands[:]
+        page.send("drive", speed=0.2, turn=0.5, sent=time.monotonic() - 1.0)
+        self.assertIn("too late", page.wait_for("error")["text"])
+        self.assertEqual(robot.commands, [])
+
     def test_commands_have_the_type_that_is_taken_now(self) -> None:
         # The master goes on to tell the type that was there first.
         earlier = rospy.Subscriber("/changed/cmd_vel", Twist, lambda _: None)

@@ -22,7 +22,7 @@ SIBLINGS: Dict[str, Set[str]] = {
         "basic_comms.signals",
     },
     "diff_drive_sim": {"nodekit"},
-    "topic_scope": {"nodekit", "nodekit_msgs"},
+    "topic_scope": {"lifecycle_msgs", "nodekit", "nodekit_msgs"},
     "parameters_demo": {"nodekit", "parameters_demo_msgs"},
     # The sensors of both see the same: what they see is in the one, and not written twice.
     "launch_files_demo": {

@@ -82,6 +82,17 @@ class Call(NamedTuple):
     data: Optional[bool]
 
 
+class Transit(NamedTuple):
+    """Ask a managed node for a transition.
+
+    :param node: its name
+    :param label: name of the transition
+    """
+
+    node: str
+    label: str
+
+
 class Graph(NamedTuple):
     """Begin or end to show the graph.
 
@@ -91,7 +102,7 @@ class Graph(NamedTuple):
     on: bool
 
 
-Request = Union[Select, View, Trigger, Set, Call, Graph, robot_requests.Request]
+Request = Union[Select, View, Trigger, Set, Call, Transit, Graph, robot_requests.Request]
 
 
 def parse(text: Union[str, bytes]) -> Request:
@@ -191,6 +202,10 @@ def _call(request: Dict[str, Any]) -> Call:
     return Call(name_of(request, "call", "service"), data)
 
 
+def _transit(request: Dict[str, Any]) -> Transit:
+    return Transit(name_of(request, "transit", "node"), name_of(request, "transit", "label"))
+
+
 def _graph(request: Dict[str, Any]) -> Graph:
     if not isinstance(request.get("on"), bool):
         raise RequestError("graph: on is true or false")
@@ -203,6 +218,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "trigger": _trigger,
     "set": _set,
     "call": _call,
+    "transit": _transit,
     "graph": _graph,
     **robot_requests.READERS,
 }

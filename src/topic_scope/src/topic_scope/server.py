@@ -135,12 +135,10 @@ class Server:
         if not self._options.is_local:
             raise protocol.RequestError("this scope is open to the network, and so is read-only")
         try:
-            if isinstance(request, protocol.Set):
-                self._controls.set(request.node, request.name, request.value, page.note)
-            elif isinstance(request, protocol.Call):
-                self._controls.call(request.service, request.data, page.note)
-            elif isinstance(request, (Steer, Drive, Goal)):
+            if isinstance(request, (Steer, Drive, Goal)):
                 self._robots.control(page, request)
+            else:
+                self._controls.obey(request, page.note)
         except ValueError as error:
             raise protocol.RequestError(str(error)) from None
 
@@ -162,7 +160,8 @@ class Server:
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
         page.put(self._fields())
-        page.put(self._controls.message())
+        for message in self._controls.messages():
+            page.put(message)
         self._select(page)
 
     def _hello(self) -> Dict[str, Any]:

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""The page shows robots in their world, sends them to goals and drives them while a key is held."""
+"""The page shows robots, sends them to goals, drives them, and has managed nodes' transitions."""
 
+import subprocess
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from browsing.browser import Browser
@@ -20,16 +22,16 @@ PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
 class PageRobots(unittest.TestCase):
     """What a user does with a robot."""
 
-    def setUp(self) -> None:
+    browser: Browser
+
+    @classmethod
+    def setUpClass(cls) -> None:
         scope = ScopeProcess()
-        self.addCleanup(scope.stop)
-        self.robot = Robot("/")
-        self.addCleanup(self.robot.close)
-        self.world = rospy.Publisher("/world", MarkerArray, queue_size=1, latch=True)
-        self.browser = Browser()
-        self.addCleanup(self.browser.close)
+        cls.addClassCleanup(scope.stop)
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
         scope.wait_until_served()
-        self.browser.open(scope.url)
+        cls.browser.open(scope.url)
 
     def wait_text(self, selector: str, text: str) -> None:
         """Wait until something is said."""
@@ -41,13 +43,15 @@ class PageRobots(unittest.TestCase):
         return str(self.browser.run(PICTURE))
 
     def test_a_robot_is_seen_sent_and_driven(self) -> None:
-        browser, robot = self.browser, self.robot
+        browser, robot = self.browser, Robot("/")
+        self.addCleanup(robot.close)
+        world = rospy.Publisher("/world", MarkerArray, queue_size=1, latch=True)
         browser.keys("r")
         self.wait_text("#robot-list", "odom: 0.00, 0.00 m, 0°, 0 m/s")
         browser.wait_for("#drive-topic option[value='/cmd_vel']")
         picture = browser.run(PICTURE)
         walls = [Point(*place) for place in ((-2, -1, 0), (-2, 1, 0), (2, -1, 0), (2, 1, 0))]
-        self.world.publish(MarkerArray([Marker(type=Marker.LINE_LIST, points=walls)]))
+        world.publish(MarkerArray([Marker(type=Marker.LINE_LIST, points=walls)]))
         picture = self.changed(picture)
 
         # A click on the picture: where that is, the page says itself.
@@ -98,6 +102,18 @@ class PageRobots(unittest.TestCase):
         self.wait_text("#drive", "Take the wheel")
         self.assertEqual(browser.errors(), [])
         self.assertIn("robots", str(browser.run("return location.hash")))
+        browser.keys("r")
+
+    def test_a_managed_node_has_its_state_and_a_button_for_each_transition(self) -> None:
+        program = roslib.packages.find_node("basic_comms", "talker.py")[0]
+        talker = subprocess.Popen([program, "_managed:=true"])
+        self.addCleanup(talker.wait, 30.0)
+        self.addCleanup(talker.terminate)
+        for label, state in (("configure", "inactive"), ("activate", "active")):
+            self.browser.wait_for(f"[aria-label='/talker: {label}']").click()
+            lamp = f".managed-node[data-node='/talker'] [data-state='{state}']"
+            self.assertEqual(self.browser.wait_for(lamp).text, state)
+        self.assertEqual(self.browser.errors(), [])
 
 
 if __name__ == "__main__":

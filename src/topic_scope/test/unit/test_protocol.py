@@ -41,6 +41,10 @@ GOOD = [
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
     ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),
+    (
+        {"type": "transit", "node": "/n", "label": "configure"},
+        protocol.Transit("/n", "configure"),
+    ),
     ({"type": "graph", "on": True}, protocol.Graph(True)),
     ({"type": "robots", "on": True}, robot_requests.Robots(True)),
     ({"type": "steer", "topic": "/cmd_vel"}, robot_requests.Steer("/cmd_vel")),

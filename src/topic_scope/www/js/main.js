@@ -12,6 +12,7 @@ import { Graph } from "./graph.js";
 import { startKeys } from "./keys.js";
 import { keyList } from "./key_list.js";
 import { Legend } from "./legend.js";
+import { Managed } from "./managed.js";
 import { Panels } from "./panels.js";
 import { Plot } from "./plot.js";
 import { Requests } from "./requests.js";
@@ -46,6 +47,7 @@ const setup = new Setup(state);
 const requests = new Requests(state, plot, connection, setup);
 const send = (message) => connection.send(message);
 const panels = new Panels(state, send);
+const managed = new Managed(state, send);
 const robots = new RobotView(state, send);
 const fleet = new Fleet();
 
@@ -67,6 +69,7 @@ const handlers = {
     sweep.onTrigger(message);
   },
   panels: (message) => panels.show(message.panels),
+  managed: (message) => managed.show(message),
   value: (message) => panels.onValue(message),
   refused: (message) => panels.onRefused(message),
   called: (message) => panels.onCalled(message),

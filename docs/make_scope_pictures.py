@@ -3,9 +3,9 @@
 
     ./ci/exec docs/make_scope_pictures.py
 
-It starts a master, the course's nodes, motors and the scope, opens the page in Chromium without a
-screen, and writes docs/images/scope_*.png. ci/test installs what it needs: chromium-driver,
-python3-selenium, and python3-pil, which comes with python3-matplotlib.
+It starts a master, the course's nodes, motors, a robot and the scope, opens the page in Chromium
+without a screen, and writes docs/images/scope_*.png. ci/test installs what it needs:
+chromium-driver, python3-selenium, and python3-pil, which comes with python3-matplotlib.
 """
 
 import io
@@ -157,6 +157,19 @@ def take_others(browser: Browser, url: str) -> None:
     take(browser, "graph", "#graph-view")
 
 
+def take_robots(browser: Browser, url: str) -> None:
+    """Send a robot to a goal, and wait until it is on its way."""
+    start(browser, url, "light")
+    browser.keys("r")
+    browser.wait_for("#goal-topic option")
+    for name, value in (("x", "-1.2"), ("y", "-1.6"), ("heading", "90")):
+        browser.find(f"#goal-{name}").send_keys(value)
+    wait_until(lambda: "odom" in browser.text("#robot-list"), lambda: "no robot")
+    browser.find("#goal-send").click()
+    wait_until(lambda: "−0.6" in browser.text("#robot-list"), lambda: browser.text("#robot-list"))
+    take(browser, "robots")
+
+
 def main() -> None:
     """Run everything on a master of its own."""
     with socket.socket() as probe:
@@ -164,6 +177,8 @@ def main() -> None:
         os.environ["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
     course = ("roslaunch", "basic_comms", "cw1.launch", f"signal_rate:={RATE_HZ:g}")
     motors = ("roslaunch", "motor_control", "motor_2.launch")
+    robot = ("roslaunch", "diff_drive_sim", "diff_drive.launch", "world:=arena", "scan_rate:=10")
+    controller = ("rosrun", "bot_controller_demo", "proportional_controller")
     with running(*course):
         scope = ScopeProcess(SIGNAL, PROCESSED, "--window", "5")
         browser = Browser()
@@ -175,6 +190,8 @@ def main() -> None:
             take(browser, "light")
             with running(*motors):
                 take_others(browser, scope.url)
+            with running(*robot), running(*controller):
+                take_robots(browser, scope.url)
         finally:
             browser.close()
             scope.stop()

@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
+import bridging
 import robots
 import startup
 import timing
@@ -125,6 +126,29 @@ def _drift(results: Results) -> Tuple[str, float]:
     return f"{worst:.3f} ms at worst", worst
 
 
+def _bridged(way: str) -> Callable[[Results], Tuple[str, float]]:
+    """Compare a message through the bridge with one hop of each ROS."""
+
+    def look(results: Results) -> Tuple[str, float]:
+        ours = results.median("bridge", way, "p50_us")
+        hops = sum(results.median("bridge", ros, "p50_us") for ros in (bridging.ROSPY, RCLPY))
+        return f"{number(ours)} against {number(hops)} us", ours / hops
+
+    return look
+
+
+def _bridge(way: str, to: str, cpu: float) -> List[Goal]:
+    """The goals of the bridge one way."""
+    peers = f"p50 to {to}, against a hop of each"
+    return [
+        Goal("bridge", peers, 1.0, True, " x", _bridged(way)),
+        _itself("bridge", f"CPU at 1 kHz to {to}", cpu, "cpu_percent", " %", subject=way),
+        _itself("bridge", f"memory, to {to}", 110.0, "resident_mb", " MB", subject=way),
+        _itself("bridge-load", f"lost of 4000/s to {to}", 0.0, "lost", "", subject=way),
+        _itself("bridge-load", f"CPU, 50 topics to {to}", 25.0, "fifty_cpu", " %", subject=way),
+    ]
+
+
 GOALS: List[Goal] = [
     _against("latency-1khz", "p50 at 1 kHz", 0.75, "p50_us", " us", OURS, ROSCPP),
     _against("latency-1khz", "p50 at 1 kHz", 0.85, "p50_us", " us", OURS, RELAY),
@@ -167,6 +191,10 @@ GOALS: List[Goal] = [
     _itself("robots", "100 robots: rate", 29.0, "lowest_hz", " Hz", robots.FLEET, at_most=False),
     _itself("robots", "a robot that scans: CPU", 3.0, "cpu_percent", " %", robots.SCAN),
     _itself("robots", "start to first odom", 0.3, "first_odom_s", " s", robots.START),
+    *_bridge(bridging.TO_ROS2, "ROS 2", 15.0),
+    *_bridge(bridging.TO_ROS1, "ROS 1", 20.0),
+    _itself("bridge-rest", "bridge, to its first message", 2.5, "first_s", " s", bridging.TO_ROS1),
+    _itself("bridge-rest", "CPU of an idle bridge", 1.0, "cpu_percent", " %", bridging.TO_ROS1),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

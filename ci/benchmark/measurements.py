@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple
 
+import bridging
 import callbacks
 import executors
 import groups
@@ -134,6 +135,27 @@ MEASUREMENTS = [
     ),
     Measurement(
         "robots", "simulated robots", robots.SUBJECTS, robots.measure, repeats=3, warm_up=True
+    ),
+    Measurement(
+        "bridge",
+        "a message at 1 kHz from one ROS to the other, and within each",
+        [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
+        bridging.at_1_khz,
+        repeats=3,
+    ),
+    Measurement(
+        "bridge-load",
+        "the bridge with 4000 messages a second, and with fifty topics at 20 Hz",
+        [stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
+        bridging.load,
+        repeats=2,
+    ),
+    Measurement(
+        "bridge-rest",
+        "the bridge from its start to its first message, and with nothing to do",
+        [bridging.TO_ROS1],
+        bridging.rest,
+        repeats=2,
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),

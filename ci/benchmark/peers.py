@@ -1,11 +1,10 @@
 """What the workspace is compared with: where it is, and how it is built.
 
-All of it goes to build/benchmark, and is kept there for the next time.
+What is compiled goes to build/benchmark, and is kept there for the next time.
 """
 
 import os
 import pathlib
-import shutil
 import subprocess
 from typing import Dict, List, NamedTuple, Optional
 
@@ -14,11 +13,10 @@ SCRIPTS = HERE / "peers"
 WORKSPACE = HERE.parents[1]
 BUILD = WORKSPACE / "build" / "benchmark"
 
-RCLPY = ["ros-rclpy", "ros-std-msgs", "ros-rmw-fastrtps-cpp"]
-#: for which versions of Python these have wheels
-RCLPY_PYTHONS = ["3.11", "3.12", "3.13"]
-#: longest time for each of the steps that fetch from PyPI, s
-FETCH_LIMIT = 180.0
+#: What is left out where there is no rclpy.
+NEED_RCLPY = ("rclpy", "to_ros2", "to_ros1")
+#: Python of the environment that ./ci/ros2 makes
+RCLPY = WORKSPACE / "build" / "ros2" / "bin" / "python"
 
 
 class Peers(NamedTuple):
@@ -44,11 +42,10 @@ def prepare(fetch: bool) -> Peers:
     relay = find_relay()
     if relay is None:
         left_out["relay"] = "topic_tools is not installed"
-    rclpy = BUILD / "rclpy" / "bin" / "python"
-    reason = "" if has_rclpy(rclpy) else build_rclpy(rclpy) if fetch else "not fetched yet"
+    reason = make_rclpy() if fetch else "" if RCLPY.exists() else "not fetched yet"
     if reason:
-        left_out["rclpy"] = reason
-    return Peers(BUILD / "roscpp", relay, None if reason else rclpy, left_out)
+        left_out.update(dict.fromkeys(NEED_RCLPY, reason))
+    return Peers(BUILD / "roscpp", relay, None if reason else RCLPY, left_out)
 
 
 def build_roscpp() -> None:
@@ -80,61 +77,15 @@ def find_relay() -> Optional[pathlib.Path]:
     return None
 
 
-def has_rclpy(python: pathlib.Path) -> bool:
-    """Tell whether a Python can import rclpy."""
-    if not python.exists():
-        return False
-    command = [str(python), "-c", "import rclpy, std_msgs.msg"]
-    return subprocess.run(command, env=rclpy_environment(), capture_output=True).returncode == 0
-
-
-def build_rclpy(python: pathlib.Path) -> str:
-    """Install rclpy in a virtual environment of its own.
+def make_rclpy() -> str:
+    """Have ./ci/ros2 make its environment, if it is not there.
 
     :returns: why it is not possible; empty if it is done
     """
-    creator = find_program(suitable_pythons())
-    if creator is None:
-        return f"its wheels need Python {' or '.join(RCLPY_PYTHONS)}"
-    target = python.parents[1]
-    shutil.rmtree(target, ignore_errors=True)
-    steps: List[List[str]] = [
-        [creator, "-m", "venv", str(target)],
-        [str(python), "-m", "pip", "install", "--quiet", *RCLPY],
-    ]
-    for command in steps:
-        try:
-            subprocess.run(
-                command,
-                check=True,
-                env=rclpy_environment(),
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                timeout=FETCH_LIMIT,
-            )
-        except subprocess.TimeoutExpired:
-            return "PyPI did not answer in time"
-        except subprocess.CalledProcessError as error:
-            lines = error.stdout.decode(errors="replace").splitlines()
-            return lines[-1] if lines else f"{command[0]} failed"
-    return "" if has_rclpy(python) else "what PyPI has cannot be imported"
-
-
-def suitable_pythons() -> List[str]:
-    """Return the names of the Pythons that rclpy's wheels are for, the system's first."""
-    command = ["/usr/bin/python3", "-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
-    version = subprocess.run(command, capture_output=True, check=True).stdout.decode().strip()
-    names = [f"python{number}" for number in RCLPY_PYTHONS]
-    return ["/usr/bin/python3"] * (version in RCLPY_PYTHONS) + names
-
-
-def find_program(names: List[str]) -> Optional[str]:
-    """Return the path of the first of these programs that there is."""
-    for name in names:
-        path = shutil.which(name)
-        if path is not None:
-            return path
-    return None
+    command = [str(WORKSPACE / "ci" / "ros2")]
+    result = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    lines = result.stdout.decode(errors="replace").splitlines() or ["ci/ros2 failed"]
+    return lines[-1] if result.returncode else ""
 
 
 def rclpy_environment() -> Dict[str, str]:

@@ -67,7 +67,8 @@ build() {
     refuse_catkin_tools
     if build_must_start_over "$read_by_it"; then
         say "building from nothing with catkin_make"
-        find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" -exec rm -rf {} +
+        # What ci/ros2 has made there tells by itself whether it still fits.
+        find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" ! -name 'ros2*' -exec rm -rf {} +
         rm -rf "$workspace/devel"
     else
         say "building with catkin_make"

@@ -22,7 +22,7 @@ SIBLINGS: Dict[str, Set[str]] = {
         "basic_comms.signals",
     },
     "diff_drive_sim": {"nodekit"},
-    "topic_scope": {"nodekit", "nodekit_msgs"},
+    "topic_scope": {"lifecycle_msgs", "nodekit", "nodekit_msgs"},
     "parameters_demo": {"nodekit", "parameters_demo_msgs"},
     # The sensors of both see the same: what they see is in the one, and not written twice.
     "launch_files_demo": {
@@ -36,6 +36,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
     "bot_controller_demo": {"nodekit", "bot_controller_demo_msgs"},
     "humanoid_robot_bringup": {"nodekit", "bot_controller_demo_msgs"},
+    "ros2_bridge": {"nodekit", "nodekit_msgs"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
@@ -69,6 +70,14 @@ ROOMS: Dict[str, List[str]] = {
         *("teleop_keys", "terminal", "driving_parameters", "commands", "driver", "goals"),
         *("go_to_server", "nodes"),
     ],
+    "ros2_bridge": [
+        *("definitions", "twins", "comparing", "steps", "codec", "parameter_values", "pairing"),
+        *("settings", "side_by_side", "start", "ros1", "types", "print_pairs", "telling"),
+        *("wait_loop", "ros2_side", "ros2_graph", "ros2_client", "ros1_graph", "names_in_ros1"),
+        *("rosout", "topics", "topic_bridge", "service_types", "services", "service_bridge"),
+        *("parameter_messages", "parameter_sources", "parameters_to_ros2", "parameters_to_ros1"),
+        *("node_bridge", "looking", "one_bridge", "nodes"),
+    ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
@@ -93,8 +102,11 @@ PURE = (
     *("bot_controller_demo.laws", "bot_controller_demo.pursuit"),
     *("bot_controller_demo.freshness", "bot_controller_demo.straight_line"),
     *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
+    *("ros2_bridge.definitions", "ros2_bridge.twins", "ros2_bridge.comparing"),
+    *("ros2_bridge.steps", "ros2_bridge.codec", "ros2_bridge.parameter_values"),
+    "ros2_bridge.pairing",
 )
-ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy"}
+ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 
 #: Most lines of a module: what is longer has more than one subject.
 LONGEST = 250

@@ -131,6 +131,19 @@ def declared_time(test: pathlib.Path) -> float:
     return sum(float(node.get("time-limit", "60")) for node in nodes)
 
 
+def ros2() -> List[Step]:
+    # With the Python of build/ros2, which takes pytest, as it takes rospy, from Debian's folder.
+    debian = "/usr/lib/python3/dist-packages"
+    path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
+    python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
+    steps = []
+    for place in sorted(SOURCES.glob("*/test/ros2/test_*.py")):
+        command = ["env", path, python, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
+        command += ["--junitxml={results}/pytest.xml", str(place)]
+        steps.append(Step("ros2", place.stem, command, writes_junit=True, time_limit=300.0))
+    return steps
+
+
 TIERS: Dict[str, Callable[[], List[Step]]] = {
     "lint": lint,
     "docs": docs,
@@ -138,6 +151,7 @@ TIERS: Dict[str, Callable[[], List[Step]]] = {
     "install": install,
     "catkin_build": catkin_build,
     "integration": integration,
+    "ros2": ros2,
 }
 
 #: A step that may take longer than this is begun before all others, s.

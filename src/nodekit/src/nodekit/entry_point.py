@@ -16,7 +16,7 @@ def main(node: str) -> None:
     :param node: name of the module, e.g. ``basic_comms.nodes.talker``
     """
     try:
-        _import_ros()
+        import_ros()
         _judge_namespace()
         importlib.import_module(node).main()
     except KeyboardInterrupt:
@@ -32,7 +32,7 @@ def _judge_namespace() -> None:
         end(str(error))
 
 
-def _import_ros() -> None:
+def import_ros() -> None:
     """Leave out what ROS imports and a node does not need: a third of the time of all imports.
 
     The messages import numpy wherever it is installed, only to take its numbers as well as

@@ -79,6 +79,14 @@ def test_answer_of_any_size(size: int) -> None:
     assert server.received == sent + block(b"12")
 
 
+def test_server_says_what_it_is() -> None:
+    look = ServiceCall(TIMEOUT_S)
+    assert look.said == {}
+    with serving(GREETING) as server:
+        look.run(server.address, HEADER, None)
+    assert look.said == {"callerid": "/server", "type": "a=b"}
+
+
 def test_a_look_sends_no_request() -> None:
     with serving(GREETING) as server:
         assert call(server, None) == b""

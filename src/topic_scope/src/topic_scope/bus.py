@@ -10,7 +10,7 @@ import rosgraph
 TIMEOUT_S, PAUSE_S = 1.0, 10.0
 
 
-class _Transport(xmlrpc.client.Transport):
+class Transport(xmlrpc.client.Transport):
     """HTTP that gives up after a time."""
 
     def make_connection(self, host: Any) -> Any:
@@ -43,7 +43,7 @@ class Bus:
             try:
                 if node not in self._uris:
                     self._uris[node] = self._master.lookupNode(node)
-                with xmlrpc.client.ServerProxy(self._uris[node], transport=_Transport()) as proxy:
+                with xmlrpc.client.ServerProxy(self._uris[node], transport=Transport()) as proxy:
                     code, _, answer = proxy.getBusStats(self._caller)  # type: ignore[misc]
                 if code == 1:
                     answers[node] = (time.monotonic(), answer)

@@ -74,7 +74,7 @@ def time_of(text: str) -> float:
     return time
 
 
-def name_in(request: Dict[str, Any], kind: str, key: str) -> str:
+def name_of(request: Dict[str, Any], kind: str, key: str) -> str:
     """Return a name in a request.
 
     :raises RequestError: if it is none
@@ -85,7 +85,7 @@ def name_in(request: Dict[str, Any], kind: str, key: str) -> str:
     return name
 
 
-def word_in(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
+def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
     """Return one of some words in a request.
 
     :raises RequestError: if it is none of them
@@ -96,7 +96,7 @@ def word_in(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]
     return word
 
 
-def number_in(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
+def number_of(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
     """Return a number in a request.
 
     :raises RequestError: if it is none, or out of range

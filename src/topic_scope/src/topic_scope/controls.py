@@ -13,8 +13,9 @@ from nodekit.live import change, describe
 from nodekit.live.following import Following, open_all
 from nodekit.live.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
-from topic_scope import services
+from topic_scope import protocol, services
 from topic_scope.background import Background
+from topic_scope.managed import Managed
 from topic_scope.panels import DescriptionError, Panel
 from topic_scope.settings import Answer, Changed, Settings, value_message
 
@@ -45,6 +46,11 @@ class Controls:
         self._followings: Dict[str, Following] = {}
         self._failed: Dict[str, float] = {}
         self._settings = Settings(self._background, _change, self._tell_values, self._look_again)
+        self._managed = Managed(self._background, tell)
+
+    def messages(self) -> List[Dict[str, Any]]:
+        """Return what a new page is told."""
+        return [self.message(), self._managed.message()]
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""
@@ -53,6 +59,7 @@ class Controls:
 
     def on_services(self, names: Collection[str]) -> None:
         """Take note of the services on the graph."""
+        self._managed.on_services(names)
         nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))[:PANELS]
         gone = set(self._panels) - set(nodes)
         for node in gone:
@@ -105,6 +112,20 @@ class Controls:
     def _tell_values(self, panel: Panel, names: List[str]) -> None:
         for name in names:
             self._tell(value_message(panel, name), panel.node, name)
+
+    def obey(self, request: protocol.Request, answer: Answer) -> None:
+        """Do what a page asks for.
+
+        :param request: to set a parameter, to call a service, or for a transition
+        :param answer: tells the page
+        :raises ValueError: if that cannot be done
+        """
+        if isinstance(request, protocol.Set):
+            self.set(request.node, request.name, request.value, answer)
+        elif isinstance(request, protocol.Call):
+            self.call(request.service, request.data, answer)
+        elif isinstance(request, protocol.Transit):
+            self._managed.change(request.node, request.label, answer)
 
     def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
         """Set a parameter; the page is told if the node refuses the value.

@@ -1,7 +1,9 @@
 """What a page's table tells of its traces."""
 
 import math
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Sequence, Tuple
+
+import rospy
 
 from topic_scope import measurements
 from topic_scope.recorder import Recorder
@@ -24,6 +26,18 @@ def statistics_of(recorder: Recorder, view: LiveView, wish: Measure, now: float)
     span = wish.span(now) or view.span(now)
     traces = {name: _measured(recorder, name, span, wish, now) for name in view.fields}
     return {"type": "stats", "traces": traces}
+
+
+def warn_of(recorder: Recorder, names: Sequence[str]) -> None:
+    """Say on the terminal what is wrong with fields.
+
+    :param recorder: has the samples
+    :param names: of the fields
+    """
+    for name in names:
+        problem = recorder.problem(name)
+        if problem is not None:
+            rospy.logwarn(f"{name}: {problem}")
 
 
 def _measured(

@@ -3,14 +3,15 @@
 import json
 from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple, Union
 
+from topic_scope import robot_requests
 from topic_scope.checks import (
     TIMES,
     RequestError,
     field_in,
     fields_of,
-    name_in,
-    number_in,
-    word_in,
+    name_of,
+    number_of,
+    word_of,
 )
 from topic_scope.wishes import Chart, Measure, chart_of, measure_of
 
@@ -92,6 +93,17 @@ class Call(NamedTuple):
     data: Optional[bool]
 
 
+class Transit(NamedTuple):
+    """Ask a managed node for a transition.
+
+    :param node: its name
+    :param label: name of the transition
+    """
+
+    node: str
+    label: str
+
+
 class Graph(NamedTuple):
     """Begin or end to show the graph.
 
@@ -101,7 +113,9 @@ class Graph(NamedTuple):
     on: bool
 
 
-Request = Union[Select, View, Trigger, Measure, Chart, Set, Call, Graph]
+Request = Union[
+    Select, View, Trigger, Measure, Chart, Set, Call, Transit, Graph, robot_requests.Request
+]
 
 
 def parse(text: Union[str, bytes]) -> Request:
@@ -132,24 +146,24 @@ def _select(request: Dict[str, Any]) -> Select:
 def _view(request: Dict[str, Any]) -> View:
     end = request.get("end")
     return View(
-        number_in(request, "view", "window", *WINDOW),
-        int(number_in(request, "view", "width", *WIDTH)),
-        None if end is None else number_in(request, "view", "end", *TIMES),
+        number_of(request, "view", "window", *WINDOW),
+        int(number_of(request, "view", "width", *WIDTH)),
+        None if end is None else number_of(request, "view", "end", *TIMES),
     )
 
 
 def _trigger(request: Dict[str, Any]) -> Trigger:
-    mode = word_in(request, "trigger", "mode", ("off", "normal", "auto", "single"))
+    mode = word_of(request, "trigger", "mode", ("off", "normal", "auto", "single"))
     number = 0
     if "number" in request:
-        number = int(number_in(request, "trigger", "number", 0, _LARGEST_NUMBER))
+        number = int(number_of(request, "trigger", "number", 0, _LARGEST_NUMBER))
     if mode == "off":
         return Trigger(mode, "", 0.0, True, number)
     field = field_in(request, "trigger")
-    level = number_in(request, "trigger", "level", -1e300, 1e300)
-    rising = word_in(request, "trigger", "edge", ("rising", "falling")) == "rising"
+    level = number_of(request, "trigger", "level", -1e300, 1e300)
+    rising = word_of(request, "trigger", "edge", ("rising", "falling")) == "rising"
     hysteresis, holdoff, position = (
-        number_in(request, "trigger", key, 0.0, most) if key in request else default
+        number_of(request, "trigger", key, 0.0, most) if key in request else default
         for key, most, default in (
             ("hysteresis", 1e300, 0.0),
             ("holdoff", WINDOW[1], 0.0),
@@ -165,14 +179,18 @@ def _set(request: Dict[str, Any]) -> Set:
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
         raise RequestError("set: a value is a number, a text or a truth value")
-    return Set(name_in(request, "set", "node"), name_in(request, "set", "name"), value)
+    return Set(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
 
 
 def _call(request: Dict[str, Any]) -> Call:
     data = request.get("data")
     if data is not None and not isinstance(data, bool):
         raise RequestError("call: data is true or false")
-    return Call(name_in(request, "call", "service"), data)
+    return Call(name_of(request, "call", "service"), data)
+
+
+def _transit(request: Dict[str, Any]) -> Transit:
+    return Transit(name_of(request, "transit", "node"), name_of(request, "transit", "label"))
 
 
 def _graph(request: Dict[str, Any]) -> Graph:
@@ -189,5 +207,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "chart": chart_of,
     "set": _set,
     "call": _call,
+    "transit": _transit,
     "graph": _graph,
+    **robot_requests.READERS,
 }

@@ -15,10 +15,12 @@ from topic_scope.export import parts
 from topic_scope.fields import FieldError
 from topic_scope.graph_feed import GraphFeed
 from topic_scope.master_watch import GraphState, MasterWatch
-from topic_scope.measuring import statistics_of
+from topic_scope.measuring import statistics_of, warn_of
 from topic_scope.options import Options
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
+from topic_scope.robot_requests import Drive, Goal, Robots, Steer
+from topic_scope.robot_view import RobotView
 from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
 from topic_scope.wishes import Chart, Measure
@@ -49,8 +51,9 @@ class Server:
         loop = tornado.ioloop.IOLoop.current()
         self._controls = Controls(loop.add_callback, self._tell)
         self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
+        self._robots = RobotView(rospy.get_name(), loop.add_callback)
         watch.start(lambda state: loop.add_callback(self._on_graph, state))
-        loop.call_later(WARN_AFTER_S, self._warn)
+        loop.call_later(WARN_AFTER_S, lambda: warn_of(recorder, self._initial))
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
     # --- From the graph ----------------------------------------------------------------------
@@ -73,13 +76,7 @@ class Server:
         self._record()
         self._controls.on_services([name for name, nodes in state.services if nodes])
         self._graph.on_state(state, any(page.wants_graph for page in self._pages()))
-
-    def _warn(self) -> None:
-        """Say on the terminal what is wrong with the fields of the command line."""
-        for name in self._initial:
-            problem = self._recorder.problem(name)
-            if problem is not None:
-                rospy.logwarn(f"{name}: {problem}")
+        self._robots.on_state(state)
 
     # --- From pages --------------------------------------------------------------------------
 
@@ -95,6 +92,8 @@ class Server:
         """Forget a page."""
         if connection in self.sockets:
             self.sockets.remove(connection)
+            if connection.page is not None:
+                self._robots.leave(connection.page)
             self._pin()
 
     def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
@@ -133,6 +132,9 @@ class Server:
             if request.on and graph is not None:
                 page.put(graph)
                 self._watch.ring()
+        elif isinstance(request, Robots):
+            self._robots.handle(page, request)
+            self._watch.ring()
         else:
             self._control(page, request)
 
@@ -140,10 +142,10 @@ class Server:
         if not self._options.is_local:
             raise RequestError("this scope is open to the network, and so is read-only")
         try:
-            if isinstance(request, protocol.Set):
-                self._controls.set(request.node, request.name, request.value, page.note)
-            elif isinstance(request, protocol.Call):
-                self._controls.call(request.service, request.data, page.note)
+            if isinstance(request, (Steer, Drive, Goal)):
+                self._robots.control(page, request)
+            else:
+                self._controls.obey(request, page.note)
         except ValueError as error:
             raise RequestError(str(error)) from None
 
@@ -165,7 +167,8 @@ class Server:
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
         page.put(self._fields())
-        page.put(self._controls.message())
+        for message in self._controls.messages():
+            page.put(message)
         self._select(page)
 
     def _hello(self) -> Dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
-from topic_scope.checks import TIMES, RequestError, field_in, number_in, word_in
+from topic_scope.checks import TIMES, RequestError, field_in, number_of, word_of
 from topic_scope.spectrum import WINDOWS
 
 #: Least and most parts that a spectrum is the mean of.
@@ -59,7 +59,7 @@ def measure_of(request: Dict[str, Any]) -> Measure:
     if not isinstance(shapes, bool):
         raise RequestError("measure: shapes is true or false")
     start, end, reference = (
-        None if request.get(key) is None else number_in(request, "measure", key, *limits)
+        None if request.get(key) is None else number_of(request, "measure", key, *limits)
         for key, limits in (("start", _AWAY), ("end", _AWAY), ("reference", TIMES))
     )
     against = field_in(request, "measure", "against") if request.get("against") else ""
@@ -72,10 +72,10 @@ def chart_of(request: Dict[str, Any]) -> Chart:
     :param request: as it came
     :raises RequestError: if something in it is not allowed
     """
-    kind = word_in(request, "chart", "kind", ("time", "spectrum", "xy"))
+    kind = word_of(request, "chart", "kind", ("time", "spectrum", "xy"))
     if kind == "xy":
         return Chart(kind, field_in(request, "chart", "x"))
     if kind == "time":
         return Chart()
-    window = word_in(request, "chart", "window", tuple(WINDOWS))
-    return Chart(kind, "", window, int(number_in(request, "chart", "averages", *AVERAGES)))
+    window = word_of(request, "chart", "window", tuple(WINDOWS))
+    return Chart(kind, "", window, int(number_of(request, "chart", "averages", *AVERAGES)))

@@ -80,6 +80,41 @@ class Modules(unittest.TestCase):
         for *_, steps in found:
             self.assertTrue(len(steps) >= 5 and all(abs(one % 2) < 1e-6 for one in steps), steps)
 
+    def test_what_is_under_the_pointer_stays_there_while_robots_are_zoomed(self) -> None:
+        code = """(() => {
+          const camera = new module.Camera();
+          Object.assign(camera, { width: 800, height: 400 });
+          camera.fit([[-3, -1], [5, 3]]);
+          const corners = [camera.toPicture(-3, -1), camera.toPicture(5, 3)];
+          const before = camera.toWorld(100, 50);
+          camera.zoom(3, 100, 50);
+          const after = camera.toWorld(100, 50);
+          camera.pan(30, -40);
+          return { corners, before, after, panned: camera.toWorld(130, 10), scale: camera.scale };
+        })()"""
+        told = self.browser.call("robot_camera.js", code)
+        (left, bottom), (right, top) = told["corners"]
+        self.assertTrue(0 < left < right < 800 and 0 < top < bottom < 400, told)
+        self.assertAlmostEqual((right - left) / 8, (bottom - top) / 4)  # one scale, y is up
+        for name in ("after", "panned"):
+            for value, expected in zip(told[name], told["before"]):
+                self.assertAlmostEqual(value, expected, places=9)
+
+    def test_a_robot_that_is_put_elsewhere_leaves_no_line(self) -> None:
+        code = """(() => {
+          const trails = new module.Trails();
+          const go = (x) => trails.add([{ topic: "/odom", x, y: 0 }]);
+          [0, 0.01, 0.1, 0.2, 5, 5.1].forEach(go);
+          const lines = trails.of("/odom").map((line) => line.map(([x]) => x));
+          for (let n = 0; n < 12000; n += 1) go(5.1 + 0.03 * n);
+          const count = trails.of("/odom").reduce((sum, line) => sum + line.length, 0);
+          return { lines, count, others: trails.of("/other").length };
+        })()"""
+        told = self.browser.call("robot_trails.js", code)
+        self.assertEqual(told["lines"], [[0, 0.1, 0.2], [5, 5.1]])
+        self.assertLessEqual(told["count"], 5001)
+        self.assertEqual(told["others"], 0)
+
     def test_waits_before_connecting_again_grow_up_to_a_limit_and_begin_anew(self) -> None:
         code = """(() => {
           const sockets = [], waits = [];

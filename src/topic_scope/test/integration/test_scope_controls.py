@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Panels: what nodes say of themselves, values that are set and refused, services, the graph."""
 
+import subprocess
 from typing import Any
 
+import roslib.packages
 import rosnode
 import rospy
 import rostest
@@ -201,6 +203,34 @@ class Controls(ScopeTest):
             "panels", lambda told: "/later" in [panel["node"] for panel in told["panels"]]
         )
         self.assertNotIn("babbler", str(page.messages("panels")))
+
+    def test_managed_nodes_have_states_and_transitions(self) -> None:
+        program = roslib.packages.find_node("basic_comms", "talker.py")[0]
+        talker = subprocess.Popen([program, "__ns:=/managed", "_managed:=true"])
+        self.addCleanup(talker.wait, 30.0)
+        self.addCleanup(talker.terminate)
+        node = "/managed/talker"
+        page = self.page()
+
+        def wait_state(state: str) -> Any:
+            told = page.wait_for("managed", lambda told: (node, state) in states(told))
+            return next(one for one in told["nodes"] if one["node"] == node)["transitions"]
+
+        def states(told: Any) -> Any:
+            return [(one["node"], one["state"]) for one in told["nodes"]]
+
+        self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
+        page.send("transit", node=node, label="configure")
+        self.assertEqual(sorted(wait_state("inactive")), ["activate", "cleanup", "shutdown"])
+        page.send("transit", node=node, label="activate")
+        wait_state("active")
+        page.send("transit", node=node, label="configure")
+        self.assertIn(f"{node} cannot configure now", page.wait_for("error")["text"])
+        page.send("transit", node="/nobody", label="configure")
+        page.wait_for("error", lambda told: "/nobody cannot" in told["text"])
+        page.forget()
+        talker.terminate()
+        page.wait_for("managed", lambda told: states(told) == [])
 
 
 def _describe_guest(_request: Any) -> Any:

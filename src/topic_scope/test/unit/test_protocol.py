@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope import protocol
+from topic_scope import protocol, robot_requests
 from topic_scope.checks import RequestError
 from topic_scope.wishes import Chart, Measure
 
@@ -54,7 +54,22 @@ GOOD = [
     ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
     ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
     ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),
+    (
+        {"type": "transit", "node": "/n", "label": "configure"},
+        protocol.Transit("/n", "configure"),
+    ),
     ({"type": "graph", "on": True}, protocol.Graph(True)),
+    ({"type": "robots", "on": True}, robot_requests.Robots(True)),
+    ({"type": "steer", "topic": "/cmd_vel"}, robot_requests.Steer("/cmd_vel")),
+    ({"type": "steer", "topic": ""}, robot_requests.Steer("")),
+    (
+        {"type": "drive", "speed": 0.2, "turn": -1, "sent": 12.5},
+        robot_requests.Drive(0.2, -1.0, 12.5),
+    ),
+    (
+        {"type": "goal", "topic": "/g", "frame": "odom", "x": 1, "y": -2.5, "heading": 0},
+        robot_requests.Goal("/g", "odom", 1.0, -2.5, 0.0),
+    ),
 ]
 
 
@@ -71,6 +86,15 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
         {"type": "select", "fields": ["/a/" + ":".join(f"x{n}" for n in range(40))]},
         {"type": "select", "fields": ["../../etc/passwd"]},
         {"type": "view", "window": 0, "width": 800},
+        {"type": "robots", "on": 1},
+        {"type": "steer"},
+        {"type": "steer", "topic": "a" * 301},
+        {"type": "drive", "speed": math.nan, "turn": 0, "sent": 0},
+        {"type": "drive", "speed": 101, "turn": 0, "sent": 0},
+        {"type": "drive", "speed": 0, "turn": True, "sent": 0},
+        {"type": "drive", "speed": 0, "turn": 0},
+        {"type": "goal", "topic": "/g", "frame": "", "x": 0, "y": 0, "heading": 0},
+        {"type": "goal", "topic": "/g", "frame": "odom", "x": 1e7, "y": 0, "heading": 0},
         {"type": "view", "window": math.nan, "width": 800},
         {"type": "view", "window": 1, "width": 10**9},
         {"type": "view", "window": True, "width": 800},

@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+import socket
+import struct
 import threading
 import time
 import urllib.error
@@ -113,6 +115,17 @@ class Client:
     def is_closed(self) -> bool:
         """Whether the scope has ended the connection."""
         return self._closed
+
+    def cut(self) -> None:
+        """Be gone without a word."""
+
+        def cut() -> None:
+            stream = self._connection.protocol.stream
+            linger = struct.pack("ii", 1, 0)
+            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+            stream.close()
+
+        self._loop.add_callback(cut)
 
     def close(self) -> None:
         """End the connection."""

@@ -16,10 +16,19 @@ const DARK = [
  * @returns {string} #rrggbb
  */
 export function colourOf(state, field) {
-  const { colours, fields, theme } = state.values;
-  const palette = theme === "dark" ? DARK : LIGHT;
-  const place = Math.max(0, fields.indexOf(field));
-  return colours.get(field) || palette[place % palette.length];
+  const { colours, fields } = state.values;
+  return colours.get(field) || paletteColour(state, Math.max(0, fields.indexOf(field)));
+}
+
+/**
+ * Tell a colour by its place.
+ * @param {import("./state.js").State} state
+ * @param {number} place from 0
+ * @returns {string} #rrggbb
+ */
+export function paletteColour(state, place) {
+  const palette = state.values.theme === "dark" ? DARK : LIGHT;
+  return palette[place % palette.length];
 }
 
 /**

@@ -52,6 +52,8 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key(["p"], "p", "panels", click("show-panels")),
     key(["g"], "g", "scope or graph", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),
+    key(["r"], "r", "scope or robots; there, arrow keys move, f follows a robot", () =>
+      state.set({ view: state.values.view === "robots" ? "scope" : "robots" })),
     key(["s"], "s", "save and load what is shown", click("show-setup")),
     key(["d"], "d", "light or dark", click("theme")),
     key(["?"], "?", "these keys", click("show-help")),

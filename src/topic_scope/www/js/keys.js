@@ -10,8 +10,8 @@ import { byId, make } from "./dom.js";
  * @property {?function(): void} act null: the browser or a control does it
  */
 
-/** Keys that a control with the focus keeps for itself. */
-function isTaken(event) {
+/** Tell whether a control with the focus keeps a key for itself. */
+export function isTaken(event) {
   const target = event.target;
   if (target.matches("input:not([type=checkbox]):not([type=range]), select, textarea")) return true;
   if (document.querySelector("dialog[open]")) return true;

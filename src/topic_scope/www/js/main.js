@@ -7,16 +7,19 @@ import { colourOf, startTheme } from "./colours.js";
 import { Connection } from "./connection.js";
 import { Cursors } from "./cursors.js";
 import { byId, press } from "./dom.js";
+import { Fleet } from "./fleet.js";
 import { startGestures } from "./gestures.js";
 import { Graph } from "./graph.js";
 import { Hover } from "./hover.js";
 import { startKeys } from "./keys.js";
 import { keyList } from "./key_list.js";
 import { Legend } from "./legend.js";
+import { Managed } from "./managed.js";
 import { Panels } from "./panels.js";
 import { startMeasures } from "./measures.js";
 import { Plot } from "./plot.js";
 import { Requests } from "./requests.js";
+import { RobotView } from "./robot_view.js";
 import { startScreen } from "./screen.js";
 import { Setup } from "./setup.js";
 import { State } from "./state.js";
@@ -48,10 +51,17 @@ const connection = new Connection(
 const setup = new Setup(state);
 const requests = new Requests(state, plot, connection, setup);
 const charts = startCharts(state, requests, colour);
-const panels = new Panels(state, (message) => connection.send(message));
+const send = (message) => connection.send(message);
+const panels = new Panels(state, send);
+const managed = new Managed(state, send);
+const robots = new RobotView(state, send);
+const fleet = new Fleet();
 
 const handlers = {
-  hello: (message) => requests.onHello(message),
+  hello: (message) => {
+    requests.onHello(message);
+    robots.onHello();
+  },
   fields: ({ fields }) => state.set({ available: fields }),
   selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
   frame: (frame) => {
@@ -67,10 +77,17 @@ const handlers = {
     sweep.onTrigger(message);
   },
   panels: (message) => panels.show(message.panels),
+  managed: (message) => managed.show(message),
   value: (message) => panels.onValue(message),
   refused: (message) => panels.onRefused(message),
   called: (message) => panels.onCalled(message),
   graph: (message) => graph.show(message),
+  robots: (message) => robots.showRobots(message),
+  scenery: (message) => robots.showScenery(message),
+  targets: (message) => robots.showTargets(message),
+  steering: (message) => robots.wheel.onSteering(message),
+  sent: (message) => robots.goals.onSent(message),
+  fleet: (message) => fleet.show(message),
   error: ({ text }) => notify(text),
 };
 
@@ -85,7 +102,7 @@ startTriggerMore(state, trigger);
 startKeys(keyList({ state, view, cursors, trigger, open }));
 byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {
-  for (const name of ["scope", "graph"]) {
+  for (const name of ["scope", "graph", "robots"]) {
     byId(`${name}-view`).hidden = name !== shown;
     press(byId(`show-${name}`), name === shown);
   }

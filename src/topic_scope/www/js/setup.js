@@ -6,7 +6,7 @@ import { notify } from "./link.js";
 
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;
-const VIEWS = ["scope", "graph"];
+const VIEWS = ["scope", "graph", "robots"];
 const MODES = ["off", "normal", "auto", "single"];
 const EDGES = ["rising", "falling"];
 

@@ -28,6 +28,7 @@ class ServiceCall:
     :param timeout: longest time from now to the answer, s
 
     :ivar deadline: the end of that time, s on the monotonic clock
+    :ivar said: the server's header, once it has come: its ``type`` and more
     """
 
     def __init__(self, timeout: float) -> None:
@@ -36,6 +37,7 @@ class ServiceCall:
         self._lock = threading.Lock()
         self._socket: Optional[socket.socket] = None
         self._is_cancelled = False
+        self.said: Dict[str, str] = {}
 
     def run(
         self, address: Tuple[str, int], header: Dict[str, str], request: Optional[bytes]
@@ -58,9 +60,9 @@ class ServiceCall:
             try:
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                 self._send(_encoded(header))
-                answer = self._read_header()
-                if "error" in answer:
-                    raise CallFailed(answer["error"])
+                self.said = self._read_header()
+                if "error" in self.said:
+                    raise CallFailed(self.said["error"])
                 if request is None:
                     return b""
                 self._send(request)

@@ -1,0 +1,114 @@
+"""Messages from one ROS to the other through the bridge, and within each ROS to compare with."""
+
+import contextlib
+import itertools
+import json
+import pathlib
+import subprocess
+import sys
+import time
+from typing import Any, Dict, Iterator, List, Tuple
+
+from analysis import percentile
+from context import Bench, Figures
+from observers import wait_until
+from peers import SCRIPTS, WORKSPACE, rclpy_environment
+from processes import Session, cpu_share, resident_memory
+from stacks import RCLPY
+
+ROSPY, TO_ROS2, TO_ROS1 = "rospy", "to_ros2", "to_ros1"
+#: Which ROS sends and which hears.
+ENDS: Dict[str, Tuple[str, str]] = {
+    ROSPY: ("1", "1"),
+    RCLPY: ("2", "2"),
+    TO_ROS2: ("1", "2"),
+    TO_ROS1: ("2", "1"),
+}
+BRIDGE = WORKSPACE / "devel" / "lib" / "ros2_bridge" / "bridge"
+#: longest wait for the first message, and for the last, s
+LIMIT = 40.0
+DOMAIN = "97"
+
+_numbers = itertools.count(1)
+
+
+def at_1_khz(bench: Bench, subject: str) -> Figures:
+    """Measure single messages at 1 kHz."""
+    return _hop(bench, subject, 1000.0, bench.seconds(4.0, 2.0), 1)
+
+
+def load(bench: Bench, subject: str) -> Figures:
+    """Measure what is lost at 4000 messages a second, and what fifty topics cost."""
+    quick = _hop(bench, subject, 4000.0, bench.seconds(4.0, 2.0), 1)
+    fifty = _hop(bench, subject, 20.0, bench.seconds(4.0, 2.0), 50)
+    figures = {"lost": quick["lost"], "fifty_lost": fifty["lost"]}
+    if subject != RCLPY:  # which shows what whoever hears loses by itself
+        figures.update(quick_cpu=quick["cpu_percent"], fifty_cpu=fifty["cpu_percent"])
+    return figures
+
+
+def rest(bench: Bench, subject: str) -> Figures:
+    """Measure the time from the bridge's start to its first message, then how it rests."""
+    file = bench.session.directory / f"hop-{next(_numbers)}"
+    with _ends(bench, subject, file, 50.0, LIMIT / 4.0, 1):
+        time.sleep(2.0)
+        began = time.monotonic()
+        with bridge(bench.session):
+            wait_until(file.with_suffix(".any").exists, LIMIT, "message through the bridge")
+            first = time.monotonic() - began
+    with bridge(bench.session) as pid:
+        time.sleep(3.0)
+        return {"first_s": first, "cpu_percent": cpu_share([pid], bench.seconds(6.0, 3.0))}
+
+
+@contextlib.contextmanager
+def bridge(session: Session) -> Iterator[int]:
+    """Run the bridge; tell its process id."""
+    environment = dict(session.environment, ROS_DOMAIN_ID=DOMAIN)
+    process = session.start([str(BRIDGE)], environment)
+    try:
+        yield process.pid
+    finally:
+        session.stop(process)
+
+
+@contextlib.contextmanager
+def _ends(
+    bench: Bench, subject: str, file: pathlib.Path, rate: float, seconds: float, topics: int
+) -> Iterator[None]:
+    """Run whoever hears and whoever sends."""
+    sender, hearer = ENDS[subject]
+    running: List["subprocess.Popen[bytes]"] = []
+    numbers = [f"{rate:g}", f"{seconds:g}", str(topics)]
+    try:
+        for what, ros in (("hear", hearer), ("send", sender)):
+            python = str(bench.peers.rclpy) if ros == "2" else sys.executable
+            script = str(SCRIPTS / "bridge" / "hop.py")
+            environment = rclpy_environment() if ros == "2" else bench.session.environment
+            command = [python, script, what, ros, *numbers, str(file)]
+            running.append(bench.session.start(command, environment))
+        yield
+    finally:
+        bench.session.stop(*reversed(running))
+
+
+def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -> Figures:
+    file = bench.session.directory / f"hop-{next(_numbers)}"
+    figures: Figures = {}
+    with contextlib.ExitStack() as stack:
+        pids: List[int] = []
+        if subject in (TO_ROS2, TO_ROS1):
+            pids.append(stack.enter_context(bridge(bench.session)))
+        stack.enter_context(_ends(bench, subject, file, rate, seconds, topics))
+        wait_until(file.with_suffix(".first").exists, LIMIT, "the first message")
+        if pids:
+            time.sleep(0.5)
+            figures["cpu_percent"] = cpu_share(pids, seconds - 1.0)
+            figures["resident_mb"] = resident_memory(pids)
+        wait_until(file.exists, LIMIT, "the last message")
+        time.sleep(0.2)  # it is being written
+    heard: Any = json.loads(file.read_text("utf-8"))
+    figures["p50_us"] = percentile(heard["took"], 0.5)
+    figures["p99_us"] = percentile(heard["took"], 0.99)
+    figures["lost"] = heard["lost"]
+    return figures

@@ -1,0 +1,102 @@
+"""One end of a hop within a ROS or through the bridge, as one would write it.
+
+Usage: hop.py send|hear 1|2 RATE SECONDS TOPICS FILE. Each message holds the moment when it was
+sent; whoever hears writes into FILE, as JSON, how long each took, us, and how many were lost.
+Before that it makes an empty FILE.any when anything has come, FILE.first when a counted one has.
+"""
+
+import json
+import pathlib
+import sys
+import threading
+import time
+from typing import Any, Callable, List
+
+RATE, SECONDS, TOPICS = float(sys.argv[3]), float(sys.argv[4]), int(sys.argv[5])
+NAMES = [f"/hop{number}" for number in range(TOPICS)]
+#: how long whoever sends waits for the others, and whoever hears waits for the rest, s
+PATIENCE, REST = 20.0, 1.0
+
+
+class Heard:
+    """What has come: the moments of sending are in the messages."""
+
+    def __init__(self) -> None:
+        self.took: List[float] = []
+        self.latest = time.monotonic()
+
+    def take(self, message: Any) -> None:
+        now = time.monotonic()
+        if message.signal_y < 0.0:  # only to get going
+            self.latest = now
+            pathlib.Path(sys.argv[6] + ".any").touch()
+            return
+        if not self.took:
+            pathlib.Path(sys.argv[6] + ".first").touch()
+        self.took.append(1e6 * (now - message.time_x))
+        self.latest = now
+
+    def write(self) -> None:
+        sent = int(RATE * SECONDS) * TOPICS
+        with open(sys.argv[6], "w", encoding="utf-8") as file:
+            json.dump({"took": self.took, "lost": sent - len(self.took)}, file)
+
+
+def send(publish: List[Callable[[Any], Any]], counts: List[Callable[[], int]], cls: Any) -> None:
+    """Send at the rate, once somebody hears each topic."""
+    deadline = time.monotonic() + PATIENCE
+    while min(count() for count in counts) < 1 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    for _ in range(20):  # connections settle
+        for one in publish:
+            one(cls(signal_y=-1.0))
+        time.sleep(0.05)
+    start = time.monotonic()
+    for number in range(int(RATE * SECONDS)):
+        left = start + number / RATE - time.monotonic()
+        if left > 0.0:
+            time.sleep(left)
+        for one in publish:
+            one(cls(time_x=time.monotonic(), signal_y=float(number)))
+    time.sleep(REST)
+
+
+def main() -> None:
+    """Send or hear, in one ROS."""
+    heard = Heard()
+    if sys.argv[2] == "1":
+        import rospy
+        from basic_comms.msg import signal_msg as cls
+
+        rospy.init_node("hop_" + sys.argv[1], disable_signals=True)
+        if sys.argv[1] == "send":
+            outs = [rospy.Publisher(name, cls, queue_size=None, tcp_nodelay=True) for name in NAMES]
+            send([out.publish for out in outs], [out.get_num_connections for out in outs], cls)
+            return
+        for name in NAMES:
+            rospy.Subscriber(name, cls, heard.take, tcp_nodelay=True)
+    else:
+        import rclpy
+        from basic_comms.msg import SignalMsg as cls2
+
+        rclpy.init()
+        node = rclpy.create_node("hop_" + sys.argv[1])
+        if sys.argv[1] == "send":
+            made = [node.create_publisher(cls2, name, 1000) for name in NAMES]
+            send([one.publish for one in made], [one.get_subscription_count for one in made], cls2)
+            return
+        for name in NAMES:
+            node.create_subscription(cls2, name, heard.take, 1000)
+        threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+    expected = int(RATE * SECONDS) * TOPICS
+    began = time.monotonic()
+    while len(heard.took) < expected:
+        time.sleep(0.1)
+        patience = REST + 2.0 if heard.took else PATIENCE + SECONDS
+        if time.monotonic() - max(heard.latest, began) > patience:
+            break
+    heard.write()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Bytes of a ROS 1 message into bytes of ROS 2's (CDR) and back, without a message in between.
+
+A definition is compiled once into steps; after that a codec holds no state, so any number of
+threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in four
+points: each number stands at a multiple of its size, counted from behind the first four bytes; a
+text ends with a zero, which is counted; a Header has no ``seq``; and what is empty has one byte.
+"""
+
+import struct
+from typing import Any, Dict, List
+
+from ros2_bridge.definitions import SIZES, TIMES, Field, Fields
+from ros2_bridge.steps import (
+    EMPTY,
+    SEQ,
+    ConversionError,
+    Number,
+    Piece,
+    Step,
+    array,
+    block,
+    chain,
+    number,
+    repeated,
+    text_down,
+    text_up,
+)
+
+#: What begins each CDR message: little endian, no options.
+_CDR = b"\0\1\0\0"
+_LENGTH = struct.Struct("<I")
+
+
+class _Compiler:
+    def __init__(self, fields: Fields) -> None:
+        self._fields = fields
+        self._known: Dict[str, List[Piece]] = {}
+
+    def message(self, datatype: str) -> List[Piece]:
+        if datatype not in self._known:
+            pieces = [piece for field in self._fields[datatype] for piece in self._field(field)]
+            if datatype == "std_msgs/Header":
+                pieces[0] = SEQ
+            self._known[datatype] = pieces or [EMPTY]
+        return self._known[datatype]
+
+    def _field(self, field: Field) -> List[Piece]:
+        element = self._element(field.base)
+        if not field.is_array:
+            return element
+        if field.length is not None:
+            return self._fixed_array(field, element)
+        numbers = [piece for piece in element if isinstance(piece, Number)]
+        sizes = {number.size for number in numbers if number not in (SEQ, EMPTY)}
+        if len(numbers) < len(element) or len(sizes) != 1 or SEQ in numbers or EMPTY in numbers:
+            least = sum(piece.bytes1 if isinstance(piece, Number) else 4 for piece in element)
+            return [array(chain(element), least)]
+        (size,) = sizes
+        return [block(size, sum(number.bytes1 for number in numbers) // size)]
+
+    def _fixed_array(self, field: Field, element: List[Piece]) -> List[Piece]:
+        length = field.length or 0
+        if field.base in SIZES and length:
+            return [number(SIZES[field.base], length)]
+        if all(isinstance(piece, Number) for piece in element) and length * len(element) < 1000:
+            return element * length
+        return [repeated(chain(element), length)]
+
+    def _element(self, base: str) -> List[Piece]:
+        if base in SIZES:
+            return [number(SIZES[base], 1)]
+        if base in TIMES:
+            return [number(4, 2)]
+        if base == "string":
+            return [(text_down, text_up)]
+        return self.message(base)
+
+
+class Codec:
+    """Converts messages of one type.
+
+    :param datatype: its name in ROS 1
+    :param fields: its definition, from :func:`ros2_bridge.definitions.parse`
+
+    :ivar has_header: whether it begins with a Header, whose ``seq`` counts the messages of a topic
+    """
+
+    def __init__(self, datatype: str, fields: Fields) -> None:
+        self._type = datatype
+        self._down, self._up = chain(_Compiler(fields).message(datatype))
+        first = fields[datatype][:1]
+        self.has_header = [(f.base, f.is_array) for f in first] == [("std_msgs/Header", False)]
+
+    def to_cdr(self, data: bytes) -> bytes:
+        """Return a ROS 1 message as ROS 2's bytes.
+
+        :raises ConversionError: if it is none of this type
+        """
+        out = bytearray()
+        end = self._convert(self._down, data, out)
+        if end != len(data):
+            raise ConversionError(f"{self._type}: {len(data) - end} bytes too many")
+        return _CDR + bytes(out)
+
+    def to_ros1(self, cdr: bytes, seq: int = 0) -> bytes:
+        """Return a ROS 2 message as ROS 1's bytes.
+
+        :param cdr: the message
+        :param seq: for the Header that it begins with, if any
+        :raises ConversionError: if it is none of this type
+        """
+        if cdr[:2] != _CDR[:2]:
+            raise ConversionError(f"{self._type}: {cdr[:4]!r} does not begin a little-endian CDR")
+        out = bytearray()
+        self._convert(self._up, memoryview(cdr)[4:], out)
+        if self.has_header:
+            _LENGTH.pack_into(out, 0, seq & 0xFFFFFFFF)
+        return bytes(out)
+
+    def _convert(self, step: Step, source: Any, out: bytearray) -> int:
+        try:
+            return step(source, 0, out)
+        except (struct.error, ConversionError) as error:
+            raise ConversionError(f"{self._type}: {error}") from None

@@ -1,0 +1,71 @@
+"""Whether a type of ROS 1 and one of ROS 2 have the same fields, and if not, which differ."""
+
+import re
+from typing import Callable, Mapping, Optional, Tuple
+
+from ros2_bridge.definitions import SIZES, TIMES, Fields
+
+#: The fields of a ROS 2 type and the types of these, as rclpy tells them.
+Describe = Callable[[str], Mapping[str, str]]
+
+#: rclpy's names of numbers. Sign and truth need not agree: the bytes do.
+_NUMBERS = {
+    **dict.fromkeys(("boolean", "octet", "int8", "uint8", "char"), "1 byte"),
+    **dict.fromkeys(("int16", "uint16"), "2 bytes"),
+    **dict.fromkeys(("int32", "uint32"), "4 bytes"),
+    **dict.fromkeys(("int64", "uint64"), "8 bytes"),
+    **{"float": "float32", "double": "float64"},
+}
+_SEQUENCE = re.compile(r"sequence<(.*?)(, \d+)?>\Z")
+_ARRAY = re.compile(r"(.*)\[(\d+)\]\Z")
+
+
+def difference(datatype: str, fields: Fields, other: str, describe: Describe) -> Optional[str]:
+    """Return a sentence about the first difference, None where there is none.
+
+    :param datatype: ROS 1's type
+    :param fields: its definition
+    :param other: ROS 2's type
+    :param describe: tells the fields of ROS 2's types
+    """
+    ours = [(f.name, _ours(f.base), f.length if f.is_array else 0) for f in fields[datatype]]
+    if datatype == "std_msgs/Header":
+        ours = ours[1:]
+    theirs = [(name, *_theirs(kind)) for name, kind in describe(other).items()]
+    if other in ("builtin_interfaces/Time", "builtin_interfaces/Duration"):
+        return None  # a time of ROS 1 is one field, and its bytes are these
+    for mine, its in zip(ours, theirs):
+        if mine[0].lower() != its[0]:
+            return f"{datatype} has {mine[0]} in ROS 1 where {other} has {its[0]} in ROS 2"
+        inner = mine[1] if mine[1] in fields else None
+        if mine[2] != its[2] or (inner is None and mine[1] != its[1]):
+            return f"the field {mine[0]} of {datatype} and {other} is not of the same type"
+        found = inner and difference(inner, fields, its[1], describe)
+        if found:
+            return found
+    longer = ours[len(theirs) :] or theirs[len(ours) :]
+    if longer:
+        which = f"{datatype} of ROS 1" if len(ours) > len(theirs) else f"{other} of ROS 2"
+        return f"only {which} has the field {longer[0][0]}"
+    return None
+
+
+def _ours(base: str) -> str:
+    if base in TIMES:
+        return f"builtin_interfaces/{base.capitalize()}"
+    if base in SIZES:
+        size = SIZES[base]
+        return base if base.startswith("float") else f"{size} byte{'s' if size > 1 else ''}"
+    return base
+
+
+def _theirs(kind: str) -> Tuple[str, Optional[int]]:
+    """Return the type of an element, and the length of an array, 0 where it is none."""
+    sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
+    length: Optional[int] = 0
+    if sequence is not None:
+        kind, length = sequence.group(1), None
+    elif array is not None:
+        kind, length = array.group(1), int(array.group(2))
+    kind = "string" if kind.startswith("string") else kind
+    return _NUMBERS.get(kind, kind), length

@@ -1,0 +1,102 @@
+"""Looks at both graphs, again and again, and has each part of the bridge follow them."""
+
+import threading
+import traceback
+from typing import Any, Dict
+
+import rosgraph
+import rospy
+
+from nodekit import MasterUnreachable, Node
+from nodekit.live.live_parameters import LiveParameters
+from nodekit.live.master import MasterClient
+from nodekit.live.watcher import get_watcher
+from nodekit.parameters.no_value import MISSING
+from nodekit.rospy_internals.shutdown import before_shutdown
+from ros2_bridge import ros1_graph, rosout
+from ros2_bridge.names_in_ros1 import NamesInRos1
+from ros2_bridge.node_bridge import NodeBridge
+from ros2_bridge.ros2_graph import Ros2Graph
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.rosout import Rosout
+from ros2_bridge.service_bridge import ServiceBridge
+from ros2_bridge.settings import BridgeParameters, Qualities
+from ros2_bridge.telling import Telling
+from ros2_bridge.topic_bridge import TopicBridge
+from ros2_bridge.types import Types
+
+#: Time between two looks, s.
+LOOK_S = 0.5
+#: Longest wait for the master, s.
+_MASTER_S = 2.0
+
+
+class Looking:
+    """All parts of the bridge, and the thread that has them follow the graphs.
+
+    :param node: the bridge in ROS 1
+    :param parameters: the bridge's
+    :raises ParameterError: if the qualities of service make no sense
+    """
+
+    def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
+        self._node, self._parameters = node, parameters
+        self._master = get_watcher().client
+        qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
+        qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
+        self._side = Ros2(node.name)
+        self._graph, self._telling, types = Ros2Graph(self._side), Telling(), Types()
+        self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
+        self._nodes = NodeBridge(node, self._side, self._master, self._telling)
+        self._services = ServiceBridge(
+            node, self._side, types, self._telling, lambda: parameters.values.service_timeout
+        )
+        self._rosout, self._names = Rosout(node, self._side), NamesInRos1()
+        # Of its own: it remembers the latest answers.
+        self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
+        self._master_pid = 0
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="looks", daemon=True)
+        self._thread.start()
+        before_shutdown(self.close)
+
+    def _run(self) -> None:
+        while not self._ended.wait(LOOK_S if self._node.is_up else 0.01):
+            if not self._node.is_up:
+                continue
+            try:
+                self._look()
+            except MasterUnreachable:
+                continue  # all stays as it is until it is back
+            except Exception:
+                if not self._ended.is_set():
+                    rospy.logerr_throttle(10.0, traceback.format_exc())
+
+    def _look(self) -> None:
+        ros1 = ros1_graph.look(self._asking, {self._node.name, *self._names.names})
+        is_restarted = self._master_pid not in (0, ros1.master_pid)
+        self._master_pid = ros1.master_pid
+        values, in_ros2, topics = self._parameters.values, self._graph.nodes(), self._graph.topics()
+        rules = values.openings()
+        self._names.look(in_ros2 - ros1.nodes(), is_restarted)
+        self._rosout.look(rosout.TOPIC in topics and bool(topics[rosout.TOPIC].subscribers))
+        self._topics.look(rules, ros1, topics)
+        services = self._graph.services(in_ros2)
+        parameters, most = values.parameters, values.max_nodes
+        self._nodes.look(ros1, in_ros2, services, parameters, most, is_restarted)
+        self._services.look(rules, ros1, services, self._nodes.homes())
+        self._telling.look()
+
+    def statistics(self) -> Dict[str, Any]:
+        """Return what has gone through each pair of topics, and what was lost."""
+        topics: Dict[str, Any] = {"to_ros1": {}, "to_ros2": {}}
+        for way, count in self._topics.counts().items():
+            topics["to_ros2" if way.to_ros2 else "to_ros1"][way.name] = vars(count)
+        return {"topics": topics}
+
+    def close(self) -> None:
+        """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
+        self._ended.set()
+        self._thread.join(0.5)
+        self._names.close()
+        self._side.close()

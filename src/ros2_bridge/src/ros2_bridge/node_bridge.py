@@ -1,0 +1,147 @@
+"""The nodes of each ROS in the other, with their parameters."""
+
+import re
+from typing import Any, Collection, Dict, List, Optional, Set, Union
+
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.node import Node as Ros2Node
+from rclpy.serialization import deserialize_message
+
+from nodekit import Node
+from nodekit.live.master import MasterClient
+from ros2_bridge.pairing import Patience
+from ros2_bridge.parameter_sources import Described, Plain
+from ros2_bridge.parameters_to_ros1 import ParametersToRos1
+from ros2_bridge.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.ros1_graph import Ros1Graph
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.service_bridge import described
+from ros2_bridge.settings import Quality
+from ros2_bridge.telling import Telling
+from ros2_bridge.topic_bridge import LOOKS
+
+_EVENTS = "/parameter_events"
+_LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
+
+
+class NodeTwin:
+    """A node of ROS 1 in ROS 2: its name, and its parameters.
+
+    :param style: how its parameters are bridged
+    :param made: what it has in ROS 1
+    """
+
+    def __init__(
+        self, home: Ros2Node, style: str, parameters: Optional[ParametersToRos2], made: Any
+    ) -> None:
+        self.home, self.style, self.parameters, self.made = home, style, parameters, made
+
+
+class NodeBridge:
+    """Keeps the nodes as both graphs have them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param client: asks the master
+    """
+
+    def __init__(self, node: Node, side: Ros2, client: MasterClient, telling: Telling) -> None:
+        self._node, self._side, self._client, self._telling = node, side, client, telling
+        self.twins: Dict[str, NodeTwin] = {}
+        self.mirrors: Dict[str, ParametersToRos1] = {}
+        self._patience: Patience[str] = Patience(LOOKS)
+        self._mirror_patience: Patience[str] = Patience(LOOKS)
+        self._tell = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
+        side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._hear)
+
+    def look(
+        self,
+        ros1: Ros1Graph,
+        in_ros2: Set[str],
+        services2: Collection[str],
+        parameters: bool,
+        most: int,
+        is_restarted: bool,
+    ) -> None:
+        """Begin and end what this look at both graphs asks for.
+
+        :param in_ros2: names of the nodes of ROS 2
+        :param services2: names of their services
+        :param parameters: whether parameters are bridged
+        :param most: how many nodes of ROS 1 may appear
+        :param is_restarted: whether the master has forgotten everything
+        """
+        services = set(ros1.services)
+        describing = {name.rpartition("/")[0] for name in described(services)}
+        wanted = self._chosen(ros1.nodes() - in_ros2, describing - in_ros2, most)
+        for name in self._patience.gone(self.twins, wanted):
+            self._end_twin(name)
+        for name in wanted:
+            style = "described" if name in describing else "plain"
+            style = style if parameters else "none"
+            twin = self.twins.get(name)
+            if twin is not None and twin.style != style:
+                self._end_twin(name)  # a managed node has its parameters only for a time
+                twin = None
+            if twin is None:
+                self._begin_twin(name, style)
+        telling = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
+        self._look_at_ros2(telling - ros1.nodes() if parameters else set(), most, is_restarted)
+
+    def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
+        """Return the nodes that appear: those that do already, then nodes, then parts of nodes."""
+        order = [name for name in self.twins if name in nodes | describing]
+        order += sorted(nodes - set(order)) + sorted(describing - nodes - set(order))
+        legal = [name for name in order if _LEGAL.match(name)]
+        if len(legal) > most:
+            left = len(legal) - most
+            self._telling.say(
+                f"{left} nodes of ROS 1 as nodes of ROS 2 (~max_nodes is {most}): "
+                + ", ".join(legal[most : most + 3])
+                + (", …" if left > 3 else "")
+            )
+        return legal[:most]
+
+    def _begin_twin(self, name: str, style: str) -> None:
+        home = self._side.make_node(name)
+        made = self._node.lifetime()
+        source: Union[Described, Plain] = Plain(self._client, name)
+        if style == "described":
+            source = Described(made, name)
+        twin = None
+        if style != "none":
+            twin = ParametersToRos2(self._node, self._side, home, name, source, self._tell.publish)
+        self.twins[name] = NodeTwin(home, style, twin, made)
+
+    def _end_twin(self, name: str) -> None:
+        twin = self.twins.pop(name)
+        if twin.parameters is not None:
+            twin.parameters.close()
+        twin.made.close()
+        self._side.destroy_node(name, twin.home)
+
+    def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
+        wanted = sorted(nodes)[:most]
+        for name in self._mirror_patience.gone(self.mirrors, wanted):
+            self.mirrors.pop(name).close()
+        for name in wanted:
+            if name not in self.mirrors:
+                self.mirrors[name] = ParametersToRos1(
+                    self._node, self._side, self._client, name, self._telling
+                )
+            elif is_restarted:
+                self.mirrors[name].read()
+            else:
+                self.mirrors[name].look()
+
+    def _hear(self, arrived: List[Any]) -> None:
+        for data, info in arrived:
+            if not self._side.is_ours(info["publisher_gid"]["data"]):
+                event = deserialize_message(data, ParameterEvent)
+                mirror = self.mirrors.get(event.node)
+                if mirror is not None:
+                    mirror.take_event(event)
+
+    def homes(self) -> Dict[str, Ros2Node]:
+        """Return the nodes of ROS 2 that stand for nodes of ROS 1, by name."""
+        return {name: twin.home for name, twin in self.twins.items()}

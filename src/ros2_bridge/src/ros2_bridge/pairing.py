@@ -1,0 +1,96 @@
+"""Which topics and services are to be bridged, and which way. Knows neither ROS."""
+
+import fnmatch
+import functools
+import re
+from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence, Set, Tuple, TypeVar
+
+#: Names that each side has for itself, or that are bridged in a way of their own.
+NEVER = (
+    *(
+        "/rosout",
+        "/rosout_agg",
+        "/parameter_events",
+        "/statistics",
+        "*/_action/*",
+        "*/_service_event",
+    ),
+    *("*/get_loggers", "*/set_logger_level", "*/get_type_description"),
+)
+
+#: Packages whose types each ROS has for itself, or that are bridged in a way of their own:
+#: dynamic_reconfigure's service ``set_parameters`` has the very name of ROS 2's.
+OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_description_interfaces/")
+
+
+class Rules(NamedTuple):
+    """What the user allows.
+
+    :param to_ros2, to_ros1: the ways that are open
+    :param allow, deny: patterns of names, such as ``/robot/*``; what is denied is not allowed
+    """
+
+    to_ros2: bool
+    to_ros1: bool
+    allow: Sequence[str]
+    deny: Sequence[str]
+
+    def allows(self, name: str) -> bool:
+        """Tell whether a topic or service of this name may be bridged."""
+        denied, allowed = _compiled((*NEVER, *self.deny)), _compiled(tuple(self.allow))
+        return allowed.match(name) is not None and denied.match(name) is None
+
+
+@functools.lru_cache(maxsize=16)
+def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
+    """Return one expression for all of some patterns; for none, one that matches nothing."""
+    return re.compile("|".join(map(fnmatch.translate, patterns)) or r"(?!)")
+
+
+class Way(NamedTuple):
+    """Something to be bridged one way.
+
+    :param name: of the topic or service, on both sides
+    :param to_ros2: whether from ROS 1 to ROS 2
+    """
+
+    name: str
+    to_ros2: bool
+
+
+def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
+    """Return what is to be bridged, in order of names.
+
+    :param rules: what the user allows
+    :param in_ros1: topics that others publish in ROS 1, or services that they offer
+    :param in_ros2: the same of ROS 2
+    """
+    ways = [Way(name, True) for name in in_ros1 if rules.to_ros2 and rules.allows(name)]
+    ways += [Way(name, False) for name in in_ros2 if rules.to_ros1 and rules.allows(name)]
+    return sorted(ways)
+
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+class Patience(Generic[Key]):
+    """Tells what has gone for good: what is missing in several looks, one after the other.
+
+    A master that was restarted learns of its nodes only within a second.
+
+    :param looks: how many
+    """
+
+    def __init__(self, looks: int) -> None:
+        self._looks = looks
+        self._missing: Dict[Key, int] = {}
+
+    def gone(self, there: Mapping[Key, object], wanted: Sequence[Key]) -> List[Key]:
+        """Return what is to be ended.
+
+        :param there: what is bridged
+        :param wanted: what this look says is to be bridged
+        """
+        missing = set(there) - set(wanted)
+        self._missing = {key: self._missing.get(key, 0) + 1 for key in missing}
+        return [key for key, count in self._missing.items() if count >= self._looks]

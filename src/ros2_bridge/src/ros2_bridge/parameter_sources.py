@@ -1,0 +1,127 @@
+"""Where the parameters of a node of ROS 1 are, and who judges a change of them."""
+
+from typing import Any, Dict, Mapping, NamedTuple, Optional
+
+import yaml
+
+from nodekit import CallError, Lifetime, MasterUnreachable
+from nodekit.execution.groups import Outside
+from nodekit.live.master import MasterClient
+from nodekit.parameters.no_value import MISSING, UNREADABLE
+from ros2_bridge.parameter_values import HIGHEST, LOWEST, declared_kind, flat, kind_of, ros1_key
+from ros2_bridge.ros1 import SetParameters, Trigger
+
+#: How long a node may take to describe its parameters, or to judge a change, s.
+TIMEOUT_S = 2.0
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class Parameter(NamedTuple):
+    """A parameter.
+
+    :param kind: as ROS 2 numbers them
+    :param entry: of the node's description, None where it has none
+    """
+
+    value: Any
+    kind: int
+    entry: Optional[Mapping[str, Any]]
+
+
+class Unreadable(Exception):
+    """Parameters that cannot be had; the text says why."""
+
+
+class Described:
+    """A node made with nodekit, which describes its parameters and judges changes itself.
+
+    :param made: makes what calls it
+    :param name: global name of the node
+    """
+
+    def __init__(self, made: Lifetime, name: str) -> None:
+        self._describe = made.client(f"{name}/describe", Trigger, group=Outside())
+        self._change = made.client(f"{name}/change", SetParameters, group=Outside())
+
+    def read(self) -> Dict[str, Parameter]:
+        """Return the parameters in force.
+
+        :raises Unreadable: if the node does not tell
+        """
+        try:
+            answer = self._describe.call(Trigger._request_class(), TIMEOUT_S)
+            entries = yaml.load(answer.message, Loader=_Loader)
+            return {
+                one["name"].replace("/", "."): Parameter(one["value"], declared_kind(one), one)
+                for one in entries
+            }
+        except CallError as error:
+            raise Unreadable(str(error)) from None
+        except (yaml.YAMLError, KeyError, TypeError) as error:
+            raise Unreadable(f"it describes what makes no sense: {error!r}") from None
+
+    def change(self, values: Mapping[str, Any]) -> str:
+        """Change all of some parameters, or none.
+
+        :returns: why not; empty where they are in force
+        """
+        settings = {ros1_key(name): value for name, value in values.items()}
+        request = SetParameters._request_class(yaml.safe_dump(settings, allow_unicode=True))
+        try:
+            answer = self._change.call(request, TIMEOUT_S)
+        except CallError as error:
+            return str(error)
+        return "" if answer.success else str(answer.message or "refused without a reason")
+
+
+class Plain:
+    """Any other node: what stands on the parameter server, which takes everything.
+
+    :param client: asks the master
+    :param name: global name of the node
+    """
+
+    def __init__(self, client: MasterClient, name: str) -> None:
+        self._client, self._name = client, name
+
+    def read(self) -> Dict[str, Parameter]:
+        """Return what stands in the node's namespace.
+
+        :raises Unreadable: if the master does not answer
+        """
+        try:
+            tree = self._client.read([self._name]).values[self._name]
+        except MasterUnreachable as error:
+            raise Unreadable(str(error)) from None
+        if tree is MISSING or tree is UNREADABLE or not isinstance(tree, dict):
+            return {}
+        return {
+            name: Parameter(value, kind_of(value), None)
+            for name, value in flat(tree).items()
+            if kind_of(value)
+        }
+
+    def change(self, values: Mapping[str, Any]) -> str:
+        """Set parameters on the server.
+
+        :returns: why not; empty where they are there
+        """
+        keys = {f"{self._name}/{ros1_key(name)}": value for name, value in values.items()}
+        try:
+            self._client.write(keys)
+        except MasterUnreachable as error:
+            return f"the master does not answer ({error})"
+        return ""
+
+
+def unfit(name: str, value: Any) -> str:
+    """Return why ROS 1 cannot carry a value; empty where it can."""
+    several = value if isinstance(value, list) else [value]
+    for one in several:
+        if one is None:
+            return f"{name} cannot be removed: ROS 1's nodes keep their parameters"
+        if type(one) is int and not LOWEST <= one <= HIGHEST:
+            return f"{name}: refused {one}: ROS 1 carries whole numbers of 32 bits only"
+        if type(one) is str and any(ord(sign) < 32 and sign not in "\t\n\r" for sign in one):
+            return f"{name}: refused {one!r}: ROS 1 carries no text with control characters"
+    return ""

@@ -1,0 +1,144 @@
+"""The parameters of a node of ROS 2, on the parameter server of ROS 1."""
+
+import queue
+import threading
+from typing import Any, Callable, Dict, List, Tuple
+
+import rospy
+from rcl_interfaces.msg import Parameter
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+
+from nodekit import MasterUnreachable, Node
+from nodekit.execution.groups import Outside
+from nodekit.live.master import MasterClient
+from ros2_bridge import parameter_messages as messages
+from ros2_bridge.parameter_sources import unfit
+from ros2_bridge.parameter_values import DOUBLE, DOUBLES, as_kind, flat, kind_of, ros1_key
+from ros2_bridge.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.telling import Telling
+
+#: Longest wait for the node, s.
+_TIMEOUT_S = 2.0
+
+
+class ParametersToRos1:
+    """Writes a node's parameters to the server, and has the node take what is set there.
+
+    All is done by one thread, one thing after the other.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param client: asks the master
+    :param name: global name of the node
+    """
+
+    def __init__(
+        self, node: Node, side: Ros2, client: MasterClient, name: str, telling: Telling
+    ) -> None:
+        self._name, self._master, self._telling = name, client, telling
+        self._list = Ros2Client(side, ListParameters, f"{name}/list_parameters")
+        self._get = Ros2Client(side, GetParameters, f"{name}/get_parameters")
+        self._set = Ros2Client(side, SetParameters, f"{name}/set_parameters")
+        #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
+        self._values: Dict[str, Any] = {}
+        self._kinds: Dict[str, int] = {}
+        self._is_read = False
+        self._made = node.lifetime()
+        self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
+        self._is_closed = False
+        threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
+        self.read()
+        self._made.follow(name, self._take_tree, group=Outside())
+
+    def read(self) -> None:
+        """Write all that the node has to the server, as when that has just been restarted."""
+        self._work.put(self._read)
+
+    def look(self) -> None:
+        """Try again to read what could not be read yet."""
+        if not self._is_read and self._work.empty():
+            self.read()
+
+    def take_event(self, event: Any) -> None:
+        """Take note of what has changed in the node."""
+        changed = [
+            (one.name, one.value) for one in [*event.new_parameters, *event.changed_parameters]
+        ]
+        gone = [one.name for one in event.deleted_parameters]
+        self._work.put(lambda: self._write(changed, gone))
+
+    def close(self) -> None:
+        """End it; what the node had is taken from the server again."""
+        self._made.close()
+        for one in (self._list, self._get, self._set):
+            one.close()
+        self._work.put(lambda: self._write([], list(self._values)))
+        self._work.put(self._end)
+
+    def _end(self) -> None:
+        self._is_closed = True
+
+    def _run(self) -> None:
+        while not self._is_closed:
+            try:
+                self._work.get()()
+            except (NoAnswer, MasterUnreachable) as error:
+                rospy.logwarn_throttle(10.0, f"parameters of {self._name} in ROS 2: {error}")
+
+    def _read(self) -> None:
+        names = self._list.call(ListParameters.Request(), _TIMEOUT_S).result.names
+        values = self._get.call(GetParameters.Request(names=names), _TIMEOUT_S).values
+        self._write(list(zip(names, values)), [])
+        self._is_read = True
+
+    def _write(self, changed: List[Tuple[str, Any]], gone: List[str]) -> None:
+        written = {}
+        for name, message in changed:
+            value = messages.to_plain(message)
+            why = "" if value is None else unfit(name, value)
+            if why:
+                self._telling.say(f"{self._name}: {why}")
+            elif value is not None:
+                self._values[name], self._kinds[name] = value, message.type
+                written[self._key(name)] = value
+        self._master.write(written)
+        gone = [name for name in gone if self._values.pop(name, None) is not None]
+        self._master.request([("deleteParam", self._key(name)) for name in gone])
+
+    def _key(self, name: str) -> str:
+        return f"{self._name}/{ros1_key(name)}"
+
+    def _take_tree(self, tree: Any) -> None:
+        """Take note of what stands on the server."""
+        if isinstance(tree, dict):
+            self._work.put(lambda: self._take(flat(tree)))
+
+    def _take(self, found: Dict[str, Any]) -> None:
+        for name, old in list(self._values.items()):
+            value = found.get(name, old)
+            kind = self._kinds[name]
+            if kind in (DOUBLE, DOUBLES) and kind_of(value) in (kind - 1, kind):
+                value = as_kind(value, kind)
+            if (type(value), value) == (type(old), old):
+                continue
+            why = self._change(name, value)
+            if why:
+                rospy.logwarn(
+                    "%s=%r is refused by ROS 2: %s; %r stays", self._key(name), value, why, old
+                )
+                self._master.write({self._key(name): old})
+            else:
+                self._values[name] = value
+
+    def _change(self, name: str, value: Any) -> str:
+        """Have the node take a value; return why not."""
+        message = messages.of_value(value)
+        if not message.type:
+            return "no parameter of ROS 2 has such a value"
+        request = SetParameters.Request(parameters=[Parameter(name=name, value=message)])
+        try:
+            (result,) = self._set.call(request, _TIMEOUT_S).results
+        except NoAnswer as error:
+            return str(error)
+        return "" if result.successful else result.reason or "without a reason"

@@ -1,0 +1,176 @@
+"""The parameters of a node of ROS 1, as those of a node of ROS 2."""
+
+import threading
+import time
+from typing import Any, Callable, Dict, List, Union
+
+import rospy
+from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, ParameterValue
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import (
+    DescribeParameters,
+    GetParameters,
+    GetParameterTypes,
+    ListParameters,
+    SetParameters,
+    SetParametersAtomically,
+)
+from rclpy.node import Node as Ros2Node
+
+from nodekit import Node
+from nodekit.execution.groups import Outside
+from ros2_bridge import parameter_messages as messages
+from ros2_bridge.parameter_sources import Described, Parameter, Plain, Unreadable, unfit
+from ros2_bridge.parameter_values import changes, differs, flat, listed
+from ros2_bridge.ros2_side import Ros2
+
+#: How often a node is asked whether what was set is in force or put back, and the pause, s.
+_MOST_LOOKS, _PAUSE_S = 20, 0.1
+
+
+class ParametersToRos2:
+    """Answers ROS 2's services of parameters for a node of ROS 1, and tells of its changes.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param home: the node of ROS 2 that stands for it
+    :param name: its global name
+    :param source: where its parameters are
+    :param tell: publishes an event
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        home: Ros2Node,
+        name: str,
+        source: Union[Described, Plain],
+        tell: Callable[[Any], None],
+    ) -> None:
+        self._name, self._source, self._tell = name, source, tell
+        self._clock = home.get_clock()
+        self._lock = threading.Lock()
+        self._known: Dict[str, ParameterValue] = {}
+        self._server: Dict[str, Any] = {}
+        self._is_known = self._is_looking = self._again = False
+        self._ends = [
+            side.serve(home, cls, f"{name}/{verb}", self._beside(answer))
+            for cls, verb, answer in (
+                (ListParameters, "list_parameters", self._list),
+                (GetParameters, "get_parameters", self._get),
+                (GetParameterTypes, "get_parameter_types", self._types),
+                (DescribeParameters, "describe_parameters", self._describe),
+                (SetParameters, "set_parameters", self._set),
+                (SetParametersAtomically, "set_parameters_atomically", self._set_atomically),
+            )
+        ]
+        self._made = node.lifetime()
+        self._made.follow(name, self._look_soon, group=Outside())
+
+    def _beside(self, answer: Callable[[Any], Any]) -> Callable[[Any, Callable[[Any], None]], None]:
+        """Return what answers in a thread of its own: it waits for the node."""
+
+        def work(request: Any, send: Callable[[Any], None]) -> None:
+            try:
+                send(answer(request))
+            except Unreadable as error:  # ROS 2 knows no error of a service: there is no answer
+                rospy.logwarn_throttle(1.0, f"the parameters of {self._name} are not told: {error}")
+
+        return lambda *given: threading.Thread(target=work, args=given, daemon=True).start()
+
+    def _list(self, request: Any) -> Any:
+        names, prefixes = listed(list(self._source.read()), request.prefixes, request.depth)
+        result = ListParametersResult(names=names, prefixes=prefixes)
+        return ListParameters.Response(result=result)
+
+    def _found(self, names: List[str]) -> List[Parameter]:
+        """Return the named parameters, none at all where one is unknown: so does rclpy."""
+        known = self._source.read()
+        return [known[name] for name in names] if set(names) <= set(known) else []
+
+    def _get(self, request: Any) -> Any:
+        found = self._found(request.names)
+        values = [messages.to_message(one.value, one.kind) for one in found]
+        return GetParameters.Response(values=values)
+
+    def _types(self, request: Any) -> Any:
+        return GetParameterTypes.Response(types=[one.kind for one in self._found(request.names)])
+
+    def _describe(self, request: Any) -> Any:
+        descriptors = [
+            messages.descriptor(name, one.entry)
+            if one.entry is not None
+            else ParameterDescriptor(name=name, type=one.kind, dynamic_typing=True)
+            for name, one in zip(request.names, self._found(request.names))
+        ]
+        return DescribeParameters.Response(descriptors=descriptors)
+
+    def _set(self, request: Any) -> Any:
+        results = [self._change([one]) for one in request.parameters]
+        return SetParameters.Response(results=results)
+
+    def _set_atomically(self, request: Any) -> Any:
+        return SetParametersAtomically.Response(result=self._change(request.parameters))
+
+    def _change(self, parameters: List[Any]) -> SetParametersResult:
+        """Have the node take all of some values, or none."""
+        values = {one.name: messages.to_plain(one.value) for one in parameters}
+        reasons = [reason for reason in (unfit(*item) for item in values.items()) if reason]
+        reason = "; ".join(reasons) or self._source.change(values)
+        if not reason:
+            self._look()
+        return SetParametersResult(successful=not reason, reason=reason)
+
+    def _look_soon(self, tree: Any) -> None:
+        """Look what has changed, in a thread of its own, and once more where that is under way.
+
+        :param tree: what the server holds now
+        """
+        with self._lock:
+            self._server = flat(tree) if isinstance(tree, dict) else {}
+            self._again = True
+            if self._is_looking:
+                return
+            self._is_looking = True
+        threading.Thread(target=self._look_until_done, daemon=True).start()
+
+    def _look_until_done(self) -> None:
+        looks = 0
+        while True:
+            with self._lock:
+                looks = 0 if self._again else looks
+                self._again = False
+            in_force = self._look()
+            looks += 1
+            with self._lock:
+                # The node judges what was set on the server in its own time.
+                behind = looks < _MOST_LOOKS and differs(self._server, in_force)
+                if not (behind or self._again):
+                    self._is_looking = False
+                    return
+            time.sleep(_PAUSE_S)
+
+    def _look(self) -> Dict[str, Any]:
+        """Tell others what has changed in force; of what is refused they hear nothing.
+
+        :returns: the values in force
+        """
+        try:
+            read = self._source.read()
+        except Unreadable:
+            return {}  # it has just ended, or does so
+        now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
+        with self._lock:
+            parts = changes(self._known, now)
+            is_first, self._known, self._is_known = not self._is_known, now, True
+        if any(parts) and not is_first:
+            stamp = self._clock.now().to_msg()
+            self._tell(messages.event(self._name, stamp, *parts))
+        return {name: one.value for name, one in read.items()}
+
+    def close(self) -> None:
+        """End it."""
+        self._made.close()
+        for end in self._ends:
+            end()

@@ -1,0 +1,11 @@
+"""ROS 1's classes that the bridge itself uses, under names that ROS 2's cannot take away.
+
+Imported while these names are still ROS 1's: see :mod:`ros2_bridge.side_by_side`.
+"""
+
+from nodekit_msgs.srv import SetParameters
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+__all__ = ["Log", "SetParameters", "String", "Trigger"]

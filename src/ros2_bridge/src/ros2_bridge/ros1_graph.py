@@ -1,0 +1,48 @@
+"""What others have in ROS 1: nodes, topics and services."""
+
+from typing import Dict, NamedTuple, Set
+
+from nodekit import MasterUnreachable
+from nodekit.live.master import MasterClient, Registrations
+
+
+class Ros1Graph(NamedTuple):
+    """One look at the graph, without the bridge itself.
+
+    :param publishers, subscribers: names of nodes by topic
+    :param types: of topics, by topic
+    :param services: name of the node by service
+    :param master_pid: process id of the master: another one has forgotten everything
+    """
+
+    publishers: Dict[str, Set[str]]
+    subscribers: Dict[str, Set[str]]
+    types: Dict[str, str]
+    services: Dict[str, str]
+    master_pid: int
+
+    def nodes(self) -> Set[str]:
+        """Return the names of all nodes that publish, subscribe or serve."""
+        by_topic = (*self.publishers.values(), *self.subscribers.values())
+        return {*self.services.values(), *(node for nodes in by_topic for node in nodes)}
+
+
+def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
+    """Ask the master, all in one request: while nothing changes, its answer need not be parsed.
+
+    :param client: asks it, and nothing else
+    :param own: names of nodes that are the bridge's
+    :raises MasterUnreachable: if it does not answer
+    """
+
+    def others(part: Registrations) -> Dict[str, Set[str]]:
+        found = {name: set(nodes) - own for name, nodes in part}
+        return {name: nodes for name, nodes in found.items() if nodes}
+
+    state, types, pid = client.request([("getSystemState",), ("getTopicTypes",), ("getPid",)])
+    try:
+        publishers, subscribers, services = map(others, state[2])
+        servers = {name: min(nodes) for name, nodes in services.items()}
+        return Ros1Graph(publishers, subscribers, dict(types[2]), servers, pid[2])
+    except (TypeError, ValueError):
+        raise MasterUnreachable(f"no answer of a master: {state!r:.80}") from None

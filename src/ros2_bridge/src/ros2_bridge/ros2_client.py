@@ -1,0 +1,65 @@
+"""Calls services of ROS 2, with a time-out."""
+
+import threading
+from typing import Any, Callable, Dict, List
+
+
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+
+from ros2_bridge.ros2_side import Ros2
+
+
+class NoAnswer(Exception):
+    """A service of ROS 2 that does not answer; the text says which, and why."""
+
+
+class Ros2Client:
+    """Calls one service of ROS 2, from any number of threads at a time.
+
+    :param side: the bridge in ROS 2
+    :param cls: class of the service
+    :param name: of the service
+    """
+
+    def __init__(self, side: Ros2, cls: Any, name: str) -> None:
+        self._cls, self._name = cls, name
+        self._lock = threading.Lock()
+        self._waiting: Dict[int, Callable[[Any], None]] = {}
+        self._client, self.close = side.client(cls, name, self._take)
+
+    def call(self, request: Any, timeout: float) -> Any:
+        """Call the service and wait for the answer.
+
+        :param timeout: longest wait, s
+        :raises NoAnswer: if nobody offers it, or does not answer in time
+        """
+        answers: List[Any] = []
+        came = threading.Event()
+
+        def take(answer: Any) -> None:
+            answers.append(answer)
+            came.set()
+
+        try:
+            if not self._client.service_is_ready():
+                raise NoAnswer(f"nobody in ROS 2 offers {self._name}")
+            with self._lock:  # or the answer could come before it is waited for
+                number = self._client.handle.send_request(request)
+                self._waiting[number] = take
+        except _rclpy.InvalidHandle:
+            raise NoAnswer(f"{self._name} in ROS 2 is not called any more") from None
+        if not came.wait(timeout):
+            with self._lock:
+                self._waiting.pop(number, None)
+            raise NoAnswer(f"{self._name} in ROS 2: no answer within {timeout:g} s")
+        return answers[0]
+
+    def _take(self, most: int) -> None:
+        for _ in range(most):
+            header, answer = self._client.handle.take_response(self._cls.Response)
+            if header is None:
+                break
+            with self._lock:
+                take = self._waiting.pop(header.request_id.sequence_number, None)
+            if take is not None:
+                take(answer)

@@ -1,0 +1,87 @@
+"""What others have in ROS 2: nodes, topics and services."""
+
+from typing import Any, Dict, List, NamedTuple, Set, Tuple
+
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from ros2_bridge.ros2_side import Ros2
+
+
+class Topic(NamedTuple):
+    """A topic as other participants use it.
+
+    :param types: ``package/msg/Name`` of each of its publishers
+    :param publishers: global names of the publishing nodes
+    :param subscribers: global names of the subscribing nodes
+    :param latched: whether all publishers keep messages for those who come later
+    :param best_effort: whether one of the publishers may lose messages
+    """
+
+    types: Set[str]
+    publishers: Set[str]
+    subscribers: Set[str]
+    latched: bool
+    best_effort: bool
+
+
+class Ros2Graph:
+    """Looks at the graph.
+
+    :param side: the bridge in ROS 2, which is left out of all answers
+    """
+
+    def __init__(self, side: Ros2) -> None:
+        self._side = side
+
+    def topics(self) -> Dict[str, Topic]:
+        """Return the topics that others use."""
+        found = {}
+        for name, _ in self._side.node.get_topic_names_and_types():
+            if self._side.is_alone_with(name):
+                continue
+            publishers = self._others(self._side.node.get_publishers_info_by_topic(name))
+            subscribers = self._others(self._side.node.get_subscriptions_info_by_topic(name))
+            if not publishers and not subscribers:
+                continue
+            durabilities = {each.qos_profile.durability for each in publishers}
+            reliabilities = {each.qos_profile.reliability for each in publishers}
+            found[name] = Topic(
+                {each.topic_type for each in publishers or subscribers},
+                set(map(_full_name, publishers)),
+                set(map(_full_name, subscribers)),
+                durabilities == {DurabilityPolicy.TRANSIENT_LOCAL},
+                ReliabilityPolicy.BEST_EFFORT in reliabilities,
+            )
+        return found
+
+    def _others(self, endpoints: List[Any]) -> List[Any]:
+        return [one for one in endpoints if not self._side.is_ours(bytes(one.endpoint_gid))]
+
+    def nodes(self) -> Set[str]:
+        """Return the names of the nodes that are not ours."""
+        names = self._side.node.get_node_names_and_namespaces()
+        found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
+        return {name for name in found if not _is_hidden(name)} - self._side.own_names
+
+    def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:
+        """Return type and node of each service that some nodes offer."""
+        found = {}
+        for node in nodes:
+            namespace, _, base = node.rpartition("/")
+            try:
+                offered = self._side.node.get_service_names_and_types_by_node(
+                    base, namespace or "/"
+                )
+            except Exception:  # rclpy's own, where the node has just gone
+                continue
+            for name, types in offered:
+                found[name] = (types[0], node)
+        return found
+
+
+def _full_name(endpoint: Any) -> str:
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+
+
+def _is_hidden(name: str) -> bool:
+    return any(part.startswith("_") for part in name.split("/"))

@@ -1,0 +1,212 @@
+"""The bridge as ROS 2 sees it: one participant with many nodes."""
+
+import collections
+import os
+import threading
+import uuid
+from functools import partial
+from typing import Any, Callable, Counter, List, Set, Tuple
+
+import rclpy
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from ros2_bridge.settings import Quality
+from ros2_bridge.wait_loop import Source, WaitLoop
+
+#: Of the 16 bytes that name an endpoint those that name its participant.
+_PARTICIPANT = 12
+
+
+def _profile(quality: Quality) -> QoSProfile:
+    """Return a quality of service as rclpy has it."""
+    kept, lost = DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.BEST_EFFORT
+    return QoSProfile(
+        depth=quality.depth,
+        durability=kept if quality.latched else DurabilityPolicy.VOLATILE,
+        reliability=lost if quality.best_effort else ReliabilityPolicy.RELIABLE,
+    )
+
+
+def domain() -> int:
+    """Return the number of ROS 2's domain."""
+    return int(os.environ.get("ROS_DOMAIN_ID") or 0)
+
+
+class Ros2:
+    """Makes and destroys what the bridge has in ROS 2; may be used from several threads.
+
+    :param name: global name of the bridge's own node
+    """
+
+    def __init__(self, name: str) -> None:
+        self.context = Context()
+        rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
+        self._lock = threading.RLock()
+        self.own_names: Set[str] = set()
+        #: How many publishers and subscriptions of each topic are ours.
+        self._published: "Counter[str]" = collections.Counter()
+        self._heard: "Counter[str]" = collections.Counter()
+        self.node = self.make_node(name)
+        self.messages = WaitLoop(self.context, "messages from ROS 2")
+        self.calls = WaitLoop(self.context, "calls from ROS 2")
+        self.participant = self._find_participant()
+
+    def _find_participant(self) -> bytes:
+        """Return what the names of all our endpoints begin with.
+
+        A topic that nobody else can have tells: under our node's name, another bridge may still be
+        seen that was killed.
+        """
+        topic = f"_{uuid.uuid4().hex}"
+        publisher = self.node.create_publisher(ParameterEvent, topic, 1)
+        (own,) = self.node.get_publishers_info_by_topic(publisher.topic_name)
+        self.node.destroy_publisher(publisher)
+        return bytes(own.endpoint_gid)[:_PARTICIPANT]
+
+    def make_node(self, name: str) -> Node:
+        """Make a node without parameters, services and a log of its own."""
+        namespace, _, base = name.rpartition("/")
+        quiet = [Parameter("start_type_description_service", value=False)]
+        with self._lock:
+            node = Node(
+                base,
+                context=self.context,
+                namespace=namespace or "/",
+                use_global_arguments=False,
+                enable_rosout=False,
+                start_parameter_services=False,
+                parameter_overrides=quiet,
+            )
+            self.own_names.add(name)
+        return node
+
+    def destroy_node(self, name: str, node: Node) -> None:
+        """Destroy a node; what it had was removed before."""
+
+        def destroy() -> None:
+            with self._lock:
+                node.destroy_node()
+                self.own_names.discard(name)
+
+        self.calls.remove(Source("none", node, lambda _: None), destroy)
+
+    def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
+        """Publish a topic: ``publish`` of what is returned takes bytes."""
+        with self._lock:
+            self._published[topic] += 1
+            return self.node.create_publisher(cls, topic, _profile(quality))
+
+    def destroy_publisher(self, publisher: Any) -> None:
+        """Publish a topic no longer."""
+        with self._lock:
+            self._published[publisher.topic_name] -= 1
+            self.node.destroy_publisher(publisher)
+
+    def subscribe(
+        self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Any]], None]
+    ) -> Callable[[], None]:
+        """Hear a topic.
+
+        :param receive: called with what has arrived, each message as bytes, what is known of it
+        :returns: what ends it
+        """
+        with self._lock:
+            self._heard[topic] += 1
+            subscription = self.node.create_subscription(
+                cls, topic, lambda message: None, _profile(quality), raw=True
+            )
+        handle = subscription.handle
+
+        def take(most: int) -> None:
+            messages: List[Any] = []
+            while len(messages) < most:
+                message = handle.take_message(cls, True)
+                if message is None:
+                    break
+                messages.append(message)
+            receive(messages)
+
+        source = Source("subscription", subscription, take)
+        self.messages.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                self._heard[topic] -= 1
+                self.node.destroy_subscription(subscription)
+
+        return lambda: self.messages.remove(source, destroy)
+
+    def serve(
+        self, node: Node, cls: Any, name: str, answer: Callable[[Any, Callable[[Any], None]], None]
+    ) -> Callable[[], None]:
+        """Offer a service.
+
+        :param node: whose it is
+        :param answer: called in the loop's thread with the request and what sends the answer, once
+            and from any thread
+        :returns: what ends it
+        """
+        with self._lock:
+            service = node.create_service(cls, name, lambda request, response: response)
+
+        def take(most: int) -> None:
+            for _ in range(most):
+                request, header = service.handle.service_take_request(cls.Request)
+                if header is None:
+                    break
+                answer(request, partial(_send, service, header))
+
+        source = Source("service", service, take)
+        self.calls.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                node.destroy_service(service)
+
+        return lambda: self.calls.remove(source, destroy)
+
+    def client(
+        self, cls: Any, name: str, take: Callable[[int], None]
+    ) -> Tuple[Any, Callable[[], None]]:
+        """Make what calls a service.
+
+        :param take: takes answers that have arrived; called in the loop's thread
+        :returns: rclpy's client, and what ends it
+        """
+        with self._lock:
+            client = self.node.create_client(cls, name)
+        source = Source("client", client, take)
+        self.calls.add(source)
+
+        def destroy() -> None:
+            with self._lock:
+                self.node.destroy_client(client)
+
+        return client, lambda: self.calls.remove(source, destroy)
+
+    def close(self) -> None:
+        """End everything."""
+        self.messages.close()
+        self.calls.close()
+        with self._lock:
+            rclpy.shutdown(context=self.context)
+
+    def is_alone_with(self, topic: str) -> bool:
+        """Tell quickly whether nobody else has anything to do with a topic."""
+        return bool(
+            self.node.count_publishers(topic) == self._published[topic]
+            and self.node.count_subscribers(topic) == self._heard[topic]
+        )
+
+    def is_ours(self, gid: bytes) -> bool:
+        """Tell whether the endpoint of this name is one of our own."""
+        return gid.startswith(self.participant)
+
+
+def _send(service: Any, header: Any, response: Any) -> None:
+    service.send_response(response, header)

@@ -1,0 +1,53 @@
+"""The log of ROS 1's nodes, in ROS 2's."""
+
+from typing import Any
+
+from rcl_interfaces.msg import Log
+
+from nodekit import Node
+from nodekit.execution.groups import Outside
+from ros2_bridge import ros1
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.settings import Quality
+
+TOPIC = "/rosout"
+#: ROS 2's levels by ROS 1's.
+_LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
+
+
+class Rosout:
+    """Passes lines of the log on, under the names of their nodes, while somebody reads them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    """
+
+    def __init__(self, node: Node, side: Ros2) -> None:
+        self._node = node
+        self._publisher = side.publisher(Log, TOPIC, Quality(1000, latched=True))
+        self._hearing: Any = None
+
+    def look(self, is_read: bool) -> None:
+        """Hear the log, or no longer.
+
+        :param is_read: whether somebody reads it in ROS 2
+        """
+        if is_read and self._hearing is None:
+            self._hearing = self._node.lifetime()
+            self._hearing.subscribe(TOPIC, ros1.Log, self._forward, group=Outside())
+        elif not is_read and self._hearing is not None:
+            self._hearing.close()
+            self._hearing = None
+
+    def _forward(self, line: Any) -> None:
+        log = Log(
+            level=_LEVELS.get(line.level, Log.INFO),
+            # ROS 2 writes names of loggers with dots.
+            name=line.name.strip("/").replace("/", "."),
+            msg=line.msg,
+            file=line.file,
+            function=line.function,
+            line=line.line,
+        )
+        log.stamp.sec, log.stamp.nanosec = line.header.stamp.secs, line.header.stamp.nsecs
+        self._publisher.publish(log)

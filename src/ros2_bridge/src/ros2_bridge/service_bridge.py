@@ -1,0 +1,87 @@
+"""All services: finds those that others offer, and bridges them until they go."""
+
+from typing import Callable, Dict, Set, Tuple, Union
+
+from rclpy.node import Node as Ros2Node
+
+from nodekit import Node
+from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
+from ros2_bridge.ros1_graph import Ros1Graph
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.service_types import ServiceTypes
+from ros2_bridge.services import ServiceToRos1, ServiceToRos2
+from ros2_bridge.telling import Telling
+from ros2_bridge.topic_bridge import LOOKS
+from ros2_bridge.types import Types, Unbridgeable
+
+
+class ServiceBridge:
+    """Keeps the pairs of services as both graphs want them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param timeout: returns the longest wait for an answer, s
+    """
+
+    def __init__(
+        self, node: Node, side: Ros2, types: Types, telling: Telling, timeout: Callable[[], float]
+    ) -> None:
+        self._node, self._side, self._types, self._telling = node, side, types, telling
+        self._timeout = timeout
+        self.pairs: Dict[Way, Union[ServiceToRos1, ServiceToRos2]] = {}
+        self._patience: Patience[Way] = Patience(LOOKS)
+        self._asked = ServiceTypes()
+
+    def look(
+        self,
+        rules: Rules,
+        ros1: Ros1Graph,
+        ros2: Dict[str, Tuple[str, str]],
+        homes: Dict[str, Ros2Node],
+    ) -> None:
+        """Begin and end what this look at both graphs asks for.
+
+        :param ros2: type and node of each service of ROS 2
+        :param homes: the nodes of ROS 1 that appear in ROS 2
+        """
+        in_ros1 = set(ros1.services) - described(set(ros1.services))
+        in_ros2 = {name for name, (kind, _) in ros2.items() if not kind.startswith(OWN_WAYS)}
+        self._asked.forget(in_ros1)
+        # A name that both sides have is not called for the other.
+        ways = wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1)
+        for way in self._patience.gone(self.pairs, ways):
+            self.pairs.pop(way).close()
+        for way in ways:
+            home = homes.get(ros1.services.get(way.name, ""), self._side.node)
+            pair = self.pairs.get(way)
+            if isinstance(pair, ServiceToRos2) and pair.home is not home:
+                self.pairs.pop(way).close()  # its node appears in ROS 2 only now, or no longer
+            if way not in self.pairs:
+                self._begin(way, home, ros2)
+
+    def _begin(self, way: Way, home: Ros2Node, ros2: Dict[str, Tuple[str, str]]) -> None:
+        try:
+            if way.to_ros2:
+                kind = self._asked.of(way.name)
+                if kind is not None and not kind.startswith(OWN_WAYS):
+                    found = self._types.service(kind)
+                    self.pairs[way] = ServiceToRos2(
+                        self._node, self._side, home, way.name, found, self._timeout
+                    )
+            else:
+                found = self._types.service(self._types.ros1_name(ros2[way.name][0]))
+                self.pairs[way] = ServiceToRos1(
+                    self._node, self._side, way.name, found, self._timeout
+                )
+        except Unbridgeable as reason:
+            self._telling.say(str(reason))
+
+
+def described(services: Set[str]) -> Set[str]:
+    """Return those by which nodes made with nodekit tell and change their parameters.
+
+    ROS 2 has its own for that.
+    """
+    spaces = {name.rpartition("/")[0] for name in services if name.endswith("/describe")}
+    both = {space for space in spaces if f"{space}/change" in services}
+    return {f"{space}/{name}" for space in both for name in ("describe", "change")}

@@ -1,0 +1,46 @@
+"""Of which type the services of ROS 1 are: their servers tell, each when it is asked."""
+
+import threading
+from typing import Dict, Optional, Set
+
+from nodekit.life.server import CallError, Server
+from nodekit.transport.service_call import ServiceCall
+
+#: Longest wait for a server, s, and most servers that are asked at once.
+_TIMEOUT_S, _MOST = 2.0, 8
+
+
+class ServiceTypes:
+    """Asks the servers, each in a thread of its own, so that one that hangs keeps nobody."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._asked: Set[str] = set()
+        self._found: Dict[str, str] = {}
+
+    def of(self, name: str) -> Optional[str]:
+        """Return the type of a service, None where it is not known yet: then it is asked for."""
+        with self._lock:
+            if name in self._found:
+                return self._found[name]
+            if name in self._asked or len(self._asked) >= _MOST:
+                return None
+            self._asked.add(name)
+        threading.Thread(target=self._ask, args=(name,), daemon=True).start()
+        return None
+
+    def forget(self, there: Set[str]) -> None:
+        """Forget all services but these."""
+        with self._lock:
+            self._found = {name: kind for name, kind in self._found.items() if name in there}
+
+    def _ask(self, name: str) -> None:
+        call = ServiceCall(_TIMEOUT_S)
+        try:
+            Server(name, None).look(call)
+        except CallError:
+            pass  # it is asked again at the next look
+        with self._lock:
+            self._asked.discard(name)
+            if "type" in call.said:
+                self._found[name] = call.said["type"]

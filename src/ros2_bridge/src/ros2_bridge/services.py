@@ -1,0 +1,113 @@
+"""One service, one way."""
+
+import threading
+from typing import Any, Callable
+
+import rospy
+from rclpy.node import Node as Ros2Node
+from rclpy.serialization import deserialize_message, serialize_message
+
+from nodekit import CallError, Node
+from nodekit.execution.groups import Outside
+from ros2_bridge.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.steps import ConversionError
+from ros2_bridge.types import ServiceType
+
+#: Fields in which services tell, by convention, that they have failed and why.
+_WHY = ("message", "status_message", "reason")
+
+
+class ServiceToRos2:
+    """A service of ROS 1, offered in ROS 2.
+
+    ROS 2 has no errors of services. Where an answer has ``success`` and ``message``, an error is
+    told there; otherwise there is no answer, as where a server has died, and a line in the log.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param home: node of ROS 2 that offers it
+    :param timeout: returns the longest wait, s
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        home: Ros2Node,
+        name: str,
+        kind: ServiceType,
+        timeout: Callable[[], float],
+    ) -> None:
+        self.home = home
+        self._name, self._kind, self._timeout = name, kind, timeout
+        self._made = node.lifetime()
+        self._client = self._made.client(name, kind.raw, group=Outside())
+        self._end = side.serve(home, kind.cls, name, self._answer)
+
+    def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
+        """Have the service called in a thread of its own: this one is everybody's."""
+        try:
+            raw = self._kind.raw._request_class()
+            raw._buff = self._kind.request.to_ros1(serialize_message(request))
+            future = self._client.call_async(raw, self._timeout())
+        except (CallError, ConversionError) as error:
+            self._fail(send, str(error))
+            return
+        threading.Thread(target=self._wait, args=(future, send), daemon=True).start()
+
+    def _wait(self, future: Any, send: Callable[[Any], None]) -> None:
+        try:
+            cdr = self._kind.response.to_cdr(future.result()._buff)
+        except (CallError, ConversionError) as error:
+            self._fail(send, str(error))
+        else:
+            send(deserialize_message(cdr, self._kind.cls.Response))
+
+    def _fail(self, send: Callable[[Any], None], why: str) -> None:
+        answer = self._kind.cls.Response()
+        fields = answer.get_fields_and_field_types()
+        reason = [name for name in _WHY if fields.get(name) == "string"]
+        if fields.get("success") == "boolean" and reason:
+            setattr(answer, reason[0], why)
+            send(answer)
+        else:
+            rospy.logwarn_throttle(1.0, f"no answer in ROS 2: {why}")
+
+    def close(self) -> None:
+        """End it."""
+        self._end()
+        self._made.close()
+
+
+class ServiceToRos1:
+    """A service of ROS 2, offered in ROS 1; without an answer in time the caller gets an error.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param timeout: returns the longest wait, s
+    """
+
+    def __init__(
+        self, node: Node, side: Ros2, name: str, kind: ServiceType, timeout: Callable[[], float]
+    ) -> None:
+        self._kind, self._timeout = kind, timeout
+        self._client = Ros2Client(side, kind.cls, name)
+        self._made = node.lifetime()
+        self._made.service(name, kind.raw, self._answer, group=Outside())
+
+    def _answer(self, request: Any) -> Any:
+        try:
+            cdr = self._kind.request.to_cdr(request._buff)
+            asked = deserialize_message(cdr, self._kind.cls.Request)
+            answer = self._client.call(asked, self._timeout())
+            raw = self._kind.raw._response_class()
+            raw._buff = self._kind.response.to_ros1(serialize_message(answer))
+        except (NoAnswer, ConversionError) as error:
+            raise rospy.ServiceException(str(error)) from None
+        return raw
+
+    def close(self) -> None:
+        """End it."""
+        self._made.close()
+        self._client.close()

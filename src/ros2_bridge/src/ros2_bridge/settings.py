@@ -1,0 +1,123 @@
+"""What the user can choose: parameters, and qualities of service."""
+
+import fnmatch
+from typing import Any, List, Mapping, NamedTuple
+
+from nodekit import (
+    BoolParameter,
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterError,
+    ParameterSet,
+    StringParameter,
+)
+from ros2_bridge.pairing import Rules
+
+
+class BridgeParameters(ParameterSet):
+    """The parameters of the bridge."""
+
+    direction = EnumParameter(
+        "both", choices=("both", "to_ros2", "to_ros1"), help="which way topics and services go"
+    )
+    allow = ListParameter(
+        ("*",),
+        element=StringParameter("", help="a pattern"),
+        help="patterns of topics and services that are bridged",
+    )
+    deny = ListParameter(
+        (),
+        element=StringParameter("", help="a pattern"),
+        help="patterns of topics and services that are not",
+    )
+    parameters = BoolParameter(True, help="whether parameters are bridged")
+    depth = IntParameter(
+        1000, minimum=1, maximum=100_000, help="how many messages of a topic ROS 2 keeps in a burst"
+    )
+    max_nodes = IntParameter(
+        100, minimum=0, maximum=1000, help="most nodes of ROS 1 that appear in ROS 2"
+    )
+    service_timeout = FloatParameter(
+        5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for the answer of a service"
+    )
+
+    def openings(self) -> Rules:
+        """Return what may be bridged."""
+        to_ros2, to_ros1 = self.direction != "to_ros1", self.direction != "to_ros2"
+        return Rules(to_ros2, to_ros1, self.allow, self.deny)
+
+
+class Quality(NamedTuple):
+    """The quality of service of a topic in ROS 2.
+
+    :param depth: how many messages are kept
+    :param latched: whether they are kept for those who come later too
+    :param best_effort: whether messages may be lost
+    """
+
+    depth: int
+    latched: bool = False
+    best_effort: bool = False
+
+
+class Qualities:
+    """The quality of service of each topic: the user's, or one that fits what others publish.
+
+    :param depth: how many messages are kept where the user does not say
+    :param chosen: a list of mappings, each a pattern of topics, ``topic``, and what is chosen of
+        ``depth``, ``reliability`` and ``durability``. (The server of parameters takes no slash in a
+        name, so topics cannot be the keys of a mapping.)
+    :raises ParameterError: if it makes no sense
+    """
+
+    #: What each may be, in ROS 2's own words.
+    ALLOWED = {
+        "reliability": ("reliable", "best_effort"),
+        "durability": ("volatile", "transient_local"),
+    }
+
+    def __init__(self, depth: int, chosen: Any) -> None:
+        self._depth = depth
+        self._chosen: List[Mapping[str, Any]] = []
+        for choice in [] if chosen is None else chosen if isinstance(chosen, list) else [chosen]:
+            if not isinstance(choice, dict) or not isinstance(choice.get("topic"), str):
+                raise ParameterError("qos", choice, "a list of mappings, each with a topic")
+            for name, value in choice.items():
+                _judge(choice["topic"], name, value)
+            self._chosen.append(choice)
+
+    def of(
+        self,
+        topic: str,
+        latched: bool = False,
+        best_effort: bool = False,
+        at_least: int = 0,
+    ) -> Quality:
+        """Return the quality of a topic.
+
+        :param latched: whether messages are kept for those who come later, unless the user says
+        :param best_effort: whether messages may be lost, unless the user says
+        :param at_least: how many messages are kept where it is latched
+        """
+        found = [one for one in self._chosen if fnmatch.fnmatchcase(topic, one["topic"])]
+        choice = found[0] if found else {}
+        if "durability" in choice:
+            latched = choice["durability"] == "transient_local"
+        if "reliability" in choice:
+            best_effort = choice["reliability"] == "best_effort"
+        depth = max(1, at_least) if at_least else self._depth
+        return Quality(int(choice.get("depth", depth)), latched, best_effort)
+
+
+def _judge(topic: str, name: str, value: Any) -> None:
+    allowed = Qualities.ALLOWED.get(name)
+    if allowed is not None:
+        is_good, words = value in allowed, f"one of {', '.join(allowed)}"
+    elif name == "depth":
+        is_good, words = type(value) is int and 1 <= value <= 100_000, "1 to 100000"
+    else:
+        is_good, words = name == "topic", "made of topic, depth, reliability and durability"
+    if not is_good:
+        raise ParameterError(f"qos of {topic}, {name}", value, words)

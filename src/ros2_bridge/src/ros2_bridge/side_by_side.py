@@ -1,0 +1,42 @@
+"""rospy and rclpy in one process, though both bring packages called std_msgs.
+
+What ROS 1 needs is imported first and then taken out of Python's list of modules: what is loaded
+keeps its references. From then on such a name is ROS 2's. ROS 1's other types are read from their
+files, not imported.
+"""
+
+import importlib
+import os
+import pathlib
+import sys
+
+from nodekit.entry_point import import_ros
+
+#: The parts of nodekit that the bridge uses. All of them are imported before rclpy: one that came
+#: later would find ROS 2's std_srvs.
+_NODEKIT = (
+    *("nodekit.life.server", "nodekit.live.master", "nodekit.live.watcher", "nodekit.node"),
+    *("nodekit.parameters.schema", "nodekit.process.run", "nodekit.rospy_internals.shutdown"),
+    *("nodekit.live.following", "nodekit.live.live_parameters", "nodekit.messaging.publisher"),
+    *("nodekit.life.clients", "nodekit.parameters.number_kinds"),
+)
+
+
+def join() -> None:
+    """Import ROS 1, then make way for ROS 2.
+
+    To be called first of all, by the environment's Python with ROS 1's packages in PYTHONPATH.
+    """
+    import_ros()
+    for name in ("rospy", "genmsg", "rospkg", "ros2_bridge.ros1", *_NODEKIT):
+        importlib.import_module(name)
+    index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
+    clashing = set(os.listdir(str(index / "rosidl_interfaces")))
+    for name in list(sys.modules):
+        if name.partition(".")[0] in clashing:
+            del sys.modules[name]
+    given = [place for place in os.environ.get("PYTHONPATH", "").split(":") if place]
+    sys.path[:] = [place for place in sys.path if place not in given] + given
+    # rclpy writes its log there where there is no HOME.
+    if "HOME" not in os.environ:
+        os.environ.setdefault("ROS_LOG_DIR", os.path.join(os.sep, "tmp", "ros2_bridge"))

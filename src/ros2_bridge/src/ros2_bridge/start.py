@@ -1,0 +1,65 @@
+"""The first lines of the bridge's process: into the environment with ROS 2, with ROS 1 in hand."""
+
+import importlib
+import os
+import pathlib
+import sys
+from typing import List, Mapping, Optional
+
+from nodekit.process.ending import end
+
+#: Where the environment is that ./ci/ros2 has made, unless it is in build/ros2 above this file.
+VARIABLE = "ROS2_BRIDGE_ENVIRONMENT"
+#: Where Debian has ROS 1's Python packages, which a virtual environment does not see.
+DEBIAN = "/usr/lib/python3/dist-packages"
+
+
+def main(module: str) -> None:
+    """Run the ``main`` of a module with rospy and rclpy side by side.
+
+    :param module: name of the module
+    """
+    environment = find(os.environ, pathlib.Path(__file__).resolve())
+    if environment is None:
+        end(
+            f"bridge: there is no ROS 2 here: make it with ./ci/ros2, or name in {VARIABLE} an"
+            " environment that was made so"
+        )
+    if pathlib.Path(sys.prefix).resolve() != environment.resolve():
+        python = str(environment / "bin" / "python")
+        os.execve(python, [python, *sys.argv], variables(os.environ, sys.path))
+    try:
+        importlib.import_module("ros2_bridge.side_by_side").join()
+        importlib.import_module(module).main()
+    except KeyboardInterrupt:
+        end(0)  # Ctrl-C before rospy took over the signal
+
+
+def find(environ: Mapping[str, str], here: pathlib.Path) -> Optional[pathlib.Path]:
+    """Return the folder of the environment, None where there is none.
+
+    :param environ: variables
+    :param here: path of this file
+    """
+    places: List[pathlib.Path] = [parent / "build" / "ros2" for parent in here.parents]
+    if environ.get(VARIABLE):
+        places = [pathlib.Path(environ[VARIABLE])]
+    for place in places:
+        if (place / "share" / "ros2_bridge" / "names.yaml").exists():
+            return place
+    return None
+
+
+def variables(environ: Mapping[str, str], path: List[str]) -> Mapping[str, str]:
+    """Return the variables for the environment's Python.
+
+    :param environ: those of now
+    :param path: where the Python of now finds ROS 1's packages
+    """
+    ros1 = [place for place in path if place.endswith("-packages") and place != DEBIAN]
+    return {
+        # As our ROS 1 side: nodes of other machines are not seen unless that is asked for.
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        **environ,
+        "PYTHONPATH": ":".join([*ros1, DEBIAN]),
+    }

@@ -1,0 +1,205 @@
+"""How pieces of a message are converted: see :mod:`ros2_bridge.codec`.
+
+A step knows where it reads and how much was written before, and nothing else.
+"""
+
+import struct
+from typing import Any, Callable, List, Tuple, Union
+
+_LENGTH = struct.Struct("<I")
+_LETTERS = {1: "B", 2: "H", 4: "I", 8: "Q"}
+_PADDING = tuple(bytes(size) for size in range(8))
+#: Most elements of an array whose elements have no bytes in ROS 1.
+_MOST_EMPTY = 1_000_000
+
+#: Reads from the first at a place, writes to the second, returns the place behind what was read.
+Step = Callable[[Any, int, bytearray], int]
+
+
+class ConversionError(ValueError):
+    """Bytes that are no message of the type."""
+
+
+class Number:
+    """Numbers of one size, one behind the other.
+
+    :param packed, padded: how ROS 1 and ROS 2 have them, as the module struct notes it
+    :param size: bytes of one, what ROS 2 aligns them to; 1 where it has none
+    :param bytes1, bytes2: of all in ROS 1 and in ROS 2
+    """
+
+    def __init__(self, packed: str, padded: str, size: int, bytes1: int, bytes2: int) -> None:
+        self.packed, self.padded, self.size = packed, padded, size
+        self.bytes1, self.bytes2 = bytes1, bytes2
+
+
+# Zeros where there is nothing to take: a pad byte of struct is skipped, or written as zero.
+SEQ = Number("4x", "", 1, 4, 0)
+EMPTY = Number("", "x", 1, 0, 1)
+
+
+def number(size: int, count: int) -> Number:
+    # Single bytes are taken as one piece of text, which is quick however many they are.
+    note = f"{count}s" if size == 1 else f"{count}{_LETTERS[size]}"
+    return Number(note, note, size, size * count, size * count)
+
+
+#: A piece of a message: numbers, or the two steps (to CDR, to ROS 1) of what varies in size.
+Piece = Union[Number, Tuple[Step, Step]]
+
+
+def _run(numbers: List[Number]) -> Tuple[Step, Step]:
+    """Compile numbers that follow each other: where they begin decides where there is padding."""
+    packed = struct.Struct("<" + "".join(number.packed for number in numbers))
+    variants = []
+    for start in range(8):
+        notes, at = ["<"], start
+        for number in numbers:
+            gap = -at % number.size
+            notes.append("x" * gap + number.padded)
+            at += gap + number.bytes2
+        variants.append(struct.Struct("".join(notes)))
+
+    def down(source: Any, at: int, out: bytearray) -> int:
+        out += variants[len(out) & 7].pack(*packed.unpack_from(source, at))
+        return at + packed.size
+
+    def up(source: Any, at: int, out: bytearray) -> int:
+        padded = variants[at & 7]
+        out += packed.pack(*padded.unpack_from(source, at))
+        return at + padded.size
+
+    return down, up
+
+
+def _count_down(source: Any, at: int, out: bytearray) -> int:
+    out += _PADDING[-len(out) & 3] + source[at : at + 4]
+    return int(_LENGTH.unpack_from(source, at)[0])
+
+
+def _end(source: Any, at: int, size: int) -> int:
+    """Return where something ends, which must not be behind the end of all."""
+    end = at + size
+    if end > len(source):
+        raise ConversionError(f"{size} bytes are announced, and {len(source) - at} are there")
+    return end
+
+
+def text_down(source: Any, at: int, out: bytearray) -> int:
+    (size,) = _LENGTH.unpack_from(source, at)
+    end = _end(source, at + 4, size)
+    out += _PADDING[-len(out) & 3] + _LENGTH.pack(size + 1)
+    out += source[at + 4 : end]
+    out.append(0)
+    return end
+
+
+def text_up(source: Any, at: int, out: bytearray) -> int:
+    at += -at & 3
+    (size,) = _LENGTH.unpack_from(source, at)
+    end = _end(source, at + 4, size)
+    text = source[at + 4 : end - 1] if size else b""
+    out += _LENGTH.pack(len(text))
+    out += text
+    return end
+
+
+def block(size: int, numbers: int) -> Tuple[Step, Step]:
+    """Compile an array of numbers, or of messages that hold such of one size only.
+
+    :param size: of a number, bytes
+    :param numbers: in one element
+    """
+
+    def down(source: Any, at: int, out: bytearray) -> int:
+        count = _count_down(source, at, out)
+        end = _end(source, at + 4, count * numbers * size)
+        if count:
+            out += _PADDING[-len(out) % size]
+            out += source[at + 4 : end]
+        return end
+
+    def up(source: Any, at: int, out: bytearray) -> int:
+        at += -at & 3
+        (count,) = _LENGTH.unpack_from(source, at)
+        out += source[at : at + 4]
+        at += 4
+        if count:
+            at += -at % size
+        end = _end(source, at, count * numbers * size)
+        out += source[at:end]
+        return end
+
+    return down, up
+
+
+def array(element: Tuple[Step, Step], least: int) -> Tuple[Step, Step]:
+    """Compile an array of elements that are converted one by one.
+
+    :param least: bytes that one has at least in ROS 1
+    """
+    element_down, element_up = element
+
+    def judge(count: int, left: int, least: int) -> None:
+        if count * least > left or (not least and count > _MOST_EMPTY):
+            raise ConversionError(f"{count} elements are announced, and {left} bytes are there")
+
+    def down(source: Any, at: int, out: bytearray) -> int:
+        count = _count_down(source, at, out)
+        at += 4
+        judge(count, len(source) - at, least)
+        for _ in range(count):
+            at = element_down(source, at, out)
+        return at
+
+    def up(source: Any, at: int, out: bytearray) -> int:
+        at += -at & 3
+        (count,) = _LENGTH.unpack_from(source, at)
+        out += source[at : at + 4]
+        at += 4
+        judge(count, len(source) - at, 1)
+        for _ in range(count):
+            at = element_up(source, at, out)
+        return at
+
+    return down, up
+
+
+def repeated(element: Tuple[Step, Step], times: int) -> Tuple[Step, Step]:
+    def repeat(step: Step) -> Step:
+        def steps(source: Any, at: int, out: bytearray) -> int:
+            for _ in range(times):
+                at = step(source, at, out)
+            return at
+
+        return steps
+
+    return repeat(element[0]), repeat(element[1])
+
+
+def chain(pieces: List[Piece]) -> Tuple[Step, Step]:
+    """Compile pieces that follow each other."""
+    pairs: List[Tuple[Step, Step]] = []
+    numbers: List[Number] = []
+    for piece in pieces:
+        if isinstance(piece, Number):
+            numbers.append(piece)
+            continue
+        if numbers:
+            pairs.append(_run(numbers))
+            numbers = []
+        pairs.append(piece)
+    if numbers:
+        pairs.append(_run(numbers))
+    if len(pairs) == 1:
+        return pairs[0]
+
+    def follow(steps: List[Step]) -> Step:
+        def all_steps(source: Any, at: int, out: bytearray) -> int:
+            for step in steps:
+                at = step(source, at, out)
+            return at
+
+        return all_steps
+
+    return follow([down for down, _ in pairs]), follow([up for _, up in pairs])

@@ -1,0 +1,89 @@
+"""All topics: finds those that others publish, and bridges them until they go."""
+
+from typing import Dict, List, Optional, Union
+
+from nodekit import Node
+from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
+from ros2_bridge.ros1_graph import Ros1Graph
+from ros2_bridge.ros2_graph import Topic
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.settings import Qualities
+from ros2_bridge.telling import Telling
+from ros2_bridge.topics import Count, ToRos1, ToRos2
+from ros2_bridge.types import MessageType, Types, Unbridgeable
+
+#: How many looks a topic may be missing until it is bridged no longer.
+LOOKS = 4
+
+
+class TopicBridge:
+    """Keeps the pairs of topics as both graphs want them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    """
+
+    def __init__(
+        self, node: Node, side: Ros2, types: Types, qualities: Qualities, telling: Telling
+    ) -> None:
+        self._node, self._side, self._types = node, side, types
+        self._qualities, self._telling = qualities, telling
+        self.pairs: Dict[Way, Union[ToRos1, ToRos2]] = {}
+        self._patience: Patience[Way] = Patience(LOOKS)
+
+    def look(self, rules: Rules, ros1: Ros1Graph, ros2: Dict[str, Topic]) -> None:
+        """Begin and end what this look at both graphs asks for."""
+        published2 = {name for name, topic in ros2.items() if topic.publishers}
+        ways = wanted(rules, set(ros1.publishers), published2)
+        for way in self._patience.gone(self.pairs, ways):
+            self.pairs.pop(way).close()
+        for way in ways:
+            found = ros2.get(way.name)
+            pair = self.pairs.get(way)
+            if isinstance(pair, ToRos1) and found is not None and not pair.is_still(found):
+                self.pairs.pop(way).close()
+                pair = None
+            if pair is None:
+                self._begin(way, ros1.types.get(way.name), found)
+        for way, pair in self.pairs.items():
+            if isinstance(pair, ToRos2):
+                found = ros2.get(way.name)
+                pair.look(found is not None and bool(found.subscribers))
+            else:
+                pair.look()
+
+    def _begin(self, way: Way, type1: Optional[str], found: Optional[Topic]) -> None:
+        try:
+            kind = self._kind(way, type1, found)
+        except Unbridgeable as reason:
+            self._telling.say(str(reason))
+            return
+        if kind is None:
+            return
+        if way.to_ros2:
+            self.pairs[way] = ToRos2(self._node, self._side, way.name, kind, self._qualities)
+        elif found is not None:
+            self.pairs[way] = ToRos1(self._node, self._side, way.name, kind, self._qualities, found)
+
+    def _kind(
+        self, way: Way, type1: Optional[str], found: Optional[Topic]
+    ) -> Optional[MessageType]:
+        """Return the type of a topic, None where nobody tells it, or each ROS has it for itself.
+
+        :raises Unbridgeable: if it is not one for both sides
+        """
+        known = None if type1 in (None, "*") else str(type1)
+        if way.to_ros2 and known is None:
+            return None
+        types = found.types if found is not None else set()
+        if any(name.startswith(OWN_WAYS) for name in (known or "", *types)):
+            return None
+        names: List[str] = sorted({self._types.ros1_name(name) for name in types})
+        if len({*names, *([known] if known else [])}) > 1:
+            used = ", ".join([*([f"{known} in ROS 1"] if known else []), *sorted(types)])
+            raise Unbridgeable(f"{way.name}, which is used with several types: {used}")
+        return self._types.message(known or names[0])
+
+    def counts(self) -> Dict[Way, Count]:
+        """Return how much has gone through each pair."""
+        return {way: pair.count for way, pair in list(self.pairs.items())}

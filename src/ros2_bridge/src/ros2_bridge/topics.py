@@ -1,0 +1,188 @@
+"""One topic, one way. What the other side does not listen to is not fetched."""
+
+import contextlib
+import threading
+from typing import Any, Callable, Dict, List, Optional
+
+import rospy
+
+from nodekit import Node
+from nodekit.execution.groups import Outside
+from ros2_bridge.codec import ConversionError
+from ros2_bridge.ros2_graph import Topic
+from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.settings import Qualities
+from ros2_bridge.types import MessageType
+
+
+class Count:
+    """How much went through a pair, and what was lost."""
+
+    def __init__(self) -> None:
+        self.passed = self.lost = self.refused = 0
+
+
+class ToRos2:
+    """A topic of ROS 1 in ROS 2.
+
+    It is published from the beginning, and heard while somebody listens in ROS 2.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param topic: name on both sides
+    """
+
+    def __init__(
+        self, node: Node, side: Ros2, topic: str, kind: MessageType, qualities: Qualities
+    ) -> None:
+        self._node, self._side, self.topic, self.kind = node, side, topic, kind
+        self._qualities = qualities
+        self.count = Count()
+        self._lock = threading.Lock()
+        self._latched = False
+        self._latches: Dict[str, bytes] = {}
+        self._hearing: Any = None
+        self._publisher = side.publisher(kind.cls, topic, qualities.of(topic))
+
+    def look(self, listeners: bool) -> None:
+        """Hear the topic, or no longer.
+
+        :param listeners: whether somebody listens in ROS 2
+        """
+        if listeners and self._hearing is None:
+            self._hearing = self._node.lifetime()
+            self._hearing.subscribe_batches(
+                self.topic, self.kind.raw, self._forward, group=Outside()
+            )
+        elif not listeners and self._hearing is not None:
+            self._hearing.close()
+            self._hearing = None
+
+    def _forward(self, messages: List[Any]) -> None:
+        for message in messages:
+            if rospy.is_shutdown():
+                return
+            header = message._connection_header
+            if header.get("callerid") == self._node.name:
+                continue  # what has come from ROS 2
+            try:
+                data = self.kind.codec.to_cdr(message._buff)
+            except ConversionError as error:
+                self.count.refused += 1
+                rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 2: {error}")
+                continue
+            if header.get("latching") == "1":
+                self._latch(header.get("callerid", ""), data)
+            else:
+                self._publisher.publish(data)
+            self.count.passed += 1
+
+    def _latch(self, caller: str, data: bytes) -> None:
+        """Publish so that those who come later get it too, the latest of each latching node."""
+        with self._lock:
+            is_new = caller not in self._latches
+            self._latches[caller] = data
+            if not is_new:
+                self._publisher.publish(data)
+                return
+            old = self._publisher
+            qos = self._qualities.of(self.topic, latched=True, at_least=len(self._latches))
+            self._publisher = self._side.publisher(self.kind.cls, self.topic, qos)
+            for last in self._latches.values():
+                self._publisher.publish(last)
+            self._side.destroy_publisher(old)
+
+    def close(self) -> None:
+        """End it."""
+        self.look(False)
+        with self._lock:
+            self._side.destroy_publisher(self._publisher)
+
+
+class ToRos1:
+    """A topic of ROS 2 in ROS 1.
+
+    It is published from the beginning, and heard while somebody listens in ROS 1; where it is
+    latched, always.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param topic: name on both sides
+    :param found: how others publish it
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        topic: str,
+        kind: MessageType,
+        qualities: Qualities,
+        found: Topic,
+    ) -> None:
+        self._side, self.topic, self.kind = side, topic, kind
+        self._qualities, self.found = qualities, found
+        self.count = Count()
+        self._seq = 0
+        self._last: Dict[bytes, int] = {}
+        self._made = node.lifetime()
+        self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
+        self._end: Optional[Callable[[], None]] = None
+        self.look()
+
+    def look(self) -> None:
+        """Hear the topic, or no longer."""
+        listeners = self.found.latched or self._publisher.get_num_connections() > 0
+        if listeners and self._end is None:
+            qos = self._qualities.of(self.topic, self.found.latched, self.found.best_effort)
+            self._last.clear()
+            self._end = self._side.subscribe(self.kind.cls, self.topic, qos, self._forward)
+        elif not listeners and self._end is not None:
+            self._end()
+            self._end = None
+
+    def is_still(self, found: Topic) -> bool:
+        """Tell whether others publish it as they did, as far as it matters."""
+        mine = self.found
+        return (mine.latched, mine.best_effort) == (found.latched, found.best_effort)
+
+    def _forward(self, arrived: List[Any]) -> None:
+        messages = []
+        for data, info in arrived:
+            sender = info["publisher_gid"]["data"]
+            if self._side.is_ours(sender):
+                continue  # what has come from ROS 1
+            self._note(sender, info["publication_sequence_number"])
+            message = self.kind.raw()
+            try:
+                message._buff = self.kind.codec.to_ros1(data, self._seq)
+            except ConversionError as error:
+                self.count.refused += 1
+                rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 1: {error}")
+                continue
+            self._seq += 1
+            messages.append(message)
+        if messages:
+            with contextlib.suppress(rospy.ROSException):  # it has just been closed
+                self._publisher.publish_all(messages)
+                self.count.passed += len(messages)
+
+    def _note(self, sender: bytes, number: Optional[int]) -> None:
+        """Count what a publisher has numbered and what has not arrived."""
+        if number is None:
+            return
+        before = self._last.get(sender)
+        if before is not None and number > before + 1:
+            lost = number - before - 1
+            self.count.lost += lost
+            rospy.logwarn_throttle(
+                1.0, f"{self.topic}: {lost} messages were lost on the way from ROS 2"
+            )
+        self._last[sender] = number
+
+    def close(self) -> None:
+        """End it."""
+        if self._end is not None:
+            self._end()
+            self._end = None
+        self._made.close()

@@ -1,0 +1,198 @@
+"""The types that both ROSes have: ROS 1's read from their files, ROS 2's imported."""
+
+import contextlib
+import importlib
+import pathlib
+import sys
+import threading
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
+
+import genmsg.gentools
+import genmsg.msg_loader
+import rospkg
+import rospy
+import yaml
+
+from ros2_bridge.codec import Codec
+from ros2_bridge.comparing import difference
+from ros2_bridge.definitions import parse
+from ros2_bridge.twins import twin_type
+
+
+#: What is raised for a type that there simply is not.
+_UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
+
+
+class Unbridgeable(Exception):
+    """A type that is not in both ROSes; the text says why."""
+
+
+class MessageType(NamedTuple):
+    """A type of messages.
+
+    :param ros1, ros2: its names
+    :param raw: the class of ROS 1's messages, which hold their bytes
+    :param cls: the class of ROS 2's messages
+    """
+
+    ros1: str
+    ros2: str
+    raw: Any
+    cls: Any
+    codec: Codec
+
+
+class ServiceType(NamedTuple):
+    """A type of services.
+
+    :param ros1, ros2: its names
+    :param raw: ROS 1's class, whose requests and responses hold their bytes
+    :param cls: ROS 2's class
+    """
+
+    ros1: str
+    ros2: str
+    raw: Any
+    cls: Any
+    request: Codec
+    response: Codec
+
+
+class Types:
+    """Finds types and keeps them; may be used from several threads."""
+
+    def __init__(self) -> None:
+        names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")
+        self._names: Mapping[str, str] = yaml.safe_load(names.read_text("utf-8"))
+        self._back = {its: ours for ours, its in self._names.items() if "/" in ours}
+        self._packages = rospkg.RosPack()
+        self._known: Dict[Tuple[str, str], Any] = {}
+        self._lock = threading.Lock()
+
+    def ros2_name(self, name: str) -> str:
+        """Return ROS 2's name, ``package/Name``, of a ROS 1 type."""
+        return self._names.get(name) or twin_type(name)
+
+    def ros1_name(self, name: str) -> str:
+        """Return ROS 1's name of a ROS 2 type, ``package/msg/Name``."""
+        package, _, rest = name.partition("/")
+        short = f"{package}/{rest.rpartition('/')[2]}"
+        return self._back.get(short, short)
+
+    def message(self, name: str) -> MessageType:
+        """Return the type of messages that ROS 1 has under a name.
+
+        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        """
+        return self._find("msg", name, self._make_message)
+
+    def service(self, name: str) -> ServiceType:
+        """Return the type of services that ROS 1 has under a name.
+
+        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        """
+        return self._find("srv", name, self._make_service)
+
+    def _find(self, kind: str, name: str, make: Callable[[str], Any]) -> Any:
+        with self._lock:
+            if (kind, name) not in self._known:
+                try:
+                    self._known[kind, name] = make(name)
+                except Unbridgeable as reason:
+                    self._known[kind, name] = reason
+            found = self._known[kind, name]
+        if isinstance(found, Unbridgeable):
+            raise found
+        return found
+
+    def _make_message(self, name: str) -> MessageType:
+        context, paths = genmsg.MsgContext.create_default(), self._paths(name, "msg")
+        with _judging(f"ROS 1 has no type {name} here"):
+            spec = genmsg.msg_loader.load_msg_by_type(context, name, paths)
+        cls = self._import(name, "msg")
+        codec, raw = self._part(context, spec, paths, name, cls)
+        return MessageType(name, self.ros2_name(name), raw, cls, codec)
+
+    def _make_service(self, name: str) -> ServiceType:
+        context, paths = genmsg.MsgContext.create_default(), self._paths(name, "srv")
+        with _judging(f"ROS 1 has no service type {name} here"):
+            spec = genmsg.msg_loader.load_srv_by_type(context, name, paths)
+            genmsg.msg_loader.load_depends(context, spec, paths)
+            md5sum = genmsg.gentools.compute_md5(context, spec)
+        cls = self._import(name, "srv")
+        parts = [
+            self._part(context, part, paths, name + kind, getattr(cls, kind))
+            for part, kind in ((spec.request, "Request"), (spec.response, "Response"))
+        ]
+        (request, request_class), (response, response_class) = parts
+        attributes = {"_type": name, "_md5sum": md5sum}
+        attributes.update(_request_class=request_class, _response_class=response_class)
+        raw = type("Raw", (), attributes)
+        return ServiceType(name, self.ros2_name(name), raw, cls, request, response)
+
+    def _part(self, context: Any, spec: Any, paths: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
+        """Return codec and raw class of a message, or of one half of a service."""
+        with _judging(f"the definition of {name} in ROS 1 makes no sense"):
+            genmsg.msg_loader.load_depends(context, spec, paths)
+            md5sum = genmsg.gentools.compute_md5(context, spec)
+            text = genmsg.gentools.compute_full_text(context, spec)
+            fields = parse(name, text)
+            codec = Codec(name, fields)
+        found = difference(name, fields, self.ros2_name(name), lambda its: self._describe(its, cls))
+        if found:
+            raise Unbridgeable(f"{name} is not the same type in both ROSes: {found}")
+        attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
+        # Pickled by nobody, so its module does not matter.
+        return codec, type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
+
+    def _paths(self, name: str, kind: str) -> Dict[str, List[str]]:
+        """Return where genmsg finds definitions; it asks for packages by their names."""
+        return _Paths(self._packages, kind)
+
+    def _import(self, name: str, kind: str) -> Any:
+        package, _, base = self.ros2_name(name).partition("/")
+        with _judging(f"ROS 2 has no type {package}/{kind}/{base} here, the twin of {name}"):
+            return getattr(importlib.import_module(f"{package}.{kind}"), base)
+
+    def _describe(self, name: str, top: Any) -> Mapping[str, str]:
+        """Return the fields of a ROS 2 type: of the class itself, or of one that it holds."""
+        package, _, base = name.partition("/")
+        cls = top
+        if base.partition("_")[0] != top.__name__.partition("_")[0]:
+            with contextlib.suppress(ImportError, AttributeError):
+                cls = getattr(importlib.import_module(f"{package}.msg"), base)
+        fields: Mapping[str, str] = cls.get_fields_and_field_types()
+        return fields
+
+
+class _Paths(Dict[str, List[str]]):
+    """Folders of definitions by package, looked up when they are asked for."""
+
+    def __init__(self, packages: Any, kind: str) -> None:
+        super().__init__()
+        self._packages, self._kind = packages, kind
+
+    def __contains__(self, package: object) -> bool:
+        return bool(self.get(str(package)))
+
+    def __getitem__(self, package: str) -> List[str]:
+        return self.get(package)
+
+    def get(self, package: str, default: Any = None) -> Any:
+        """Return the folders of a package."""
+        try:
+            place = pathlib.Path(self._packages.get_path(package))
+        except rospkg.ResourceNotFound:
+            return default
+        return [str(place / kind) for kind in ("msg", self._kind)]
+
+
+@contextlib.contextmanager
+def _judging(what: str) -> Any:
+    """Take what a library raises for a type that cannot be had."""
+    try:
+        yield
+    except Unbridgeable:
+        raise
+    except Exception as error:  # of any kind: genmsg and rclpy have many
+        raise Unbridgeable(what if isinstance(error, _UNKNOWN) else f"{what} ({error})") from None

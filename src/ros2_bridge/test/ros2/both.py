@@ -1,0 +1,125 @@
+"""Helpers of the tests: what is needed of either ROS."""
+
+import contextlib
+import os
+import pathlib
+import threading
+from typing import Any, Callable, List
+
+import rclpy
+import rospy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from nodekit.testing.processes import Master, Process
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from ros2_bridge.types import Types
+
+SOURCES = pathlib.Path(__file__).resolve().parents[3]
+
+
+class Both:
+    """A master, and a node in either ROS."""
+
+    def __enter__(self) -> "Both":
+        self.master = Master()
+        os.environ["ROS_MASTER_URI"] = self.master.uri
+        rospy.init_node("tests", disable_signals=True, disable_rosout=True)
+        rclpy.init()
+        self.node = Node("ros2_tests")
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+        self.types = Types()
+        return self
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            self.executor.spin()
+
+    def __exit__(self, *_: Any) -> None:
+        rospy.signal_shutdown("the tests are over")
+        rclpy.shutdown()
+        self._thread.join(5.0)
+        self.master.kill()
+
+    def call2(self, cls: Any, name: str, **fields: Any) -> Any:
+        """Call a service of ROS 2, as ``ros2 service call`` does."""
+        client = self.node.create_client(cls, name)
+        assert client.wait_for_service(TIMEOUT_S), name
+        future = client.call_async(cls.Request(**fields))
+        wait_until(future.done, lambda: f"no answer of {name}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def offers2(self, name: str) -> bool:
+        """Tell whether there is a service in ROS 2."""
+        return name in dict(self.node.get_service_names_and_types())
+
+    def call1(self, name: str, kind: str, request: bytes, timeout: float = TIMEOUT_S) -> bytes:
+        """Call a service of ROS 1."""
+        raw = self.types.service(kind).raw
+        rospy.wait_for_service(name, timeout)
+        message = raw._request_class()
+        message._buff = request
+        answer: bytes = rospy.ServiceProxy(name, raw)(message)._buff
+        return answer
+
+    def hear1(self, topic: str, kind: str) -> "Ear":
+        """Hear a topic in ROS 1."""
+        raw = self.types.message(kind).raw
+        ear = Ear()
+        ear.end = rospy.Subscriber(topic, raw, ear.take, tcp_nodelay=True).unregister
+        return ear
+
+    def hear2(self, topic: str, cls: Any, latched: bool = False, depth: int = 1000) -> "Ear":
+        """Hear a topic in ROS 2."""
+        ear = Ear()
+        kept = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+        qos = QoSProfile(depth=depth, durability=kept)
+        subscription = self.node.create_subscription(cls, topic, ear.take, qos)
+        ear.end = lambda: self.node.destroy_subscription(subscription)
+        return ear
+
+
+class Ear:
+    """Keeps what a subscription hears."""
+
+    def __init__(self) -> None:
+        self.heard: List[Any] = []
+        self.end: Callable[[], Any] = lambda: None
+
+    def take(self, message: Any) -> None:
+        self.heard.append(message)
+
+    def wait(self, count: int = 1) -> List[Any]:
+        """Wait until so many have come."""
+        wait_until(lambda: len(self.heard) >= count, lambda: f"{len(self.heard)} of {count}")
+        return self.heard
+
+
+class Running(Process):
+    """A node of ROS 1, as a process.
+
+    :param package: package of a script
+    """
+
+    def __init__(self, package: str, script: str, *arguments: str) -> None:
+        super().__init__(str(SOURCES / package / "scripts" / script), arguments)
+
+    def __enter__(self) -> "Running":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        if self.popen.poll() is None:
+            self.end()
+        print("the log:", *self.logged(), sep="\n")
+
+
+class Bridge(Running):
+    """The bridge."""
+
+    def __init__(self, *arguments: str) -> None:
+        super().__init__("ros2_bridge", "bridge", *arguments)

@@ -1,0 +1,64 @@
+"""The course's launch files with that of the bridge, and what its commands come to in ROS 2."""
+
+import signal
+import subprocess
+from typing import Iterator, List
+
+import pytest
+import rospy
+from basic_comms.msg import SignalMsg
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float32
+
+import both
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+LAUNCHED = (
+    ("basic_comms", "cw1.launch"),
+    ("ros2_bridge", "bridge.launch", "deny:=['/proc_signal']", "direction:=to_ros2"),
+)
+
+
+@pytest.fixture(scope="module")
+def course(ros: both.Both) -> Iterator[None]:
+    running: List["subprocess.Popen[bytes]"] = []
+    rospy.set_param("/run_id", "tests")  # or each would give the master another one
+    try:
+        for arguments in LAUNCHED:
+            command = ["roslaunch", *arguments]
+            running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+        yield
+    finally:
+        for process in running:
+            process.send_signal(signal.SIGINT)
+        for process in running:
+            process.wait(TIMEOUT_S)
+
+
+def test_signal_is_right_and_its_generator_is_set(ros: both.Both, course: None) -> None:
+    ear = ros.hear2("/signal", SignalMsg)
+    first = ear.wait(3)[0]
+    assert first.amplitude == 2.0
+    assert abs(first.frequency - 6.2831853) < 1e-6
+    service = "/signal_generator/set_parameters"
+    for value, is_good in ((0.5, True), (-1.0, False)):
+        request = [Parameter("amplitude", value=value).to_parameter_msg()]
+        (result,) = ros.call2(SetParameters, service, parameters=request).results
+        assert result.successful is is_good
+    assert "refused -1" in result.reason
+    wait_until(lambda: ear.heard[-1].amplitude == 0.5, lambda: str(ear.heard[-1]))
+    ear.end()
+
+
+def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> None:
+    wait_until(lambda: ros.node.count_publishers("/signal"), lambda: "no /signal")
+    out = ros.node.create_publisher(Float32, "/of_ros2", 10)
+    ear = ros.hear1("/of_ros2", "std_msgs/Float32")
+    again = ros.hear2("/signal", SignalMsg)
+    again.wait(20)  # there were several looks at both graphs by now
+    assert not ros.node.count_publishers("/proc_signal")  # denied
+    assert not out.get_subscription_count()  # a way that is shut
+    ear.end()
+    again.end()
+    ros.node.destroy_publisher(out)

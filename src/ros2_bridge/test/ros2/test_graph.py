@@ -1,0 +1,94 @@
+"""Names of nodes and types, the log, /tf and /clock."""
+
+import struct
+import subprocess
+import sys
+from typing import Any
+
+import rospy
+from rcl_interfaces.msg import Log
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+from tf2_msgs.msg import TFMessage
+
+import both
+from nodekit.testing.waiting import wait_until
+from test_topics import publisher1
+
+
+def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) -> None:
+    node = Node("lidar", namespace="/front")
+    ros.executor.add_node(node)
+
+    def in_ros1() -> bool:
+        state = rospy.get_master().getSystemState()[2]
+        return any("/front/lidar" in nodes for part in state for _, nodes in part)
+
+    wait_until(in_ros1, lambda: "/front/lidar is not in rosnode list")
+    assert ("rosout", "/") not in ros.node.get_node_names_and_namespaces()
+    with both.Running("basic_comms", "talker.py", "__ns:=/lab") as talker:
+        wait_until(
+            lambda: ("talker", "/lab") in ros.node.get_node_names_and_namespaces(),
+            lambda: str(ros.node.get_node_names_and_namespaces()),
+        )
+        wait_until(
+            lambda: ("/lab/chatter", ["std_msgs/msg/String"])
+            in ros.node.get_topic_names_and_types(),
+            lambda: str(ros.node.get_topic_names_and_types()),
+        )
+        log = ros.hear2("/rosout", Log)
+        wait_until(
+            lambda: [line for line in log.heard if line.name == "lab.talker"],
+            lambda: str(log.heard),
+        )
+        log.end()
+        talker.interrupt()
+    wait_until(
+        lambda: ("talker", "/lab") not in ros.node.get_node_names_and_namespaces(),
+        lambda: "it stays there",
+    )
+    ros.executor.remove_node(node)
+    node.destroy_node()
+    wait_until(lambda: not in_ros1(), lambda: "/front/lidar stays in rosnode list")
+
+
+def test_tf_and_clock(ros: both.Both, bridge: both.Bridge) -> None:
+    static = publisher1(ros, "/tf_static", "tf2_msgs/TFMessage", latch=True)
+    name = struct.pack("<I4s", 4, b"odom")
+    header = struct.pack("<III", 0, 7, 8) + name
+    static.send(struct.pack("<I", 1) + header + name + struct.pack("<7d", *range(7)))
+    ear = ros.hear2("/tf_static", TFMessage, latched=True)
+    (transform,) = ear.wait()[0].transforms
+    assert (transform.header.stamp.sec, transform.child_frame_id) == (7, "odom")
+    assert transform.transform.rotation.w == 6.0
+    ear.end()
+    static.unregister()
+    out = ros.node.create_publisher(Clock, "/clock", 10)
+    clock = Clock()
+    clock.clock.sec = 42
+    ear1 = ros.hear1("/clock", "rosgraph_msgs/Clock")
+    wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
+    out.publish(clock)
+    assert ear1.wait()[0]._buff == struct.pack("<II", 42, 0)
+    ear1.end()
+    ros.node.destroy_publisher(out)
+
+
+def test_types_that_do_not_fit_are_named(ros: both.Both, bridge: both.Bridge) -> None:
+    out = publisher1(ros, "/mixed", "std_msgs/Float32")
+    other: Any = ros.node.create_publisher(String, "/mixed", 10)
+    bridge.wait_for_log("/mixed", "std_msgs/Float32 in ROS 1", "std_msgs/msg/String")
+    out.unregister()
+    ros.node.destroy_publisher(other)
+
+
+def test_pairs_are_printed(ros: both.Both) -> None:
+    script = str(both.SOURCES / "ros2_bridge" / "scripts" / "bridge")
+    done = subprocess.run(
+        [sys.executable, script, "--print-pairs"], capture_output=True, text=True, timeout=60.0
+    )
+    pairs = done.stdout.splitlines()
+    assert "basic_comms/signal_msg <=> basic_comms/msg/SignalMsg" in pairs
+    assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in pairs
+    assert "only sensor_msgs/Range of ROS 2 has the field variance" in done.stderr

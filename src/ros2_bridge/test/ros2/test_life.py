@@ -1,0 +1,100 @@
+"""How the bridge begins and ends, and what it outlives."""
+
+import signal
+import struct
+import time
+
+import rospy
+import yaml
+from std_msgs.msg import Float32, String
+
+import both
+from nodekit.testing.waiting import wait_until
+from test_topics import publisher1
+
+
+def test_second_bridge_is_refused(ros: both.Both) -> None:
+    with both.Bridge() as first:
+        first.wait_for_log("direction")
+        wait_until(
+            lambda: any("domain" in name for name, _ in rospy.get_master().getSystemState()[2][2]),
+            lambda: "no bridge",
+        )
+        with both.Bridge("__name:=another") as second:
+            assert second.wait() == 1
+            assert second.logged("/ros2_bridge joins this master and this domain already")
+        began = time.monotonic()
+        assert first.interrupt() == 0
+        assert time.monotonic() - began < 2.0
+        assert not first.logged("Traceback")
+
+
+def test_killed_and_started_again(ros: both.Both) -> None:
+    out = ros.node.create_publisher(Float32, "/again", 10)
+    ear = ros.hear1("/again", "std_msgs/Float32")
+    for number in range(3):
+        heard = len(ear.heard)
+
+        def hears() -> bool:
+            # ROS 2 notices only after 20 s that who was killed does not listen any more.
+            out.publish(Float32(data=float(number)))
+            return len(ear.heard) > heard
+
+        with both.Bridge() as bridge:
+            wait_until(hears, lambda: "nothing comes through")
+            bridge.popen.send_signal(signal.SIGKILL)
+            bridge.wait()
+        assert ear.heard[-1]._buff == struct.pack("<f", number)
+    ear.end()
+    ros.node.destroy_publisher(out)
+
+
+def test_nothing_is_lost_and_all_is_counted(ros: both.Both) -> None:
+    with both.Bridge():
+        out2 = ros.node.create_publisher(Float32, "/quick2", 1000)
+        out1 = publisher1(ros, "/quick1", "std_msgs/Float32")
+        ear1, ear2 = ros.hear1("/quick2", "std_msgs/Float32"), ros.hear2("/quick1", Float32)
+        told = ros.hear1("/ros2_bridge/statistics", "std_msgs/String")
+        wait_until(lambda: out2.get_subscription_count(), lambda: "nobody listens in ROS 2")
+        wait_until(lambda: out1.get_num_connections(), lambda: "nobody listens in ROS 1")
+        for number in range(800):
+            out1.send(struct.pack("<f", number))
+            out2.publish(Float32(data=float(number)))
+        numbers = [float(number) for number in range(800)]
+        assert [message.data for message in ear2.wait(800)] == numbers
+        assert [struct.unpack("<f", m._buff)[0] for m in ear1.wait(800)] == numbers
+
+        def counted() -> bool:
+            text = [message._buff[4:] for message in told.heard[-1:]]
+            topics = yaml.safe_load(text[0])["topics"] if text else {}
+            found = [topics.get(way, {}).get(name, {}) for way, name in WAYS]
+            return [one.get("passed") for one in found] == [800, 800]
+
+        wait_until(counted, lambda: str(told.heard[-1:]))
+        for ear in (ear1, ear2, told):
+            ear.end()
+        out1.unregister()
+        ros.node.destroy_publisher(out2)
+
+
+WAYS = (("to_ros1", "/quick2"), ("to_ros2", "/quick1"))
+
+
+def test_master_dies_and_returns(ros: both.Both) -> None:
+    with both.Running("basic_comms", "talker.py") as talker, both.Bridge() as bridge:
+        ear = ros.hear2("/chatter", String)
+        ear.wait()
+        ros.master.kill()
+        heard = len(ear.heard)
+        ear.wait(heard + 3)  # what is connected goes on without it
+        ros.master.start()
+        wait_until(
+            lambda: [n for _, n in rospy.get_master().getSystemState()[2][0] if "/talker" in n],
+            lambda: "the talker does not come back",
+        )
+        ear.wait(len(ear.heard) + 20)
+        assert ros.node.count_publishers("/chatter")
+        talker.interrupt()
+        wait_until(lambda: not ros.node.count_publishers("/chatter"), lambda: "it stays")
+        assert not bridge.logged("Traceback")
+        ear.end()

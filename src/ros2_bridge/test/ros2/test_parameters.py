@@ -1,0 +1,151 @@
+"""Parameters, both ways."""
+
+from typing import Any, Iterator, List
+
+import pytest
+import rospy
+from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterType, SetParametersResult
+from rcl_interfaces.srv import (
+    DescribeParameters,
+    GetParameters,
+    GetParameterTypes,
+    ListParameters,
+    SetParameters,
+    SetParametersAtomically,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter as Value
+
+import both
+from nodekit.testing.waiting import wait_until
+
+GENERATOR = "/signal_generator"
+
+
+@pytest.fixture(scope="module")
+def generator(bridge: both.Bridge) -> Iterator[both.Running]:
+    with both.Running("basic_comms", "signal_generator.py") as running:
+        yield running
+
+
+def value(name: str, plain: Any) -> Parameter:
+    return Value(name, value=plain).to_parameter_msg()
+
+
+def get(ros: both.Both, *names: str, node: str = GENERATOR) -> List[Any]:
+    answer = ros.call2(GetParameters, f"{node}/get_parameters", names=names)
+    return [Value.from_parameter_msg(Parameter(value=one)).value for one in answer.values]
+
+
+def set_one(ros: both.Both, name: str, plain: Any, node: str = GENERATOR) -> Any:
+    request = [value(name, plain)]
+    (result,) = ros.call2(SetParameters, f"{node}/set_parameters", parameters=request).results
+    return result
+
+
+def test_list_and_types(ros: both.Both, generator: both.Running) -> None:
+    result = ros.call2(ListParameters, f"{GENERATOR}/list_parameters").result
+    assert {"amplitude", "frequency", "waveform"} <= set(result.names)
+    names = ["amplitude", "waveform"]
+    types = ros.call2(GetParameterTypes, f"{GENERATOR}/get_parameter_types", names=names).types
+    assert list(types) == [ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_STRING]
+    assert not get(ros, "amplitude", "no_such_thing")  # as rclpy: all or nothing
+
+
+def test_set_and_refuse(ros: both.Both, generator: both.Running) -> None:
+    result = set_one(ros, "amplitude", 3.5)
+    assert (result.successful, result.reason) == (True, "")
+    assert get(ros, "amplitude") == [3.5]
+    assert rospy.get_param(f"{GENERATOR}/amplitude") == 3.5
+    result = set_one(ros, "amplitude", -1.0)
+    assert not result.successful
+    assert "amplitude" in result.reason and "-1" in result.reason
+    assert get(ros, "amplitude") == [3.5]
+    result = set_one(ros, "amplitud", 1.0)
+    assert not result.successful and "amplitude" in result.reason  # the nearest known one
+    assert not set_one(ros, "amplitude", "loud").successful
+
+
+def test_set_atomically(ros: both.Both, generator: both.Running) -> None:
+    before = get(ros, "amplitude", "offset")
+    for last, is_good in ((-2.0, False), (1.25, True)):
+        answer = ros.call2(
+            SetParametersAtomically,
+            f"{GENERATOR}/set_parameters_atomically",
+            parameters=[value("offset", 0.75), value("amplitude", last)],
+        )
+        assert answer.result.successful is is_good
+        assert get(ros, "amplitude", "offset") == ([1.25, 0.75] if is_good else before)
+
+
+def test_describe(ros: both.Both, generator: both.Running) -> None:
+    names = ["amplitude", "waveform"]
+    answer = ros.call2(DescribeParameters, f"{GENERATOR}/describe_parameters", names=names)
+    amplitude, waveform = answer.descriptors
+    assert amplitude.type == ParameterType.PARAMETER_DOUBLE and amplitude.description
+    (limits,) = amplitude.floating_point_range
+    assert not set_one(ros, "amplitude", limits.from_value - 1e-3).successful
+    assert set_one(ros, "amplitude", limits.from_value).successful
+    assert waveform.additional_constraints.startswith("one of sine, ")
+
+
+def test_events(ros: both.Both, generator: both.Running) -> None:
+    ear = ros.hear2("/parameter_events", ParameterEvent)
+    wait_until(lambda: ros.node.count_publishers("/parameter_events") > 1, lambda: "nobody tells")
+    wait_until(lambda: get(ros, "amplitude"), lambda: "no twin")
+
+    def told(name: str) -> List[Any]:
+        return [
+            Value.from_parameter_msg(one).value
+            for event in ear.heard
+            if event.node == GENERATOR
+            for one in event.changed_parameters
+            if one.name == name
+        ]
+
+    set_one(ros, "amplitude", 4.5)
+    wait_until(lambda: 4.5 in told("amplitude"), lambda: str(ear.heard))
+    set_one(ros, "amplitude", -4.5)  # refused: of this nobody is told
+    rospy.set_param(f"{GENERATOR}/amplitude", 5.5)
+    wait_until(lambda: 5.5 in told("amplitude"), lambda: str(ear.heard))
+    assert told("amplitude") == [4.5, 5.5]
+    ear.end()
+
+
+def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:
+    out = rospy.Publisher("/of_the_tests", ros.types.message("std_msgs/String").raw, queue_size=1)
+    rospy.set_param("/tests", {"gain": 2, "pid": {"p": 0.5}, "name": "x"})
+    names = ros.call2(ListParameters, "/tests/list_parameters").result.names
+    assert set(names) == {"gain", "pid.p", "name"}
+    assert get(ros, "pid.p", "gain", node="/tests") == [0.5, 2]
+    assert set_one(ros, "pid.p", 0.75, node="/tests").successful
+    assert rospy.get_param("/tests/pid/p") == 0.75
+    result = set_one(ros, "gain", 2**40, node="/tests")
+    assert not result.successful and "32 bits" in result.reason
+    out.unregister()
+
+
+def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:
+    node = Node("motor_of_ros2")
+    node.declare_parameter("sample_time", 0.02)
+    node.declare_parameter("pid.p", 3)
+
+    def judge(parameters: List[Any]) -> SetParametersResult:
+        bad = [one for one in parameters if one.name == "sample_time" and one.value <= 0.0]
+        return SetParametersResult(successful=not bad, reason="must be above 0" if bad else "")
+
+    node.add_on_set_parameters_callback(judge)
+    ros.executor.add_node(node)
+    key = "/motor_of_ros2/sample_time"
+    wait_until(lambda: rospy.get_param(key, None) == 0.02, lambda: "not on the server")
+    assert rospy.get_param("/motor_of_ros2/pid/p") == 3
+    rospy.set_param(key, 1)  # a whole number stands for another
+    wait_until(lambda: node.get_parameter("sample_time").value == 1.0, lambda: "not taken")
+    rospy.set_param(key, -1.0)
+    bridge.wait_for_log(key, "must be above 0", "1.0 stays")
+    wait_until(lambda: rospy.get_param(key) == 1.0, lambda: "not put back")
+    node.set_parameters([Value("sample_time", value=0.5)])
+    wait_until(lambda: rospy.get_param(key) == 0.5, lambda: "its own change is not told")
+    ros.executor.remove_node(node)
+    node.destroy_node()
+    wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")

@@ -1,0 +1,84 @@
+"""Services, both ways."""
+
+import struct
+import threading
+import time
+from typing import Any, List
+
+import pytest
+import rospy
+from motor_control_msgs.srv import SetProcessBool
+from my_robot_package_interfaces.srv import AddTwoInts
+from rclpy.callback_groups import ReentrantCallbackGroup
+from std_srvs.srv import SetBool
+
+import both
+from nodekit.testing.waiting import wait_until
+
+ADD = "my_robot_package_interfaces/AddTwoInts"
+
+
+def test_motor_is_enabled_from_ros2(ros: both.Both, bridge: both.Bridge) -> None:
+    with both.Running("motor_control", "dc_motor.py") as motor:
+        answer = ros.call2(SetProcessBool, "/EnableProcess", enable=True)
+        assert (answer.success, answer.message) == (True, "enabled")
+        answers: List[Any] = []
+
+        def call() -> None:
+            answers.append(ros.call2(SetProcessBool, "/EnableProcess", enable=True))
+
+        threads = [threading.Thread(target=call) for _ in range(5)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert [answer.message for answer in answers] == ["enabled already"] * 5
+        namespace = ros.node.get_service_names_and_types_by_node("dc_motor", "/")
+        assert "/EnableProcess" in dict(namespace)
+        motor.interrupt()
+    wait_until(lambda: not ros.offers2("/EnableProcess"), lambda: "it is still offered")
+
+
+def test_error_is_told_where_the_answer_has_a_place_for_it(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    raw = ros.types.service("std_srvs/SetBool").raw
+
+    def fail(request: Any) -> Any:
+        raise rospy.ServiceException("out of order")
+
+    server = rospy.Service("/broken", raw, fail)
+    answer = ros.call2(SetBool, "/broken", data=True)
+    assert not answer.success
+    assert "out of order" in answer.message
+    server.shutdown()
+
+
+def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
+    bridge_end = threading.Event()
+
+    def add(request: Any, response: Any) -> Any:
+        if request.a == 0:
+            bridge_end.wait(20.0)
+        response.sum = request.a + request.b
+        return response
+
+    group = ReentrantCallbackGroup()
+    server = ros.node.create_service(AddTwoInts, "/add", add, callback_group=group)
+    assert ros.call1("/add", ADD, struct.pack("<qq", 40, 2)) == struct.pack("<q", 42)
+    rospy.set_param("/ros2_bridge/service_timeout", 0.5)
+    bridge.wait_for_log("service_timeout: 5 -> 0.5")
+    began = time.monotonic()
+    with pytest.raises(rospy.ServiceException, match="/add in ROS 2: no answer within 0.5 s"):
+        ros.call1("/add", ADD, struct.pack("<qq", 0, 2))
+    assert time.monotonic() - began < 10.0
+    bridge_end.set()
+    rospy.set_param("/ros2_bridge/service_timeout", 20.0)
+    bridge.wait_for_log("service_timeout: 0.5 -> 20")
+    assert ros.call1("/add", ADD, struct.pack("<qq", 1, 2)) == struct.pack("<q", 3)
+    ros.node.destroy_service(server)
+
+    def is_gone() -> bool:
+        return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
+
+    wait_until(is_gone, lambda: "/add is still offered in ROS 1")

@@ -1,0 +1,59 @@
+"""What is said where a type differs from its twin."""
+
+from typing import Dict, Optional
+
+import pytest
+
+from ros2_bridge.comparing import difference
+from ros2_bridge.definitions import parse
+
+SEPARATOR = "\n" + "=" * 80 + "\n"
+HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+ROS2 = {
+    "std_msgs/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
+    "pkg/Inner": {"x": "double"},
+    "builtin_interfaces/Time": {"sec": "int32", "nanosec": "uint32"},
+}
+
+
+def judged(text: str, other: Dict[str, str]) -> Optional[str]:
+    fields = parse("pkg/a", text + HEADER + SEPARATOR + "MSG: pkg/Inner\nfloat64 x\n")
+    return difference("pkg/a", fields, "pkg/A", lambda name: {"pkg/A": other, **ROS2}[name])
+
+
+@pytest.mark.parametrize(
+    "text, other",
+    [
+        ("", {}),
+        ("Header header", {"header": "std_msgs/Header"}),
+        ("float64[9] K", {"k": "double[9]"}),
+        ("bool[] a\nbyte b\nchar c", {"a": "sequence<boolean>", "b": "octet", "c": "uint8"}),
+        ("uint16 a\nint32 b\nuint64 c", {"a": "uint16", "b": "int32", "c": "uint64"}),
+        ("string[] a", {"a": "sequence<string<20>, 5>"}),
+        ("Inner[2] a\nInner[] b", {"a": "pkg/Inner[2]", "b": "sequence<pkg/Inner>"}),
+        (
+            "time a\nduration b",
+            {"a": "builtin_interfaces/Time", "b": "builtin_interfaces/Duration"},
+        ),
+    ],
+)
+def test_the_same(text: str, other: Dict[str, str]) -> None:
+    assert judged(text, other) is None
+
+
+@pytest.mark.parametrize(
+    "text, other, sentence",
+    [
+        ("uint8 a", {"b": "uint8"}, "pkg/a has a in ROS 1 where pkg/A has b in ROS 2"),
+        ("uint8 a", {"a": "uint16"}, "the field a of pkg/a and pkg/A is not of the same type"),
+        ("float32 a", {"a": "int32"}, "not of the same type"),
+        ("uint8[] a", {"a": "uint8[3]"}, "not of the same type"),
+        ("uint8[] a", {"a": "uint8"}, "not of the same type"),
+        ("string a", {"a": "wstring"}, "not of the same type"),
+        ("", {"a": "uint8"}, "only pkg/A of ROS 2 has the field a"),
+        ("uint8 a\nuint8 b", {"a": "uint8"}, "only pkg/a of ROS 1 has the field b"),
+        ("Inner a", {"a": "std_msgs/Header"}, "pkg/Inner has x in ROS 1 where std_msgs/Header"),
+    ],
+)
+def test_the_first_difference_is_named(text: str, other: Dict[str, str], sentence: str) -> None:
+    assert sentence in str(judged(text, other))

@@ -1,0 +1,105 @@
+"""Parameters as ROS 2 has them."""
+
+import math
+from typing import Any, Optional
+
+import pytest
+
+from nodekit import (
+    EnumParameter,
+    FloatParameter,
+    IntParameter,
+    ListParameter,
+    ParameterSet,
+    StringParameter,
+)
+from nodekit.parameters.schema import describe
+from ros2_bridge import parameter_values as values
+
+
+@pytest.mark.parametrize(
+    "value, kind",
+    [
+        *[(True, 1), (3, 2), (0.5, 3), ("a", 4), ([True], 6), ([1, 2], 7), ([1, 2.5], 8)],
+        *[([0.5], 8), (["a"], 9), ([], 0), ([1, "a"], 0), ({}, 0), (None, 0), ([[1]], 0)],
+    ],
+)
+def test_kind_of_a_plain_value(value: Any, kind: int) -> None:
+    assert values.kind_of(value) == kind
+
+
+class Sample(ParameterSet):
+    any_number = FloatParameter(0.0, help="anything", unit="m")
+    closed = FloatParameter(0.0, minimum=-1.0, maximum=2.0, step=0.5, help="closed")
+    opened = FloatParameter(0.5, above=0.0, below=1.0, help="open")
+    count = IntParameter(3, above=2.5, maximum=7, help="count")
+    color = EnumParameter("red", choices=("red", "blue"), help="color")
+    names = ListParameter((), element=StringParameter("", help="name"), help="names")
+
+
+ENTRIES = {entry["name"]: entry for entry in describe(Sample())}
+
+
+@pytest.mark.parametrize(
+    "name, limits, kind",
+    [
+        ("any_number", None, values.DOUBLE),
+        ("closed", (-1.0, 2.0, 0.5), values.DOUBLE),
+        ("opened", (math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0), 0.0), values.DOUBLE),
+        ("count", (3, 7, 1), values.INTEGER),
+        ("color", None, values.STRING),
+        ("names", None, values.STRINGS),
+    ],
+)
+def test_declared_parameters(name: str, limits: Optional[Any], kind: int) -> None:
+    assert values.range_of(ENTRIES[name]) == limits
+    assert values.declared_kind(ENTRIES[name]) == kind
+
+
+def test_one_sided_range_ends_at_the_largest_numbers() -> None:
+    entry = {"type": "int", "minimum": 5}
+    assert values.range_of(entry) == (5, 2**31 - 1, 1)
+    assert values.range_of({"type": "float", "maximum": 5.0}) == (-1.7976931348623157e308, 5.0, 0.0)
+
+
+def test_words() -> None:
+    assert values.description_of(ENTRIES["any_number"]) == ("anything (m)", "")
+    assert values.description_of(ENTRIES["color"]) == ("color", "one of red, blue")
+    assert values.description_of({**ENTRIES["closed"], "exact": False})[1] == (
+        "[-1, 2]; and what the node says when it is set"
+    )
+
+
+def test_names_have_dots() -> None:
+    tree = {"gain": 2, "pid": {"p": 0.5, "limits": {"low": 1}}}
+    assert values.flat(tree) == {"gain": 2, "pid.p": 0.5, "pid.limits.low": 1}
+    assert values.ros1_key("pid.limits.low") == "pid/limits/low"
+
+
+def test_changes() -> None:
+    old = {"same": 1, "kind": 1, "value": 1, "gone": 1}
+    new = {"same": 1, "kind": 1.0, "value": 2, "new": 1}
+    assert values.changes(old, new) == ({"new": 1}, {"kind": 1.0, "value": 2}, {"gone": 1})
+
+
+@pytest.mark.parametrize(
+    "prefixes, depth, names",
+    [
+        ([], 0, ["a", "b.c", "b.d.e"]),
+        ([], 1, ["a"]),
+        ([], 2, ["a", "b.c"]),
+        (["b"], 0, ["b.c", "b.d.e"]),
+        (["b"], 1, ["b.c"]),
+        (["a"], 1, ["a"]),
+        (["x"], 0, []),
+    ],
+)
+def test_list(prefixes: Any, depth: int, names: Any) -> None:
+    found, spaces = values.listed(["a", "b.c", "b.d.e"], prefixes, depth)
+    assert found == names
+    assert spaces == sorted({name.rpartition(".")[0] for name in names if "." in name})
+
+
+def test_what_is_not_in_force_yet() -> None:
+    assert values.differs({"a": 1, "b": 2}, {"a": 1, "b": 3})
+    assert not values.differs({"a": 1, "b": 2}, {"a": 1.0, "c": 3})

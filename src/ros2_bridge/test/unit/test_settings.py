@@ -1,0 +1,67 @@
+"""Qualities of service, and where the environment is."""
+
+import pathlib
+from typing import Any
+
+import pytest
+
+from nodekit import ParameterError
+from ros2_bridge.settings import BridgeParameters, Qualities, Quality
+from ros2_bridge.start import find, variables
+
+
+def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
+    camera = {"topic": "/camera/*", "reliability": "best_effort", "depth": 2}
+    later = {"topic": "/camera/left", "depth": 7}  # the first that fits is taken
+    map_ = {"topic": "/map", "durability": "transient_local"}
+    qualities = Qualities(1000, [camera, later, map_])
+    assert qualities.of("/signal") == Quality(1000)
+    assert qualities.of("/signal", latched=True, best_effort=True) == Quality(1000, True, True)
+    assert qualities.of("/signal", latched=True, at_least=3) == Quality(3, True)
+    assert qualities.of("/camera/left") == Quality(2, False, True)
+    assert qualities.of("/camera/left", latched=True, at_least=9) == Quality(2, True, True)
+    assert qualities.of("/map") == Quality(1000, True)
+
+
+@pytest.mark.parametrize(
+    "chosen, words",
+    [
+        ("best", "a list of mappings, each with a topic"),
+        ({"/a": 5}, "a list of mappings"),
+        ([{"topic": "/a", "depth": 0}], "qos of /a, depth: refused 0"),
+        ([{"topic": "/a", "depth": True}], "1 to 100000"),
+        ([{"topic": "/a", "durability": "latched"}], "one of volatile, transient_local"),
+        ([{"topic": "/a", "history": "all"}], "made of topic, depth, reliability and durability"),
+    ],
+)
+def test_nonsense_is_refused(chosen: Any, words: str) -> None:
+    with pytest.raises(ParameterError, match=words):
+        Qualities(10, chosen)
+
+
+def test_direction() -> None:
+    rules = BridgeParameters(direction="to_ros2").openings()
+    assert (rules.to_ros2, rules.to_ros1) == (True, False)
+    rules = BridgeParameters(direction="to_ros1").openings()
+    assert (rules.to_ros2, rules.to_ros1) == (False, True)
+
+
+def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
+    here = tmp_path / "ws" / "src" / "ros2_bridge" / "start.py"
+    assert find({}, here) is None
+    for place in (tmp_path / "ws" / "build" / "ros2", tmp_path / "other"):
+        (place / "share" / "ros2_bridge").mkdir(parents=True)
+        (place / "share" / "ros2_bridge" / "names.yaml").write_text("{}")
+    assert find({}, here) == tmp_path / "ws" / "build" / "ros2"
+    named = {"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path / "other")}
+    assert find(named, here) == tmp_path / "other"
+    assert find({"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path)}, here) is None
+
+
+def test_only_ros1_s_packages_go_along() -> None:
+    path = ["/home/me", "/ws/devel/lib/python3/dist-packages", "/usr/lib/python3/dist-packages"]
+    given = variables({"HOME": "/home/me"}, path)
+    assert given["PYTHONPATH"] == ":".join(path[1:])
+    assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    chosen = variables({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, path)
+    assert chosen["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"

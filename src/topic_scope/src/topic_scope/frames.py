@@ -1,0 +1,141 @@
+"""Where things are: frames that hang on one another, as ``/tf`` tells them, seen from above."""
+
+import math
+from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+Vector = Tuple[float, float, float]
+#: x, y, z, w.
+Quaternion = Tuple[float, float, float, float]
+
+#: Longest chain of frames that is followed; a ring has no end.
+_DEPTH = 100
+#: Most frames that are remembered.
+_FRAMES = 5000
+
+
+class Transform(NamedTuple):
+    """Where something is in a frame.
+
+    :param position: m
+    :param rotation: as a unit quaternion
+    """
+
+    position: Vector
+    rotation: Quaternion
+
+    def then(self, inner: "Transform") -> "Transform":
+        """Return where something is that is known from here.
+
+        :param inner: where it is in the frame that stands here
+        """
+        turned = _turned(self.rotation, inner.position)
+        x, y, z = (a + b for a, b in zip(self.position, turned))
+        return Transform((x, y, z), _product(self.rotation, inner.rotation))
+
+    @property
+    def heading(self) -> float:
+        """The angle of its x axis seen from above, rad."""
+        x, y, z, w = self.rotation
+        return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+    def flat(self) -> List[float]:
+        """Return it as seen from above: what a canvas takes as a transformation."""
+        along, across = (
+            _turned(self.rotation, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+        )
+        return [*along[:2], *across[:2], *self.position[:2]]
+
+
+IDENTITY = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def transform_of(
+    position: Mapping[str, float], rotation: Mapping[str, float]
+) -> Optional[Transform]:
+    """Return the transform that a message holds.
+
+    :param position: its x, y, z
+    :param rotation: its x, y, z, w; all zero, where nobody has filled it in, turns nothing
+    :returns: the transform, None if something in it is not finite
+    """
+    place = tuple(float(position[name]) for name in "xyz")
+    turn = tuple(float(rotation[name]) for name in "xyzw")
+    length = math.sqrt(sum(part * part for part in turn))
+    if not all(map(math.isfinite, place)) or not math.isfinite(length):
+        return None
+    unit = tuple(part / length for part in turn) if length > 1e-9 else IDENTITY.rotation
+    return Transform(place, unit)  # type: ignore[arg-type]
+
+
+class Place(NamedTuple):
+    """Where a frame is.
+
+    :param root: the frame that all the others hang on
+    :param transform: where it is in there
+    """
+
+    root: str
+    transform: Transform
+
+
+class Frames:
+    """Knows where each frame was told to be last."""
+
+    def __init__(self) -> None:
+        self._parents: Dict[str, Tuple[str, Transform]] = {}
+        self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
+
+    def note(self, parent: str, child: str, transform: Transform) -> None:
+        """Take note of what ``/tf`` tells."""
+        child = bare(child)
+        if len(self._parents) < _FRAMES or child in self._parents:
+            self._parents[child] = (bare(parent), transform)
+
+    def note_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
+        """Take note of what an odometry says; it counts where ``/tf`` says nothing of the child.
+
+        :param source: its topic; where two tell of one robot, the first by name counts
+        """
+        child = bare(child)
+        known = self._guesses.get(child)
+        if child and (known is None or source <= known[0]):
+            self._guesses[child] = (source, bare(parent), transform)
+
+    def knows(self, frame: str) -> bool:
+        """Tell whether it is known where a frame is."""
+        return bare(frame) in self._parents or bare(frame) in self._guesses
+
+    def place(self, frame: str) -> Place:
+        """Return where a frame is: in itself, if nobody has told."""
+        frame, transform = bare(frame), IDENTITY
+        for _ in range(_DEPTH):
+            if frame in self._parents:
+                frame, step = self._parents[frame]
+            elif frame in self._guesses:
+                _, frame, step = self._guesses[frame]
+            else:
+                break
+            transform = step.then(transform)
+        return Place(frame, transform)
+
+
+def bare(frame: str) -> str:
+    """Return a frame's name without the slash that it had before tf2."""
+    return frame.lstrip("/")
+
+
+def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+    ax, ay, az, aw = a
+    bx, by, bz, bw = b
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def _turned(rotation: Quaternion, vector: Vector) -> Vector:
+    x, y, z, w = rotation
+    turned = _product(_product(rotation, (*vector, 0.0)), (-x, -y, -z, w))
+    return turned[:3]

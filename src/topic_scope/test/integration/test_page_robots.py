@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""The page shows robots, sends them to goals, drives them, and has managed nodes' transitions."""
+
+import subprocess
+import unittest
+
+import roslib.packages
+import rospy
+import rostest
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+from browsing.waiting import wait_until
+from geometry_msgs.msg import Point
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+from visualization_msgs.msg import Marker, MarkerArray
+from wire.robot import Robot
+
+PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
+
+
+class PageRobots(unittest.TestCase):
+    """What a user does with a robot."""
+
+    browser: Browser
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        scope = ScopeProcess()
+        cls.addClassCleanup(scope.stop)
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        scope.wait_until_served()
+        cls.browser.open(scope.url)
+
+    def wait_text(self, selector: str, text: str) -> None:
+        """Wait until something is said."""
+        wait_until(lambda: text in self.browser.text(selector), lambda: self.browser.text(selector))
+
+    def changed(self, picture: str) -> str:
+        """Wait until the picture is another one."""
+        wait_until(lambda: self.browser.run(PICTURE) != picture, lambda: "the same picture")
+        return str(self.browser.run(PICTURE))
+
+    def test_a_robot_is_seen_sent_and_driven(self) -> None:
+        browser, robot = self.browser, Robot("/")
+        self.addCleanup(robot.close)
+        world = rospy.Publisher("/world", MarkerArray, queue_size=1, latch=True)
+        browser.keys("r")
+        self.wait_text("#robot-list", "odom: 0.00, 0.00 m, 0°, 0 m/s")
+        browser.wait_for("#drive-topic option[value='/cmd_vel']")
+        picture = browser.run(PICTURE)
+        walls = [Point(*place) for place in ((-2, -1, 0), (-2, 1, 0), (2, -1, 0), (2, 1, 0))]
+        world.publish(MarkerArray([Marker(type=Marker.LINE_LIST, points=walls)]))
+        picture = self.changed(picture)
+
+        # A click on the picture: where that is, the page says itself.
+        browser.find("#goal-pick").click()
+        canvas = browser.find("#robot-canvas")
+        steps = ActionChains(browser.driver).move_to_element_with_offset(canvas, 100, -50)
+        steps.click_and_hold().move_by_offset(0, -40).release().perform()
+        (goal,) = wait_until(lambda: robot.goals[:], lambda: browser.text("#notice"))
+        self.wait_text("#goal-state", "Sent on /goal")
+        place = goal.pose.position
+        self.assertGreater(place.x, 0.1)
+        self.assertAlmostEqual(place.y, place.x / 2.0, delta=0.02)  # y is up, one scale for both
+        self.assertAlmostEqual(goal.pose.orientation.z, 0.7071, delta=1e-3)
+        self.assertEqual(browser.find("#goal-pick").get_attribute("aria-pressed"), "false")
+        picture = self.changed(picture)
+
+        # Without the wheel keys move the picture, with it the robot, as long as they are held.
+        browser.keys(Keys.ARROW_UP)
+        picture = self.changed(picture)
+        self.assertEqual(robot.commands, [])
+        browser.find("#drive").click()
+        self.wait_text("#drive-state", "Driving on /cmd_vel, Twist")
+        ActionChains(browser.driver).key_down(Keys.ARROW_UP).key_down("a").perform()
+        wait_until(lambda: robot.x > 0.1 and robot.heading > 0.1, lambda: str(robot.commands))
+        self.assertEqual({command[1] for command in robot.commands}, {0.2})
+        self.assertEqual(robot.commands[-1][2], 1.0)
+        ActionChains(browser.driver).key_up("a").key_up(Keys.ARROW_UP).perform()
+        wait_until(lambda: robot.commands[-1][1:] == (0.0, 0.0), lambda: str(robot.commands[-1]))
+        count = len(robot.commands)
+        self.changed(picture)
+
+        # The same with a button, and who looks away drives no longer.
+        button = browser.find("#drive-pad [aria-label='back']")
+        ActionChains(browser.driver).click_and_hold(button).perform()
+        wait_until(lambda: robot.commands[-1].speed == -0.2, lambda: str(robot.commands[-1]))
+        self.assertEqual([one.speed for one in robot.commands[count:]].count(0.0), 0)
+        browser.run("window.dispatchEvent(new Event('blur'))")
+        wait_until(lambda: robot.commands[-1].speed == 0.0, lambda: str(robot.commands[-1]))
+        ActionChains(browser.driver).release().perform()
+        stick = browser.find("#joystick")
+        ActionChains(browser.driver).move_to_element(stick).click_and_hold().move_by_offset(
+            30, 0
+        ).perform()
+        wait_until(lambda: -0.6 < robot.commands[-1].turn < -0.4, lambda: str(robot.commands[-1]))
+        ActionChains(browser.driver).release().perform()
+        wait_until(lambda: robot.commands[-1].turn == 0.0, lambda: str(robot.commands[-1]))
+        browser.keys(Keys.ESCAPE)
+        self.wait_text("#drive", "Take the wheel")
+        self.assertEqual(browser.errors(), [])
+        self.assertIn("robots", str(browser.run("return location.hash")))
+        browser.keys("r")
+
+    def test_a_managed_node_has_its_state_and_a_button_for_each_transition(self) -> None:
+        program = roslib.packages.find_node("basic_comms", "talker.py")[0]
+        talker = subprocess.Popen([program, "_managed:=true"])
+        self.addCleanup(talker.wait, 30.0)
+        self.addCleanup(talker.terminate)
+        for label, state in (("configure", "inactive"), ("activate", "active")):
+            self.browser.wait_for(f"[aria-label='/talker: {label}']").click()
+            lamp = f".managed-node[data-node='/talker'] [data-state='{state}']"
+            self.assertEqual(self.browser.wait_for(lamp).text, state)
+        self.assertEqual(self.browser.errors(), [])
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_page_robots")
+    rostest.rosrun("topic_scope", "page_robots", PageRobots)

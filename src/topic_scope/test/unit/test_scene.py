@@ -1,0 +1,151 @@
+"""What a page is told of robots, made of messages of any node."""
+
+import json
+import math
+from typing import Any, Dict
+
+import numpy
+import pytest
+from geometry_msgs.msg import Point, PoseStamped, TransformStamped
+from nav_msgs.msg import Odometry, Path
+from sensor_msgs.msg import LaserScan
+from test_whole import serialized
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from topic_scope import scene
+from topic_scope.definitions import layout_of, parse
+from topic_scope.scene import Scene
+from topic_scope.whole import WholeReader
+
+
+def turn(orientation: Any, angle: float) -> None:
+    orientation.z, orientation.w = math.sin(angle / 2), math.cos(angle / 2)
+
+
+def odometry(x: float, y: float, heading: float, frame: str = "odom") -> Odometry:
+    message = Odometry(child_frame_id=frame.replace("odom", "base"))
+    message.header.frame_id = frame
+    message.pose.pose.position = Point(x, y, 0.0)
+    turn(message.pose.pose.orientation, heading)
+    message.twist.twist.linear.x, message.twist.twist.angular.z = 0.25, -0.5
+    return message
+
+
+def scan(frame: str, *ranges: float) -> LaserScan:
+    message = LaserScan(ranges=ranges, range_min=0.1, range_max=3.5, angle_increment=0.5)
+    message.header.frame_id = frame
+    return message
+
+
+def transforms(parent: str, child: str, x: float) -> TFMessage:
+    one = TransformStamped(child_frame_id=child)
+    one.header.frame_id, one.transform.translation.x = parent, x
+    return TFMessage([one])
+
+
+def take(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
+    read = WholeReader(layout_of(type(message))).read(serialized(message))
+    shown.take(topic, message._type, read, now)
+
+
+def told(message: Dict[str, Any]) -> Dict[str, Any]:
+    """Return what a page would get of it."""
+    text: Dict[str, Any] = json.loads(json.dumps(message, allow_nan=False))
+    return text
+
+
+def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
+    shown = Scene()
+    take(shown, "/odom", odometry(1.0, 2.0, 3.0), 10.0)
+    (robot,) = told(shown.moving(10.5))["robots"]
+    assert robot["heading"] == pytest.approx(3.0, abs=1e-4)
+    assert (robot["x"], robot["y"], robot["speed"], robot["turn"]) == (1.0, 2.0, 0.25, -0.5)
+    assert (robot["topic"], robot["frame"], robot["silent"]) == ("/odom", "odom", False)
+    assert told(shown.moving(11.5))["robots"][0]["silent"]
+    take(shown, "/odom", odometry(math.nan, 0.0, 0.0), 12.0)
+    assert told(shown.moving(12.0))["robots"][0]["x"] == 1.0
+    shown.keep({})
+    assert shown.moving(12.0)["robots"] == []
+
+
+def test_a_scan_is_where_its_laser_is() -> None:
+    shown = Scene()
+    take(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
+    take(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
+    # Nobody says where the laser is: it is taken to be on the robot of its namespace.
+    (seen,) = told(shown.moving(0.0))["scans"]
+    assert seen["at"] == pytest.approx([0.0, 1.0, -1.0, 0.0, 1.0, 0.0], abs=1e-4)
+    assert seen["ranges"] == [1000, 0, 0, 0, 3000]
+    take(shown, "/tf", transforms("robot1/base", "robot1/laser", 0.5))
+    assert told(shown.moving(0.0))["scans"][0]["at"][4:] == pytest.approx([1.0, 0.5], abs=1e-4)
+    assert shown.moving(5.0)["scans"] == []
+
+
+def test_a_scan_of_many_rays_is_thinned_out_and_of_no_sense_is_empty() -> None:
+    shown = Scene()
+    take(shown, "/odom", odometry(0.0, 0.0, 0.0))
+    take(shown, "/scan", scan("base", *[1.0] * 5000))
+    (seen,) = shown.moving(0.0)["scans"]
+    assert len(seen["ranges"]) == 1667 and seen["step"] == pytest.approx(1.5)
+    nonsense = scan("base", 1.0)
+    nonsense.angle_min = math.nan
+    take(shown, "/scan", nonsense)
+    assert told(shown.moving(0.0))["scans"][0]["ranges"] == [0]
+
+
+def test_markers_come_and_go_one_by_one() -> None:
+    shown = Scene()
+    wall = Marker(ns="walls", type=Marker.LINE_LIST, points=[Point(0, 1, 0), Point(2, 3, 0)])
+    box = Marker(ns="boxes", id=4, type=Marker.CUBE)
+    box.pose.position.x, box.scale.x, box.color.r = 1.5, 0.4, math.nan
+    take(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL), wall, box]))
+    lines, cube = told(shown.standing())["markers"]
+    assert (lines["kind"], lines["points"]) == ("lines", [0.0, 1.0, 2.0, 3.0])
+    assert (cube["kind"], cube["size"], cube["at"][4]) == ("box", [0.4, 0.0], 1.5)
+    take(shown, "/world", MarkerArray([Marker(ns="walls", action=Marker.DELETE)]))
+    assert [one["kind"] for one in shown.standing()["markers"]] == ["box"]
+    take(shown, "/other", box)
+    take(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL)]))
+    assert len(shown.standing()["markers"]) == 1
+
+
+def test_paths_and_goals() -> None:
+    shown = Scene()
+    take(shown, "/tf", transforms("map", "odom", 1.0))
+    goal = PoseStamped()
+    goal.header.frame_id, goal.pose.position.y = "odom", 2.0
+    path = Path(poses=[goal, goal])
+    path.header.frame_id = "map"
+    take(shown, "/goal", goal)
+    take(shown, "/plan", path)
+    standing = told(shown.standing())
+    assert standing["goals"] == [{"topic": "/goal", "x": 1.0, "y": 2.0, "heading": 0.0}]
+    assert standing["paths"][0]["points"] == [0.0, 2.0, 0.0, 2.0]
+
+
+STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
+
+
+def test_a_status_is_known_by_its_fields() -> None:
+    assert scene.is_status(parse("other_msgs/State", STATUS + "float32 more\n"))
+    for text in ("", STATUS.replace("[]", ""), STATUS.replace("string", "int8"), "uint8 mode\n"):
+        assert not scene.is_status(parse("a/RobotStatus", text))
+    assert not scene.is_status(None)
+
+
+def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
+    shown = Scene()
+    for topic, name in (("/a", "zoe"), ("/b", "al")):
+        readings = numpy.array([11.10000038, math.nan])
+        message = {"robot_name": name, "mode": 1, "sensor_readings": readings}
+        shown.take(topic, "x/RobotStatus", message, 0.0)
+    first, second = told(shown.fleet(0.5))["robots"]
+    assert first == {"topic": "/b", "name": "al", "mode": 1, "readings": [11.1, None], "age": None}
+    assert second["name"] == "zoe" and shown.fleet(3.25)["robots"][0]["age"] == 3.2
+
+
+def test_what_is_not_as_its_type_says_is_refused() -> None:
+    for datatype in scene.TYPES:
+        with pytest.raises((LookupError, TypeError, ValueError)):
+            Scene().take("/x", datatype, {"data": 1.0}, 0.0)

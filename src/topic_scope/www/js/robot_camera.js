@@ -1,0 +1,68 @@
+/** Which part of the world is seen: metres to pixels, with one scale for both axes and y upwards. */
+
+const SCALES = [0.5, 20000]; // pixels for a metre
+
+const within = (value, [low, high]) => Math.min(Math.max(value, low), high);
+
+/** Looks straight down at a place. */
+export class Camera {
+  constructor() {
+    this.x = 0; // in the middle of the picture, m
+    this.y = 0;
+    this.scale = 80; // pixels for a metre
+    this.width = 1; // pixels
+    this.height = 1;
+  }
+
+  /**
+   * Where a place is in the picture.
+   * @returns {[number, number]} pixels from the top left corner
+   */
+  toPicture(x, y) {
+    return [(x - this.x) * this.scale + this.width / 2, this.height / 2 - (y - this.y) * this.scale];
+  }
+
+  /**
+   * Which place is at a point of the picture.
+   * @returns {[number, number]} m
+   */
+  toWorld(across, down) {
+    return [
+      this.x + (across - this.width / 2) / this.scale,
+      this.y + (this.height / 2 - down) / this.scale,
+    ];
+  }
+
+  /**
+   * Zoom; what is at a point of the picture stays there.
+   * @param {number} factor above 1: closer
+   */
+  zoom(factor, across = this.width / 2, down = this.height / 2) {
+    const [x, y] = this.toWorld(across, down);
+    this.scale = within(this.scale * factor, SCALES);
+    const [newX, newY] = this.toWorld(across, down);
+    this.x += x - newX;
+    this.y += y - newY;
+  }
+
+  /** Move the picture by some pixels. */
+  pan(across, down) {
+    this.x -= across / this.scale;
+    this.y += down / this.scale;
+  }
+
+  /**
+   * Show all of some places.
+   * @param {[number, number][]} places m
+   */
+  fit(places) {
+    if (!places.length) return;
+    const bounds = [0, 1].map((axis) => {
+      const values = places.map((place) => place[axis]);
+      return [Math.min(...values), Math.max(...values)];
+    });
+    [this.x, this.y] = bounds.map(([low, high]) => (low + high) / 2);
+    const [wide, high] = bounds.map(([from, to]) => Math.max(to - from, 2) * 1.15);
+    this.scale = within(Math.min(this.width / wide, this.height / high), SCALES);
+  }
+}

@@ -1,0 +1,41 @@
+/** Where robots have been since the page is open. */
+
+const APART = 0.02; // of two points, m
+const JUMP = 0.5; // a robot that is so far from where it was a moment ago was put there, m
+const MOST = 5000; // points of a robot
+
+/** Keeps a line, or several, for each robot. */
+export class Trails {
+  constructor() {
+    this.lines = new Map(); // topic -> lines of [x, y]
+  }
+
+  /**
+   * Take the places of the robots; those that are not among them any more are forgotten.
+   * @param {{topic: string, x: number, y: number}[]} robots
+   */
+  add(robots) {
+    this.lines = new Map(robots.map(({ topic }) => [topic, this.lines.get(topic) ?? [[]]]));
+    for (const { topic, x, y } of robots) {
+      const lines = this.lines.get(topic);
+      const line = lines[lines.length - 1];
+      const last = line[line.length - 1];
+      const far = last ? Math.hypot(x - last[0], y - last[1]) : 0;
+      if (last && far < APART) continue;
+      if (far > JUMP) lines.push([[x, y]]);
+      else line.push([x, y]);
+      lines[0].splice(0, lines.reduce((sum, { length }) => sum + length, -MOST) > 0 ? 1 : 0);
+      if (!lines[0].length && lines.length > 1) lines.shift();
+    }
+  }
+
+  /** The lines of a robot. */
+  of(topic) {
+    return this.lines.get(topic) ?? [];
+  }
+
+  /** Forget all. */
+  clear() {
+    this.lines.clear();
+  }
+}

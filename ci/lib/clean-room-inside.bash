@@ -3,13 +3,12 @@
 #
 # The part of ci/clean-room that runs in namespaces of its own.
 set -euo pipefail
-workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
+me=ci/clean-room
+source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
 
 # The time that the first sample may take, and a refusal, s.
 limit=120
 limit_of_refusal=60
-
-say() { printf 'ci/clean-room: %s\n' "$*" >&2; }
 
 # README's two commands, a line each, without their comments.
 readme_commands() {
@@ -20,50 +19,11 @@ readme_commands() {
     ' "$workspace/README.md"
 }
 
-# The mirror of the Debian archive that this machine's apt uses.
-find_mirror() {
-    local targets
-    # shellcheck disable=SC2016
-    targets=$(apt-get indextargets --format '$(LABEL)|$(REPO_URI)' 'Created-By: Packages')
-    IFS='|' read -r _ mirror < <(grep '^Debian|' <<<"$targets") || {
-        say "apt on this machine has no Debian mirror, or no lists: try apt-get update."
-        exit 125
-    }
-}
-
-# What this machine needs to reach its mirror, the clean system needs as well.
-copy_apt_settings() { # ROOT
-    apt-config dump | grep -E '^Acquire::(https?::|Check-|Retries)' >"$1/etc/apt/apt.conf.d/90clean-room" || :
-    local file
-    sed -n 's/.*:CaInfo "\(.*\)";/\1/p' "$1/etc/apt/apt.conf.d/90clean-room" | while read -r file; do
-        install -D -m 644 "$file" "$1/$file"
-    done
-}
-
-bootstrap() { # SUITE ROOT
-    local packed=${CLEAN_ROOM_CACHE:-$room}/$1.tar
-    mkdir "$2" || return
-    if [ -f "$packed" ]; then
-        tar -C "$2" -xf "$packed" || return
-    else
-        say "$1: debootstrap from $mirror"
-        debootstrap --variant=minbase "$1" "$2" "$mirror" >"$log" 2>&1 || {
-            end_of_log
-            return 1
-        }
-        tar -C "$2" -cf "$packed.new" . && mv "$packed.new" "$packed" || return
-    fi
-    copy_apt_settings "$2" &&
-        cp /etc/resolv.conf "$2/etc/resolv.conf" &&
-        printf '127.0.0.1 localhost\n127.0.1.1 %s\n' "$(hostname)" >"$2/etc/hosts" &&
-        mount -t proc proc "$2/proc" &&
-        mount -t devpts -o newinstance,ptmxmode=666 devpts "$2/dev/pts" &&
-        ln -sf pts/ptmx "$2/dev/ptmx" &&
-        mount -t tmpfs -o mode=1777 shm "$2/dev/shm" &&
-        chroot "$2" useradd --create-home --shell /bin/bash student &&
-        chroot "$2" useradd --create-home --shell /bin/bash teacher &&
-        clone "$2" student workspace && clone "$2" student "a folder" && clone "$2" teacher workspace &&
-        drop_lists "$2"
+# Two users, and the workspace in their folders.
+furnish() { # ROOT
+    chroot "$1" useradd --create-home --shell /bin/bash student &&
+        chroot "$1" useradd --create-home --shell /bin/bash teacher &&
+        clone "$1" student workspace && clone "$1" student "a folder" && clone "$1" teacher workspace
 }
 
 clone() { # ROOT USER FOLDER
@@ -73,30 +33,8 @@ clone() { # ROOT USER FOLDER
         chroot "$1" chown -R "$2:" "$home/$3"
 }
 
-drop_lists() { find "$1/var/lib/apt/lists" -mindepth 1 -delete; } # ROOT
-
-# Run in the clean system, with nothing of this machine's environment but a proxy. Offline
-# means a network namespace that holds a loopback device and nothing else.
-within() { # ROOT USER online|offline COMMAND…
-    local root=$1 user=$2 name folder
-    local -a environment into=()
-    case $user in root) folder=/root ;; *) folder=/home/$user ;; esac
-    environment=(HOME="$folder" USER="$user" LOGNAME="$user" TERM=dumb
-        PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin)
-    [ "$user" = root ] || folder=$folder/$place
-    for name in http_proxy https_proxy no_proxy; do
-        [ -z "${!name-}" ] || environment+=("$name=${!name}")
-    done
-    [ "$3" = online ] || into=(nsenter --net="$net")
-    shift 3
-    # shellcheck disable=SC2016
-    exec "${into[@]}" env -i "${environment[@]}" chroot --userspec="$user:$user" "$root" \
-        sh -c 'cd "$0" && exec "$@"' "$folder" "$@"
-}
-# In which folder of the user's home that is.
+# In which folder of a user's home commands are run.
 place=workspace
-
-end_of_log() { tail -n 30 "$log" >&2; }
 
 # Expect a command of a user's to end with 125 and a sentence with certain words, and soon.
 refuses() { # WORDS ROOT USER online|offline COMMAND…
@@ -106,14 +44,6 @@ refuses() { # WORDS ROOT USER online|offline COMMAND…
     [ "$status" = 125 ] && grep -q "^ci/.*$words" "$log" && [ $((SECONDS - began)) -lt "$limit_of_refusal" ] &&
         say "refused as it should be: $(grep "^ci/.*$words" "$log" | cut -c 1-150)" && return
     say "status $status after $((SECONDS - began)) s, expected was 125 with '$words' of: ${*:2}"
-    end_of_log
-    return 1
-}
-
-# A command that must be good.
-succeeds() { # ROOT USER online|offline COMMAND…
-    (within "$@") >"$log" 2>&1 && return
-    say "failed: ${*:2}"
     end_of_log
     return 1
 }
@@ -201,20 +131,19 @@ take_test() { # SUITE ROOT
 
 # Take a part on a system of its own.
 take() { # PART SUITE
-    local root=$room/$2.$1 log=$room/$2.$1.log status=0
+    taken=take_$1
     say "$2: $1"
-    net=$room/$2.$1.net
-    : >"$net"
-    unshare --net="$net" ip link set lo up && bootstrap "$2" "$root" || return
+    with_system "$2" "$1" take_furnished
+}
+
+take_furnished() { # SUITE ROOT
+    furnish "$2" || return
     verdict="see above"
-    "take_$1" "$2" "$root" || status=1
-    umount --lazy "$root/proc" "$root/dev/pts" "$root/dev/shm" "$net"
-    rm -rf --one-file-system "$root"
-    return "$status"
+    "$taken" "$1" "$2"
 }
 
 main() { # DIRECTORY PART,… TIER,… SUITE…
-    local room=$1 parts=$2 tiers=$3 suite part verdict word commit mirror net status=0
+    local room=$1 parts=$2 tiers=$3 suite part taken verdict word commit mirror status=0
     local -a summary
     shift 3
     commit=$(git -C "$workspace" rev-parse HEAD)

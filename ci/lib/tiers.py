@@ -58,6 +58,7 @@ def lint() -> List[Step]:
         + [*libraries, str(template / "src")],
         "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
+        "debian_files": [sys.executable, str(CI / "lib" / "debian_files.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib"] + shell_scripts(),
     }
     for package in packages():

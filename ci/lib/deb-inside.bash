@@ -1,0 +1,141 @@
+#!/usr/bin/env bash
+# Usage: deb-inside.bash DIRECTORY PART,… SUITE…
+#
+# The part of ci/deb that runs in namespaces of its own.
+set -euo pipefail
+me=ci/deb
+source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
+
+# The two commands of docs/packaging.md, a line each, without their comments.
+page_commands() {
+    awk '
+        /^## / { here = ($0 == "## Install") }
+        /^```/ { block = here && !block; next }
+        block { sub(/ +#.*/, ""); if (NF) print }
+    ' "$workspace/docs/packaging.md"
+}
+
+# An ordinary user, apt's lists, and nothing but what is needed.
+furnish() { # ROOT
+    chroot "$1" useradd --create-home --shell /bin/bash student &&
+        echo 'APT::Install-Recommends "false";' >"$1/etc/apt/apt.conf.d/91needed" &&
+        succeeds "$1" root online apt-get update
+}
+
+apt_get() { # ROOT online|offline WHAT…
+    succeeds "$1" root "$2" env DEBIAN_FRONTEND=noninteractive apt-get --yes "${@:3}"
+}
+
+# Type the command of the page in a directory with packages.
+install_as_written() { # ROOT DIRECTORY
+    local command
+    command=$(page_commands | head -n 1)
+    succeeds "$1" root offline env DEBIAN_FRONTEND=noninteractive \
+        sh -ec "cd $2; ${command#sudo }" < <(yes)
+}
+
+build() { # SUITE ROOT
+    local tree=$2/home/student/tree date version
+    date=$(git -C "$workspace" log -1 --format=%cD "$commit")
+    furnish "$2" && mkdir "$2/home/student/earlier" "$tree" || return
+    git -C "$workspace" archive "$commit" | tar -C "$tree" -x &&
+        python3 "$workspace/ci/lib/debian_files.py" "$tree" "$1" "$date" &&
+        chroot "$2" chown -R student: /home/student || return
+    say "$1: what the build needs"
+    apt_get "$2" online install build-essential lintian &&
+        apt_get "$2" online build-dep /home/student/tree || return
+    place=tree
+    say "$1: dpkg-buildpackage"
+    succeeds "$2" student offline dpkg-buildpackage -us -uc -b &&
+        succeeds "$2" student offline sh -c \
+            'lintian --fail-on error,warning --tag-display-limit 0 ../*.changes' || return
+    # The same files once more, as an earlier version, for the proof.
+    version=$(within "$2" student offline dpkg-parsechangelog --show-field Version)
+    # shellcheck disable=SC2016
+    succeeds "$2" student offline env DEB_RULES_REQUIRES_ROOT=no sh -ec 'dh_gencontrol -- "-v$0~earlier"
+        dh_md5sums
+        dh_builddeb --destdir=../earlier' "$version" || return
+    rm -rf "${dist:?}/$1"
+    mkdir -p "$dist/$1/earlier"
+    cp "$2"/home/student/*.{deb,buildinfo,changes} "$dist/$1"
+    cp "$2"/home/student/earlier/*.deb "$dist/$1/earlier"
+    verdict="$(within "$2" root offline sh -c 'ls /home/student/*.deb | wc -l') packages, version $version"
+}
+
+# What some packages name in a field, without each other.
+foreign() { # FIELD FILE…
+    local file
+    for file in "${@:2}"; do
+        dpkg-deb --field "$file" "$1" | tr , '\n' | sed 's/^ *//' | grep -v '(= ' || :
+    done | grep . | sort -u | paste --serial --delimiters=,
+}
+
+# Each file that two of them hold.
+overlaps() { # FILE…
+    local file
+    for file; do dpkg-deb --contents "$file"; done | awk '!/\/$/ { print $6 }' | sort | uniq --repeated
+}
+
+# Every file of a system but for what apt and programs note on the way.
+every_file() { # ROOT
+    find "$1" -xdev \( -path "$1/home" -o -path "$1/tmp" -o -path "$1/debs" -o -path "$1/var/cache" \
+        -o -path "$1/var/log" \) -prune -o -print | sort
+}
+
+# Run the course from what is installed, as an ordinary user does.
+runs() { # ROOT WHAT
+    say "$2"
+    place='' succeeds "$1" student offline python3 /debs/deb_proof.py || return
+    sed 's/^/    /' "$log" >&2
+}
+
+prove() { # SUITE ROOT
+    local files=("$dist/$1"/*.deb) twice
+    local -a names
+    [ -d "$dist/$1/earlier" ] || {
+        verdict="there are no packages in $dist/$1: build them first"
+        return 1
+    }
+    mapfile -t names < <(printf '%s\n' "${files[@]##*/}" | sed 's/_.*//')
+    twice=$(overlaps "${files[@]}")
+    [ -z "$twice" ] || {
+        verdict="two packages hold $twice"
+        return 1
+    }
+    furnish "$2" && mkdir "$2/debs" &&
+        cp -r "${files[@]}" "$dist/$1/earlier" "$workspace/ci/lib/deb_proof.py" "$2/debs" || return
+    say "$1: what the packages depend on, recommend and suggest"
+    apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic" &&
+        apt_get "$2" online satisfy --simulate \
+            "$(foreign Recommends "${files[@]}"), $(foreign Suggests "${files[@]}")" || return
+    every_file "$2" >"$log.before"
+    install_as_written "$2" /debs/earlier && runs "$2" "$1: an earlier version" &&
+        install_as_written "$2" /debs && runs "$2" "$1: upgraded" &&
+        apt_get "$2" offline purge "${names[@]}" || return
+    every_file "$2" >"$log.after"
+    diff "$log.before" "$log.after" >&2 || {
+        verdict="something stays behind, see above"
+        return 1
+    }
+    verdict="installed, run, upgraded, run, removed"
+}
+
+main() { # DIRECTORY PART,… SUITE…
+    local room=$1 parts=$2 dist=$workspace/dist suite part verdict word commit mirror place status=0
+    local -a summary
+    shift 2
+    commit=$(git -C "$workspace" rev-parse HEAD)
+    find_mirror
+    for suite; do
+        for part in ${parts//,/ }; do
+            verdict="see above"
+            if with_system "$suite" "$part" "$part"; then word=ok; else word=FAILED status=1; fi
+            summary+=("$(printf '%-6s %-8s %-5s %s' "$word" "$suite" "$part" "$verdict")")
+        done
+    done
+    printf '%s\n' "${summary[@]}"
+    exit "$status"
+}
+
+# A function, so that nothing of this file is still to be read while it runs. (Tests source it.)
+[ "${BASH_SOURCE[0]}" != "$0" ] || main "$@"

@@ -1,0 +1,155 @@
+"""Run the course from installed packages, with the commands that their user types.
+
+``python3 deb_proof.py``, in a system that ci/deb has made, says what it has seen, and ends with a
+status other than 0 at the first command that does not do what it should.
+"""
+
+import contextlib
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+import urllib.request
+from typing import Callable, Iterator, List
+
+#: How long anything may take, s.
+PATIENCE = 60.0
+SCOPE = "http://127.0.0.1:8097"
+
+
+def said(*command: str) -> str:
+    """Return what a command prints.
+
+    :raises SystemExit: it fails, or takes too long
+    """
+    try:
+        return subprocess.run(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+            timeout=PATIENCE,
+            check=True,
+        ).stdout
+    except subprocess.SubprocessError as error:
+        sys.exit(f"{error}\n{error.stdout}")  # type: ignore[attr-defined]
+
+
+def wait_for(what: str, condition: Callable[[], bool]) -> None:
+    """Wait until something is so, and say it.
+
+    :raises SystemExit: it is not so in time
+    """
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            sys.exit(f"not within {PATIENCE:.0f} s: {what}")
+        time.sleep(0.2)
+    print(what)
+
+
+@contextlib.contextmanager
+def running(*command: str) -> Iterator[None]:
+    """Have a command run, and end at Ctrl-C, with status 0."""
+    log = pathlib.Path("proof.log")
+    with log.open("w") as output:
+        process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+    try:
+        yield
+    except BaseException:
+        process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)
+        print(log.read_text())
+        raise
+    process.send_signal(signal.SIGINT)
+    if process.wait(PATIENCE) != 0:
+        sys.exit(f"{command} ended with status {process.returncode}:\n{log.read_text()}")
+
+
+def answers(*command: str) -> bool:
+    """Tell whether a command that may fail succeeds."""
+    silence = subprocess.DEVNULL
+    return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0
+
+
+def fetched(path: str) -> str:
+    """Return a file that the scope serves."""
+    with urllib.request.urlopen(SCOPE + path, timeout=PATIENCE) as reply:
+        return str(reply.read().decode())
+
+
+def served() -> bool:
+    """Tell whether the scope serves yet."""
+    try:
+        return bool(fetched("/"))
+    except OSError:
+        return False
+
+
+def course() -> None:
+    """Run the coursework, set a parameter, describe a node."""
+    with running("roslaunch", "basic_comms", "cw1.launch"):
+        wait_for("there is a master", lambda: answers("rostopic", "list"))
+        said("rostopic", "echo", "-n", "1", "/proc_signal")
+        print("/proc_signal is heard")
+        said("rosparam", "set", "/signal_generator/frequency", "12.0")
+        wait_for(
+            "a parameter takes effect",
+            lambda: "12.0" in said("rostopic", "echo", "-n", "1", "/signal/frequency"),
+        )
+        table = said("rosrun", "nodekit", "describe", "/signal_generator")
+        if not re.search(r"^\s*frequency\b.*\b12\b", table, re.MULTILINE):
+            sys.exit(f"frequency is not described as 12:\n{table}")
+        print("the node describes itself")
+        scope()
+    print("Ctrl-C ends the launch file")
+
+
+def scope() -> None:
+    """Look at the page of the oscilloscope, and at samples."""
+    field = "/signal/signal_y"
+    with running("rosrun", "topic_scope", "scope.py", "--port", SCOPE[-4:], field):
+        wait_for("the oscilloscope's page is served", served)
+        names: List[str] = re.findall(r'(?:src|href)="(/[^"]+)"', fetched("/"))
+        empty = [name for name in names if not fetched(name)]
+        if not any("dygraph" in name for name in names) or empty:
+            sys.exit(f"the page names {names}, of which empty are {empty}")
+        print(f"and the {len(names)} files that it names")
+
+
+def managed_system() -> None:
+    """Have a manager bring three nodes up."""
+    with running("roslaunch", "lifecycle_demo", "managed_system.launch"):
+        wait_for("there is a master", lambda: answers("rostopic", "list"))
+        wait_for(
+            "three managed nodes are active",
+            lambda: said("rosrun", "nodekit", "lifecycle", "get").count(": active") == 3,
+        )
+
+
+def put_a_python_first() -> None:
+    """Have a python3 on the path that knows nothing of ROS, as pyenv and conda do."""
+    own = pathlib.Path("own_python", "python3").absolute()
+    own.parent.mkdir(exist_ok=True)
+    own.write_text("#!/bin/sh\necho this is another python >&2\nexit 1\n")
+    own.chmod(0o755)
+    os.environ["PATH"] = f"{own.parent}:{os.environ['PATH']}"
+
+
+def main() -> None:
+    """Do all of it, without a variable of ROS's."""
+    names = [
+        name for name in os.environ if "ROS" in name or name in ("PYTHONPATH", "CMAKE_PREFIX_PATH")
+    ]
+    if names:
+        sys.exit(f"the environment has {names}")
+    put_a_python_first()
+    course()
+    managed_system()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""ci/deb types the commands of its page, and tells a file that two packages hold."""
+
+import pathlib
+import subprocess
+from typing import List
+
+import pytest
+from conftest import CI
+
+INSIDE = CI / "lib" / "deb-inside.bash"
+
+
+def inside(script: str, *arguments: str) -> List[str]:
+    """What a script prints that may call the functions of ci/deb."""
+    command = ["bash", "-c", f"source '{INSIDE}'; {script}", "bash", *arguments]
+    return subprocess.check_output(command, timeout=30).decode().splitlines()
+
+
+def test_the_commands_are_those_of_the_page() -> None:
+    install, launch = inside("page_commands")
+    assert install == "sudo apt install ./*.deb"
+    proof = (CI / "lib" / "deb_proof.py").read_text("utf-8")
+    assert (
+        f'running({", ".join(f"{word!r}" for word in launch.split())})'.replace("'", '"') in proof
+    )
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        (["--only", "bake"], "no part 'bake'"),
+        (["bullseye"], "no suite 'bullseye'"),
+        (["--other"], "Usage: ci/deb"),
+    ],
+)
+def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None:
+    result = subprocess.run(
+        [str(CI / "deb"), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=10
+    )
+    assert result.returncode == 125
+    assert said in result.stdout.decode()
+
+
+def test_a_file_in_two_packages_is_told_and_a_shared_folder_is_not(tmp_path: pathlib.Path) -> None:
+    for name, files in (("a", ["one", "both"]), ("b", ["both", "two"])):
+        tree = tmp_path / name
+        (tree / "DEBIAN").mkdir(parents=True)
+        (tree / "DEBIAN" / "control").write_text(
+            f"Package: {name}\nVersion: 1\nArchitecture: all\nMaintainer: me <me@example.org>\n"
+            f"Depends: ours-{name} (= 1), theirs, python3:any\nDescription: {name}\n"
+        )
+        (tree / "usr").mkdir()
+        for file in files:
+            (tree / "usr" / file).write_text("")
+        command = ["dpkg-deb", "--root-owner-group", "--build", str(tree)]
+        subprocess.check_call(command, stdout=subprocess.DEVNULL, timeout=30)
+    debs = [str(tmp_path / name) for name in ("a.deb", "b.deb")]
+    assert inside('overlaps "$@"', *debs) == ["./usr/both"]
+    assert inside('overlaps "$@"', debs[0]) == []
+    assert inside('foreign Depends "$@"', *debs) == ["python3:any,theirs"]

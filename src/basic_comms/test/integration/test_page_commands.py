@@ -47,6 +47,11 @@ NOT_TYPED = {
             "roslaunch my_robot_package robust_node",
         )
     },
+    "docs/packaging.md": {
+        "./ci/deb": "takes root, and minutes of building",
+        "sudo apt": "takes the packages: ci/deb types it",
+        "roslaunch": "is for who has installed the packages: ci/deb types it",
+    },
     "docs/security.md": {
         "sudo iptables": _NETWORK,
         "unshare": _NETWORK,

@@ -667,6 +667,31 @@ class Wanted(Managed):
                 Server().set(self.space + "/driver/gain", 3.0)
                 heard.clear()
 
+    def test_has_a_last_word_whenever_it_is_active_no_longer(self) -> None:
+        def talkative(node: Node) -> object:
+            publisher = node.publisher("out", String)
+            node.before_deactivate(lambda: publisher.publish("stop"))
+            node.every(100.0, lambda elapsed: publisher.publish("go"))
+            return publisher
+
+        heard = self.unaware(True, talkative)
+        for _ in range(2):
+            self.assertTrue(self.change("configure"))
+            for _ in range(2):
+                heard.clear()
+                self.assertTrue(self.change("activate"))
+                wait_until(lambda: "go" in heard, lambda: str(heard))
+                self.assertTrue(self.change("deactivate"))
+                wait_until(lambda: "stop" in heard, lambda: str(heard))
+                self.assertEqual((heard.count("stop"), heard[-1]), (1, "stop"))
+            heard.clear()
+            self.assertTrue(self.change("cleanup"))
+        self.assertEqual(heard, [])  # it was not active
+        for label in ("configure", "activate", "shutdown"):
+            self.assertTrue(self.change(label))
+        wait_until(lambda: "stop" in heard, lambda: str(heard))
+        self.assertEqual((heard.count("stop"), heard[-1]), (1, "stop"))
+
     def test_refused_parameters_leave_it_unconfigured(self) -> None:
         self.unaware(True)
         others = self.registered()

@@ -123,6 +123,15 @@ class Lifetime(TopicMaker):
         last = self.own(Callback(Outside(), callback, f"{self.name}: before_end"))
         before_shutdown(last.call)
 
+    def before_deactivate(self, callback: Callable[[], Any]) -> None:
+        """Have a function called whenever the node stops being active, while it still publishes.
+
+        Only a managed node ever does, on its way through shutdown too; of any other it is not
+        called.
+
+        :param callback: what to call, in the node's default group
+        """
+
     def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
         """Make a callback group.
 

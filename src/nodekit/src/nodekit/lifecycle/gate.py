@@ -1,10 +1,12 @@
 """What speaks only while its node is active: publishers and timers."""
 
 import threading
-from typing import Any, Optional, Sequence, Set, Union
+from typing import Any, Callable, List, Optional, Sequence, Set, Union
 
 import rospy
 
+from nodekit.execution.groups import Outside
+from nodekit.life.callbacks import Callback
 from nodekit.life.timers import NodeTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.timing.scheduler import checked_rate
@@ -16,11 +18,13 @@ class Gate:
     :ivar publishes: whether messages pass
     :ivar ticks: whether timers tick
     :ivar closings: how often it has kept messages from passing
+    :ivar last_words: what is called before it does so
     """
 
     def __init__(self) -> None:
         self.publishes = self.ticks = False
         self.closings = 0
+        self.last_words: List[LastWord] = []
         self._lock = threading.Lock()
         self._told: Set[Union[ManagedPublisher, ManagedTimer]] = set()
 
@@ -45,7 +49,10 @@ class Gate:
 
         :param publishes: whether they pass
         """
-        self.closings += self.publishes and not publishes
+        if self.publishes and not publishes:
+            self.closings += 1
+            for word in list(self.last_words):
+                word.call()
         self.publishes = publishes
         self._tell()
 
@@ -62,6 +69,25 @@ class Gate:
             told = list(self._told)
         for thing in told:  # without the lock: a timer asks the node's code for its rate
             thing.heed()
+
+
+class LastWord(Callback):
+    """A function that is called while messages pass, just before they do no more.
+
+    :param gate: calls it; within a transition, so in the node's default group already
+    :param function: the function
+    :param what: names it in the log
+    """
+
+    def __init__(self, gate: Gate, function: Callable[[], Any], what: str) -> None:
+        super().__init__(Outside(), function, what)
+        self._gate = gate
+        gate.last_words.append(self)
+
+    def close(self) -> None:
+        """Make no call any more."""
+        self._gate.last_words.remove(self)
+        super().close()
 
 
 class ManagedPublisher(Publisher):

@@ -1,12 +1,12 @@
 """What one callback of a managed node makes, and how long it lives."""
 
-from typing import Any, Optional
+from typing import Any, Callable, Optional
 
 from nodekit.execution.groups import Group, Outside
 from nodekit.life.lifetime import Lifetime, Part
 from nodekit.life.opening import Opener
 from nodekit.life.timers import NodeTimer
-from nodekit.lifecycle.gate import Gate, ManagedPublisher, ManagedTimer
+from nodekit.lifecycle.gate import Gate, LastWord, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.timing.scheduler import Scheduler
 
@@ -47,6 +47,10 @@ class Stage(Part):
     def lifetime(self) -> Lifetime:
         """Return a maker of its own; see :meth:`.Lifetime.lifetime`."""
         return self.own(Stage(self, self._gate, self._made_at, self._opener))
+
+    def before_deactivate(self, callback: Callable[[], Any]) -> None:
+        """Have a function called before silence; see :meth:`.Lifetime.before_deactivate`."""
+        self.own(LastWord(self._gate, callback, f"{self.name}: before_deactivate"))
 
     def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
         if isinstance(group, Outside):  # the toolkit's own

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A robot that was brought up is sent somewhere."""
+"""A robot that was brought up sees, and is sent somewhere."""
 
 import os
 import unittest
@@ -7,6 +7,7 @@ import unittest
 import rospy
 import rostest
 from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Log
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
@@ -25,6 +26,14 @@ class Bringup(unittest.TestCase):
         self.assertTrue(script.logged("the robot goes to x 0.3 m, y 0 m, theta 0 rad"))
         wait_until(odometry.count, lambda: "no odometry")
         self.assertAlmostEqual(odometry.messages()[-1].pose.pose.position.x, 0.25, delta=0.06)
+
+    def test_what_it_sees_is_processed_as_it_is_configured(self) -> None:
+        """Course 002-pkg-14."""
+        log = Ear("/rosout", Log)
+        seen = log.wait_for(lambda line: "brightness" in line.msg and "nearest" in line.msg)
+        self.assertEqual(seen.name, "/processing_demo")
+        for line in ("frame from: head_camera", "scan from: chest_lidar (OS2)"):
+            log.wait_for(lambda heard: heard.msg == f"Published {line}")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,64 @@
+"""When robot_control.py takes the robot for one that has arrived."""
+
+from typing import Any, List
+
+import pytest
+import rospy
+
+from bot_controller_demo_msgs.msg import Progress
+from humanoid_robot_bringup.robot_control import RobotControl, RobotControlParameters
+
+
+class FakeNode:
+    """Takes what a node is given, and stands for the controller too: it takes each goal at once."""
+
+    def __init__(self) -> None:
+        self.values = RobotControlParameters()
+        self.hear: Any = None
+        self.tick: Any = None
+
+    def parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
+        return self
+
+    def client(self, name: str, kind: Any) -> "FakeNode":
+        return self
+
+    def subscribe(self, name: str, kind: Any, callback: Any) -> None:
+        self.hear = callback
+
+    def every(self, rate: float, callback: Any) -> None:
+        self.tick = callback
+
+    def call_async(self, request: Any) -> "FakeNode":
+        return self
+
+    def add_done_callback(self, callback: Any) -> None:
+        callback(self)
+
+    def result(self) -> "FakeNode":
+        return self
+
+    message = "x 0 m"
+
+
+def progress(phase: str, second: float) -> Progress:
+    """Return what the controller tells, computed from odometry of a moment."""
+    told = Progress(phase=phase)
+    told.header.stamp = rospy.Time.from_sec(second)
+    return told
+
+
+def test_only_news_of_the_goal_that_was_set_is_an_arrival(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended: List[str] = []
+    monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
+    monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(10))
+    node: Any = FakeNode()
+    RobotControl(node)
+    node.hear(progress(Progress.ARRIVED, 11.0))  # no goal was set: it is at another one
+    node.tick(0.0)
+    node.hear(progress(Progress.ARRIVED, 9.9))  # on its way when the goal was set
+    node.hear(progress(Progress.ARRIVED, 10.0))
+    node.hear(progress(Progress.DRIVING, 10.1))
+    assert ended == []
+    node.hear(progress(Progress.ARRIVED, 20.0))
+    assert ended == ["arrived"]

@@ -17,7 +17,7 @@ class Commands:
     """Publishes ``cmd_vel``.
 
     A stop is said once: silence leaves the topic to others. A robot that was told to move is told
-    to stop when the node ends.
+    to stop when the node ends or, where it is managed, is deactivated.
 
     :param node: makes the publisher
     :param controller_type: rviz for Twist, gazebo for TwistStamped
@@ -29,6 +29,7 @@ class Commands:
         self._last, self._is_closed = STOP, False
         self._lock = threading.Lock()
         node.own(self)
+        node.before_deactivate(lambda: self.publish(STOP))
         rospy.on_shutdown(self.close)
 
     def publish(self, velocity: Velocity) -> None:

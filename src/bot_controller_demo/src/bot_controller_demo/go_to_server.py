@@ -33,6 +33,8 @@ class GoToServer:
         self._server = actionlib.SimpleActionServer(
             node.resolve("go_to"), GoToAction, auto_start=False
         )
+        node.own(self)
+        node.before_deactivate(self.abort)
 
     def poll(self) -> None:
         """Take what clients have asked for since the last call."""
@@ -52,6 +54,17 @@ class GoToServer:
         elif server.is_active() and server.is_preempt_requested():
             self._stop()
             server.set_preempted(GoToResult(), "cancelled: the robot has stopped")
+
+    def abort(self) -> None:
+        """Give up what is under way: a node that is deactivated may never be active again."""
+        if self._server.is_active():
+            self._stop()
+            self._server.set_aborted(GoToResult(), "the controller was deactivated")
+
+    def close(self) -> None:
+        """Serve no longer: a managed node that is configured anew has another server."""
+        if not self._is_new:
+            self._server.action_server.stop()
 
     def tell(self, progress: Optional[Progress]) -> None:
         """Tell the client how far the robot is.

@@ -49,9 +49,10 @@ def load(name: str, *arguments: str) -> ROSLaunchConfig:
 
 
 def settings(config: ROSLaunchConfig, node: str = "/diff_drive") -> Dict[str, Any]:
-    """Return the private parameters of a node by name."""
+    """Return the private parameters of a node by name, without ``managed``."""
     prefix = node + "/"
     values = {key: parameter.value for key, parameter in config.params.items()}
+    values.pop(prefix + "managed", None)
     return {key[len(prefix) :]: values[key] for key in values if key.startswith(prefix)}
 
 
@@ -87,6 +88,12 @@ def test_model_and_world_are_chosen_by_name_or_by_file(name: str) -> None:
 def test_one_that_there_is_not_is_refused_by_its_name(name: str, choice: str) -> None:
     with pytest.raises(RLException, match=f"{choice}s/turtle.yaml"):
         load(name, f"{choice}:=turtle")
+
+
+def test_managed_reaches_the_node() -> None:
+    for text, is_managed in (("false", False), ("yes", True)):
+        params = load("diff_drive.launch", f"managed:={text}").params
+        assert params["/diff_drive/managed"].value is is_managed
 
 
 def test_rviz_comes_only_when_asked_for() -> None:

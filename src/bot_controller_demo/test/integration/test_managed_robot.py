@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""A robot and its controller come up in order; without the robot, its controller does not run."""
+
+import os
+import signal
+import unittest
+
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from std_srvs.srv import Trigger
+
+from bot_controller_demo_msgs.msg import GoToActionGoal, GoToActionResult
+from lifecycle_msgs.msg import State
+from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
+
+SIMULATOR, CONTROLLER = "/diff_drive", "/proportional_controller"
+#: Messages of the action's state, which come at 5 Hz.
+SOME = 4
+
+
+class ManagedRobot(unittest.TestCase):
+    def setUp(self) -> None:
+        self.state = self.ear(CONTROLLER + "/state", State)
+        self.odometry = self.ear("/odom", Odometry)
+        self.commands = self.ear("/cmd_vel", Twist)
+        self.status = self.ear("/go_to/status", GoalStatusArray)
+        self.results = self.ear("/go_to/result", GoToActionResult)
+        self.goals = rospy.Publisher("/go_to/goal", GoToActionGoal, queue_size=1)
+        self.addCleanup(self.goals.unregister)
+
+    def ear(self, topic: str, kind: type) -> Ear:
+        made = Ear(topic, kind)
+        self.addCleanup(made.close)
+        return made
+
+    def wait_until_it_drives(self) -> None:
+        """Wait until both are active and the robot moves; forget what was before."""
+
+        def is_active() -> bool:
+            try:
+                return bool(rospy.ServiceProxy("/manager/is_active", Trigger)().success)
+            except rospy.ServiceException:
+                return False  # it is just coming up
+
+        wait_until(is_active, lambda: f"not active: {self.state.messages()[-3:]}")
+        self.odometry.forget()
+        self.odometry.wait_for(lambda message: message.twist.twist.linear.x > 0.0)
+        for ear in (self.state, self.commands):
+            ear.forget()
+
+    def wait_until_it_is_down(self) -> None:
+        """Wait until the controller has been cleaned up, and has stopped the robot before."""
+        self.state.wait_for(lambda state: state.label == "unconfigured")
+        self.commands.wait_for(lambda command: command == Twist())
+
+    def act(self, name: str) -> None:
+        """Send a goal of the action, and wait until it is pursued."""
+        wait_until(self.goals.get_num_connections, lambda: "nobody takes goals")
+        goal = GoToActionGoal()
+        goal.goal_id.id, goal.goal_id.stamp = name, rospy.Time.now()
+        goal.goal.target_pose.pose.position.x = 100.0
+        goal.goal.target_pose.pose.orientation.w = 1.0
+        self.goals.publish(goal)
+
+        def is_pursued(array: GoalStatusArray) -> bool:
+            return any(
+                each.goal_id.id == name and each.status == GoalStatus.ACTIVE
+                for each in array.status_list
+            )
+
+        self.status.wait_for(is_pursued)
+        self.status.forget()
+        wait_until(lambda: self.status.count() >= SOME, lambda: "no state of the action")
+        # One server tells of it: a second one, left behind, would not pursue it.
+        for array in self.status.messages():
+            self.assertTrue(is_pursued(array), array)
+
+    def test_robot_that_is_away_takes_its_controller_down_until_it_is_back(self) -> None:
+        with launched("bot_controller_demo managed_robot.launch goal_x:=100 autostart:=ON") as run:
+            self.wait_until_it_drives()
+            self.act("first")
+            with self.subTest("killed"):
+                before = run.processes()[SIMULATOR]
+                os.kill(before.pid, signal.SIGKILL)
+                self.wait_until_it_is_down()
+                result = self.results.wait_for(lambda each: each.status.goal_id.id == "first")
+                self.assertEqual(result.status.text, "the controller was deactivated")
+                run.wait_for_new_process(SIMULATOR, before)
+                self.wait_until_it_drives()
+            self.act("second")
+            with self.subTest("stopped"):
+                simulator = run.processes()[SIMULATOR].pid
+                os.kill(simulator, signal.SIGSTOP)
+                try:
+                    self.wait_until_it_is_down()
+                finally:
+                    os.kill(simulator, signal.SIGCONT)
+                self.wait_until_it_drives()
+                self.assertEqual(run.processes()[SIMULATOR].pid, simulator)
+            with self.subTest("paused"):
+                rospy.wait_for_service("/manager/manage_nodes", TIMEOUT_S)
+                manage = rospy.ServiceProxy("/manager/manage_nodes", ManageNodes)
+                self.assertTrue(manage(ManageNodesRequest.PAUSE).success)
+                # Not because of old odometry: this is what the controller says last.
+                wait_until(
+                    lambda: self.commands.messages()[-1:] == [Twist()],
+                    lambda: f"it drives on: {self.commands.messages()[-3:]}",
+                )
+                self.assertTrue(manage(ManageNodesRequest.RESUME).success)
+                self.wait_until_it_drives()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_managed_robot")
+    rostest.rosrun("bot_controller_demo", "managed_robot", ManagedRobot)

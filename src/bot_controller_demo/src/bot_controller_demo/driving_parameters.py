@@ -3,7 +3,7 @@
 from bot_controller_demo.laws import LAWS, Gains
 from bot_controller_demo.pursuit import Tuning
 from bot_controller_demo.velocities import Limits
-from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, rule
+from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, read_once, rule
 
 #: The message types by the names that the course gave them.
 CONTROLLER_TYPES = ("rviz", "gazebo")
@@ -11,10 +11,12 @@ CONTROLLER_TYPES = ("rviz", "gazebo")
 
 def controller_type() -> EnumParameter:
     """Declare the message type of the commands."""
-    return EnumParameter(
-        "rviz",
-        choices=CONTROLLER_TYPES,
-        help="type of cmd_vel: rviz for Twist, gazebo for TwistStamped; read at the start",
+    return read_once(
+        EnumParameter(
+            "rviz",
+            choices=CONTROLLER_TYPES,
+            help="type of cmd_vel: rviz for Twist, gazebo for TwistStamped",
+        )
     )
 
 

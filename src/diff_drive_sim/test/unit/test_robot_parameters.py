@@ -21,6 +21,12 @@ def loaded(name: str) -> Any:
         return yaml.safe_load(file)
 
 
+def test_a_robot_follows_live_what_its_fleet_reads_once() -> None:
+    assert not any(each.read_once for each in RobotParameters.declared.values())
+    assert all(each.read_once for each in FleetParameters.declared.values())
+    assert FleetParameters(wheel_radius=0.05).wheel_radius == 0.05
+
+
 def test_defaults_are_a_burger_s() -> None:
     assert RobotParameters().robot == RobotSettings()
     assert RobotParameters(**loaded("models/burger.yaml")) == RobotParameters()

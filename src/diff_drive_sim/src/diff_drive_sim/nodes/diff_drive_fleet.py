@@ -1,5 +1,6 @@
 """Many robots in one process of the machine."""
 
+import copy
 import math
 from functools import partial
 
@@ -7,17 +8,23 @@ import rospy
 
 from diff_drive_sim.nodes.diff_drive import DiffDrive
 from diff_drive_sim.robot_parameters import RobotParameters
-from nodekit import FloatParameter, IntParameter, Node, StringParameter, host_all, run
+from nodekit import FloatParameter, IntParameter, Node, StringParameter, host_all, read_once, run
 
 
 class FleetParameters(RobotParameters):
-    """How many robots there are, and what each of them starts from; read at the start."""
+    """How many robots there are, and what each of them starts from."""
 
     count = IntParameter(2, minimum=0, maximum=1000, help="how many robots there are")
     prefix = StringParameter("robot", help="what their names start with, before 1, 2, ...")
     spacing = FloatParameter(
         1.0, minimum=0.0, maximum=1000.0, unit="m", help="how far apart they start, in a square"
     )
+
+
+# Here also what a robot follows live is read once: each robot has its own, of which these are the
+# defaults.
+for _name, _parameter in FleetParameters.declared.items():
+    FleetParameters.declared[_name] = read_once(copy.copy(_parameter))
 
 
 class DiffDriveFleet:

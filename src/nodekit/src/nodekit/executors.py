@@ -6,6 +6,7 @@ executor has threads of its own, so timers and services may take long; what come
 handled is dropped, the oldest first, as ROS 2 does it.
 """
 
+import contextlib
 import itertools
 import os
 import threading
@@ -19,6 +20,7 @@ from nodekit.execution.groups import Outside
 from nodekit.execution.line import Line
 from nodekit.life.callbacks import Callback
 from nodekit.life.lifetime import Lifetime
+from nodekit.life.ownership import Closed
 from nodekit.life.timers import NodeTimer
 from nodekit.node import Node
 
@@ -49,7 +51,8 @@ class _Executor:
     def add_node(self, node: Node) -> None:
         """Make the calls of a node from now on: its timers, subscriptions, services, changes.
 
-        A node that was with another executor leaves that. Nodes that it hosts are added apart.
+        A node that was with another executor leaves that. Nodes that it hosts are added apart. One
+        that is closed has no calls to be made.
 
         :param node: started or not
         """
@@ -59,8 +62,9 @@ class _Executor:
             node.executor.remove_node(node)
         node.executor = self
         node.attach(self._line)
-        report = self._reports[node] = node.lifetime()
-        report.service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=Outside())
+        with contextlib.suppress(Closed):  # by another thread, or before: it has no more calls
+            report = self._reports[node] = node.lifetime()
+            report.service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=Outside())
 
     def remove_node(self, node: Node) -> None:
         """Make no calls of a node from now on; rospy's threads make them again.
@@ -72,7 +76,9 @@ class _Executor:
         if node.executor is self:
             node.executor = None
             node.attach(None)
-            self._reports.pop(node).close()
+            report = self._reports.pop(node, None)  # none where it was closed already
+            if report is not None:
+                report.close()
 
     def shutdown(self, timeout: float = 1.0) -> bool:
         """Make the calls that wait, and no more; what cannot be done in time is dropped.

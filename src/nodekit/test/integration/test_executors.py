@@ -194,6 +194,23 @@ class Executors(unittest.TestCase):
         wait_until(lambda: heard["b"] == ["one", "two"], lambda: str(heard))
         self.assertEqual(heard["a"], ["one"])
 
+    def test_node_that_is_closed_may_still_go_from_one_executor_to_another(self) -> None:
+        nodes = [self.node(name) for name in ("a", "b")]
+        for node in nodes:
+            node.start()
+        before = SingleThreadedExecutor()
+        before.add_node(nodes[0])
+        for node in nodes:
+            node.close()
+        for executor in (MultiThreadedExecutor(2), SingleThreadedExecutor()):
+            for node in nodes:
+                executor.add_node(node)
+            self.assertTrue(before.shutdown())
+            before = executor
+        for node in nodes:
+            before.remove_node(node)
+        self.assertTrue(before.shutdown())
+
     def test_topics_with_a_node_of_roscpp_between(self) -> None:
         node = self.node()
         executor = MultiThreadedExecutor(2)

@@ -17,6 +17,10 @@ Thing = TypeVar("Thing")
 CLOSE_WAIT_S = 1.0
 
 
+class Closed(RuntimeError):
+    """Something was to be made by what is closed."""
+
+
 class Owner:
     """Has things opened, and closes them.
 
@@ -33,10 +37,10 @@ class Owner:
 
         :param thing: anything with a method ``close``
         :returns: the thing
-        :raises RuntimeError: if the owner is closed
+        :raises Closed: if the owner is closed
         """
         if self._closed:
-            raise RuntimeError(f"{self} is closed and can make nothing")
+            raise Closed(f"{self} is closed and can make nothing")
         self._made.append(thing)
         return thing
 

@@ -40,6 +40,7 @@ from nodekit import (
     Node,
     Outcome,
     ParameterSet,
+    SingleThreadedExecutor,
     StringParameter,
     host_all,
     read_once,
@@ -704,6 +705,39 @@ class Wanted(Managed):
         self.assertEqual((self.state(), self.registered()), ("unconfigured", others))
         Server().set(self.space + "/driver/gain", 4.0)
         self.assertTrue(self.change("configure"))
+
+    def test_what_no_managed_node_can_hold_is_refused_with_a_sentence(self) -> None:
+        def hosting(node: Node) -> object:
+            return node.host("guest", self.space, Unaware)
+
+        def hosting_many(node: Node) -> object:
+            return host_all(node, [("guest", self.space, Unaware)])
+
+        def executing(node: Node) -> object:
+            executor = SingleThreadedExecutor()
+            self.addCleanup(executor.shutdown)
+            executor.add_node(node)
+            return executor
+
+        for cls, reason in (
+            (hosting, "hosts another node"),
+            (hosting_many, "hosts another node"),
+            (executing, "has an executor of its own"),
+        ):
+            with self.subTest(cls.__name__):
+                self.unaware(True, cls)
+                others = self.registered()
+                for _ in range(2):
+                    with self.assertLogs("rosout", "ERROR") as logged:
+                        self.assertFalse(self.change("configure"))
+                    (line,) = logged.output
+                    name = f"{self.space}/driver"
+                    self.assertIn(
+                        f"parameter {name}/managed: refused True: must be false for a class that "
+                        f"{reason}; {name} stays unconfigured",
+                        line,
+                    )
+                    self.assertEqual((self.state(), self.registered()), ("unconfigured", others))
 
     def test_is_as_ever_where_it_is_not_wanted(self) -> None:
         for managed in (None, False):

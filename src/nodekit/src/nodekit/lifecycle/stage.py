@@ -11,6 +11,10 @@ from nodekit.messaging.publisher import Publisher
 from nodekit.timing.scheduler import Scheduler
 
 
+class CannotManage(RuntimeError):
+    """A class makes what no managed node can hold; the text says what."""
+
+
 class Stage(Part):
     """Makes things that are opened together once the callback that makes them has succeeded.
 
@@ -51,6 +55,18 @@ class Stage(Part):
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
         """Have a function called before silence; see :meth:`.Lifetime.before_deactivate`."""
         self.own(LastWord(self._gate, callback, f"{self.name}: before_deactivate"))
+
+    def host(self, *_: Any) -> Any:
+        """Refuse what only a whole node can have; so does all below.
+
+        :raises CannotManage: always
+        """
+        raise CannotManage("hosts another node")
+
+    @property
+    def executor(self) -> Any:
+        """Executors ask for it first of all."""
+        raise CannotManage("has an executor of its own")
 
     def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
         if isinstance(group, Outside):  # the toolkit's own

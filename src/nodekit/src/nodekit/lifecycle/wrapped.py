@@ -7,6 +7,7 @@ import rospy
 
 from nodekit.life.lifetime import Lifetime
 from nodekit.lifecycle.managed_node import ManagedNode
+from nodekit.lifecycle.stage import CannotManage
 from nodekit.node import Node
 from nodekit.parameters.kinds import ParameterError
 
@@ -25,13 +26,17 @@ class WrappedNode(ManagedNode):
         rospy.loginfo("%s is managed: it waits to be configured", node.name)
 
     def on_configure(self, made: Lifetime) -> bool:
-        """Make the class; it fails with a sentence where parameters are refused."""
+        """Make the class; it fails with a sentence where parameters are refused, or the class."""
         try:
             self._guest = self._cls(cast(Node, made))
-        except ParameterError as error:
-            rospy.logerr("%s; %s stays unconfigured", error, self.node.name)
-            return False
-        return True
+            return True
+        except ParameterError as refused:
+            error = refused
+        except CannotManage as reason:
+            allowed = f"false for a class that {reason}"
+            error = ParameterError("managed", True, allowed).in_namespace(self.node.name)
+        rospy.logerr("%s; %s stays unconfigured", error, self.node.name)
+        return False
 
     def on_cleanup(self) -> None:
         """Give the class up; what it has made is closed without further ado."""

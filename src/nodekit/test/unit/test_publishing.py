@@ -17,6 +17,7 @@ from std_msgs.msg import Header, String
 
 from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
 from nodekit.rospy_internals import publishers, shutdown
+from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -246,6 +247,65 @@ def test_subscriber_that_has_gone_is_forgotten(opened, connect):
     assert [subscriber.node for subscriber in publisher.statistics()] == ["/rest"]
     assert publisher.get_num_connections() == 1
     assert receive(rest).data == "news"
+
+
+class Gone(socket.socket):
+    """The socket of a subscriber that has gone; calls a function as soon as it is closed."""
+
+    def close(self):
+        if self.fileno() >= 0:
+            super().close()
+            self.then()
+
+
+@pytest.mark.parametrize("name", ["/subscriber", "/another"])
+def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(opened, connect, name):
+    publisher = opened(String, latch=True)
+    theirs = connect(publisher)
+    (transport,) = impl(publisher).connections
+    transport.socket = gone = Gone(fileno=transport.socket.detach())
+    descriptor, ends, threads = gone.fileno(), [], []
+
+    def come():
+        ends.append(connect(publisher, name))  # waits at the end for the one who publishes
+
+    def has_come():
+        return any(each is not transport for each in impl(publisher).connections)
+
+    def then():
+        threads.append(threading.Thread(target=come))
+        threads[0].start()
+        wait_until(has_come, lambda: "the new one does not come")
+
+    gone.then = then
+    theirs.close()
+    publisher.publish(String("second"))  # finds that it has gone
+    threads[0].join(TIME_OUT)
+    (new,) = impl(publisher).connections
+    assert new.fileno() == descriptor
+    assert receive(ends[0]).data == "second"
+    publisher.publish(String("third"))
+    assert receive(ends[0]).data == "third"
+
+
+def test_nobody_comes_while_it_is_looked_who_has_gone(opened, monkeypatch):
+    topic = impl(opened(String))
+    free = []
+
+    def come():
+        free.append(topic.c_lock.acquire(blocking=False))
+        if free[0]:
+            topic.c_lock.release()
+
+    def look():
+        other = threading.Thread(target=come)
+        other.start()
+        other.join(TIME_OUT)
+        return iter(())
+
+    monkeypatch.setattr(topic.connection_poll, "error_iter", look)
+    topic.check()
+    assert free == [False]
 
 
 def test_threads_do_not_cut_into_each_others_messages(opened, connect):

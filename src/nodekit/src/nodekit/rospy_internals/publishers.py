@@ -26,7 +26,10 @@ from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismat
 from nodekit.transport.delivery import deliver
 from nodekit.transport.link import Link
 
-_PUBLISHER_ATTRIBUTES = "publock closed connections is_latch latch seq message_data_sent"
+_PUBLISHER_ATTRIBUTES = (
+    "publock closed connections is_latch latch seq message_data_sent c_lock check "
+    "_remove_connection"
+)
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
 
 _LENGTH = struct.Struct("<I")
@@ -160,6 +163,23 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         message.serialize(buffer)
         body = buffer.getvalue()
         return _LENGTH.pack(len(body)) + body
+
+    def _remove_connection(self, connections: List[Any], c: Any) -> None:
+        """Remove a connection from a list, and close it.
+
+        rospy also removes one that has the same descriptor: where this one is closed already, that
+        is a new subscriber to whom the system has given it, and who would hear nothing for ever.
+        Closed, it needs not be taken out of epoll.
+        """
+        if c in connections:
+            connections.remove(c)
+        with contextlib.suppress(Exception):
+            c.close()
+
+    def check(self) -> None:
+        """Remove connections that have ended; nobody may come meanwhile and take a descriptor."""
+        with self.c_lock:
+            super().check()
 
     def get_stats(self) -> Any:
         """Return the statistics of this topic, in the format of ``getBusStats``."""

@@ -52,6 +52,10 @@ NOT_TYPED = {
         "sudo apt": "takes the packages: ci/deb types it",
         "roslaunch": "is for who has installed the packages: ci/deb types it",
     },
+    "docs/ros2_bridge.md": {
+        line: "takes an environment with ROS 2: ci/test ros2 does it"
+        for line in ("./ci/ros2", "./ci/exec roslaunch ros2_bridge", "./ci/exec rosrun ros2_bridge")
+    },
     "docs/security.md": {
         "sudo iptables": _NETWORK,
         "unshare": _NETWORK,

@@ -7,7 +7,7 @@ one namespace, where as many of their parameters as possible are changed, then i
 the file is loaded before.
 """
 
-import importlib
+import importlib.util
 import pathlib
 import subprocess
 import tempfile
@@ -33,6 +33,7 @@ SOURCES = pathlib.Path(__file__).resolve().parents[4] / "src"
 LEFT_OUT = {
     "bot_controller_demo.nodes.teleop_keyboard": "starts in a terminal only",
     "lifecycle_manager.nodes.lifecycle_manager": "starts with nodes to manage only",
+    "ros2_bridge.nodes.bridge": "takes ROS 2, which is not there",
     "topic_scope.nodes.scope": "has options in place of parameters, and serves at a port",
 }
 
@@ -152,7 +153,7 @@ class Dumped(unittest.TestCase):
 
     def test_what_is_left_out_is_still_there(self) -> None:
         for module in LEFT_OUT:
-            importlib.import_module(module)
+            self.assertIsNotNone(importlib.util.find_spec(module), module)
 
     def test_most_parameters_could_be_changed(self) -> None:
         total = sum(map(len, self.before.values()))

@@ -60,7 +60,7 @@ class ManagedNodes(unittest.TestCase):
             }
             self.motor_state = Ear(f"{SPACE}/motor_state", String)
             self.log = Ear("/rosout", Log)
-            for node in OUTPUTS:
+            for node in (*OUTPUTS, "lifecycle_aware_node"):
                 rospy.wait_for_service(f"{SPACE}/{node}/change_state", TIMEOUT_S)
             self.check_demos()
             self.check_unconfigured()

@@ -4,6 +4,7 @@ import contextlib
 import socket
 import struct
 import threading
+import types
 import warnings
 
 import pytest
@@ -165,6 +166,37 @@ def test_messages_are_counted_where_rosnode_and_diagnostics_look(opened, connect
     name, total, connections = impl(publisher).get_stats()
     assert (name, total) == (TOPIC, size)
     assert [connection[1:] for connection in connections] == [(size, 3, True)] * 2
+
+
+def test_later_subscriber_gets_the_last_message_while_it_is_alive(opened, connect, monkeypatch):
+    monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
+    now = [100.0]
+    monkeypatch.setattr(publishers, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
+    publisher = opened(String, lifespan=0.1)
+    monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
+    publisher.publish(String("early"))
+    now[0] += 0.09
+    in_time = connect(publisher)
+    now[0] += 0.02
+    late = connect(publisher, "/late")
+    publisher.publish(String("next"))
+    assert [receive(in_time).data for _ in range(2)] == ["early", "next"]
+    assert receive(late).data == "next"
+
+
+def test_subscriber_that_was_sent_a_message_is_not_sent_it_again(opened, connect, monkeypatch):
+    monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
+    publisher = opened(String, lifespan=60.0)
+    add_connection = rospy.topics._TopicImpl.add_connection
+
+    def add_and_publish(topic, connection):
+        add_connection(topic, connection)
+        publisher.publish(String("once"))
+
+    monkeypatch.setattr(rospy.topics._TopicImpl, "add_connection", add_and_publish)
+    subscriber = connect(publisher)
+    publisher.publish(String("next"))
+    assert [receive(subscriber).data for _ in range(2)] == ["once", "next"]
 
 
 def test_small_messages_are_not_held_back(opened):

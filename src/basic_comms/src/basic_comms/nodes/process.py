@@ -14,6 +14,8 @@ from nodekit import Node, run
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
+#: Whoever subscribes so soon after an answer gets it, as nodes start one after the other, s.
+_LIFESPAN_S = 0.1
 
 
 class Process:
@@ -36,7 +38,7 @@ class Process:
         # time_x follows /clock where there is one.
         self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         self._latest: Optional[float] = None
-        self._publisher = node.publisher("proc_signal", Float32)
+        self._publisher = node.publisher("proc_signal", Float32, lifespan=_LIFESPAN_S)
         self._input = node.resolve("signal")
         node.subscribe_batches("signal", signal_msg, self._on_signal)
         node.every(lambda: self._settings.values.rate, self._publish_latest)

@@ -22,6 +22,8 @@ from nodekit import Node, run
 
 #: A machine that is busy for up to this long makes samples late, but loses none, s.
 _CATCH_UP_S = 0.5
+#: A process node started at the same moment is there a little later; it gets the first sample, s.
+_LIFESPAN_S = 0.1
 
 
 class SignalGenerator:
@@ -54,8 +56,7 @@ class SignalGenerator:
         self._wanted: Optional[bool] = None
         self._reset_wanted = False
         self._state = ""
-        self._message = signal_msg()  # one for all: publishing puts it on the wire at once
-        self._publisher = node.publisher("signal", signal_msg)
+        self._publisher = node.publisher("signal", signal_msg, lifespan=_LIFESPAN_S)
         self._status_publisher = node.publisher("~status", String, latch=True)
         node.service("~enable", SetBool, self._enable)
         node.service("~reset", Trigger, self._reset)
@@ -70,7 +71,7 @@ class SignalGenerator:
         if self._wanted is not None or self._reset_wanted:
             self._obey_requests(elapsed)
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
-        message = self._message
+        message = signal_msg()
         message.time_x = status.time_x
         if status.state == RUNNING:
             sample = self._source.sample(status.time_x, settings)

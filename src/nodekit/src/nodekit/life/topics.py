@@ -90,7 +90,12 @@ class TopicMaker(Owner):
                 yield from thing.callbacks()
 
     def publisher(
-        self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
+        self,
+        name: str,
+        data_class: type,
+        latch: bool = False,
+        queue_size: Optional[int] = None,
+        lifespan: float = 0.0,
     ) -> Publisher:
         """Publish a topic.
 
@@ -98,8 +103,10 @@ class TopicMaker(Owner):
         :param data_class: message class
         :param latch: whether later subscribers get the last message
         :param queue_size: not used, as there is no queue; taken because rospy's users give it
+        :param lifespan: for how long later subscribers get the last message, s, where it is not
+            latched; it must not be changed after it was published
         """
-        return self._open(Publisher(self.resolve(name), data_class, latch))
+        return self._open(Publisher(self.resolve(name), data_class, latch, lifespan))
 
     def subscribe(
         self,

@@ -100,12 +100,15 @@ class ManagedPublisher(Publisher):
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
+    :param lifespan: for how long they get it where it is not latched, s
 
     :ivar dropped: how many messages were not sent
     """
 
-    def __init__(self, gate: Gate, name: str, data_class: type, latch: bool) -> None:
-        super().__init__(name, data_class, latch)
+    def __init__(
+        self, gate: Gate, name: str, data_class: type, latch: bool, lifespan: float = 0.0
+    ) -> None:
+        super().__init__(name, data_class, latch, lifespan)
         self.dropped = 0
         self._gate = gate
         self._kept: Any = None

@@ -43,10 +43,16 @@ class Stage(Part):
         self._opener.start()
 
     def publisher(
-        self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
+        self,
+        name: str,
+        data_class: type,
+        latch: bool = False,
+        queue_size: Optional[int] = None,
+        lifespan: float = 0.0,
     ) -> Publisher:
         """Publish a topic while the node is active; see :meth:`.TopicMaker.publisher`."""
-        return self._open(ManagedPublisher(self._gate, self.resolve(name), data_class, latch))
+        name = self.resolve(name)
+        return self._open(ManagedPublisher(self._gate, name, data_class, latch, lifespan))
 
     def lifetime(self) -> Lifetime:
         """Return a maker of its own; see :meth:`.Lifetime.lifetime`."""

@@ -37,12 +37,18 @@ class Publisher:
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
+    :param lifespan: for how long they get it where it is not latched, s: a node that starts a
+        moment later does not have to wait for the next one. Not in the same process, where the
+        subscriptions are open before anything is published
     """
 
-    def __init__(self, name: str, data_class: type, latch: bool = False) -> None:
+    def __init__(
+        self, name: str, data_class: type, latch: bool = False, lifespan: float = 0.0
+    ) -> None:
         self.resolved_name = name
         self.data_class = data_class
         self._latch = latch
+        self._lifespan = lifespan
         self._first: Any = None
         self._publisher: Optional[rospy.Publisher] = None
         self._topic: Optional[publishers.OutgoingTopic] = None
@@ -58,7 +64,7 @@ class Publisher:
         name, data_class = self.resolved_name, self.data_class
         with registration.topic_lock():
             if not mismatch:
-                self._topic = publishers.send_at_once(name, data_class, self._latch)
+                self._topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
             self._publisher = rospy.Publisher(
                 name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
             )

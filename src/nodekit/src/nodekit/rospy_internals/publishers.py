@@ -9,8 +9,8 @@ import contextlib
 import functools
 import inspect
 import io
-import socket
 import struct
+import time
 from typing import Any, ContextManager, Dict, List, Optional, Sequence
 
 import genpy
@@ -22,9 +22,9 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
+from nodekit.rospy_internals.subscriber_link import SubscriberLink
 from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
 from nodekit.transport.delivery import deliver
-from nodekit.transport.link import Link
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent c_lock check "
@@ -58,7 +58,9 @@ def publisher_mismatch() -> str:
         return repr(error)
 
 
-def send_at_once(name: str, data_class: type, latch: bool) -> Optional["OutgoingTopic"]:
+def send_at_once(
+    name: str, data_class: type, latch: bool, lifespan: float
+) -> Optional["OutgoingTopic"]:
     """Have a topic's messages sent through :mod:`nodekit.transport.delivery`.
 
     To be called before the topic is advertised.
@@ -66,6 +68,7 @@ def send_at_once(name: str, data_class: type, latch: bool) -> Optional["Outgoing
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
+    :param lifespan: for how long they get it where it is not latched, s
     :returns: what sends them; None where there is a plain ``rospy.Publisher`` already
     """
     manager = get_topic_manager()
@@ -78,6 +81,7 @@ def send_at_once(name: str, data_class: type, latch: bool) -> Optional["Outgoing
         return None
     if latch:
         topic.enable_latch()
+    topic.lifespan = lifespan
     return topic
 
 
@@ -93,7 +97,19 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
-        self._links: Dict[Any, _SubscriberLink] = {}
+        self._links: Dict[Any, SubscriberLink] = {}
+        #: for how long a later subscriber gets the last message, s
+        self.lifespan = 0.0
+        self._last: Any = None
+        self._last_expires = 0.0
+
+    def add_connection(self, c: Any) -> bool:
+        """Take a subscriber in, and send it the last message if that is latched or still alive."""
+        added = bool(super().add_connection(c))
+        with self._lock:  # it may have been sent a message already by now, which is as good
+            if c not in self._links and time.monotonic() < self._last_expires:
+                self.publish(self._last, c)
+        return added
 
     def set_queue_size(self, queue_size: Optional[int]) -> None:
         """Do without a queue, whatever another publisher of the topic asks for."""
@@ -129,6 +145,9 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 raise rospy.ROSException("publish() to a closed topic")
             if self.is_latch:
                 self.latch = messages[-1]
+            elif self.lifespan:
+                self._last = messages[-1]
+                self._last_expires = time.monotonic() + self.lifespan
             if self.connections is not self._known_connections:
                 self._update_links()
             listener = self._subscriptions.get(self.resolved_name)
@@ -187,7 +206,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
             link.tell_rospy()
         return super().get_stats()
 
-    def links(self) -> List["_SubscriberLink"]:
+    def links(self) -> List[SubscriberLink]:
         """Tell who is subscribed now.
 
         :returns: a link for each subscriber
@@ -199,45 +218,10 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
     def _update_links(self) -> None:
         # rospy replaces the list on every change: while it is the same, nothing has changed.
         self._known_connections = self.connections
-        links: Dict[Any, _SubscriberLink] = {}
+        links: Dict[Any, SubscriberLink] = {}
         for connection in self.connections:
             if connection in self._links:
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
-                links[connection] = _SubscriberLink(connection, self._lock, self.resolved_name)
+                links[connection] = SubscriberLink(connection, self._lock, self.resolved_name)
         self._links = links
-
-
-class _SubscriberLink(Link):
-    """A subscriber's connection.
-
-    :param transport: rospy's object for it
-    :param lock: the topic's lock
-    :param topic: the topic's name, for reports
-    """
-
-    def __init__(self, transport: TCPROSTransport, lock: ContextManager[Any], topic: str) -> None:
-        super().__init__(transport.endpoint_id, transport.socket, lock)
-        self._transport = transport
-        self._header_bytes = transport.stat_bytes
-        self._topic = topic
-        # Or else TCP holds small messages back, by up to 40 ms, where the subscriber did not ask.
-        with contextlib.suppress(OSError):
-            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-
-    def tell_rospy(self) -> None:
-        """Note in rospy's object what has been sent."""
-        self._transport.stat_bytes = self._header_bytes + self.sent_bytes
-        self._transport.stat_num_msg = self.sent
-
-    def close(self) -> None:
-        self._transport.close()
-
-    def report(self, stalled: bool, lost: int) -> None:
-        if rospy.is_shutdown():
-            return
-        what = (self._topic, self.name, lost, self.lost)
-        if stalled:
-            rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
-        else:
-            rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)

@@ -5,6 +5,7 @@ from typing import Callable, List, NamedTuple
 import bridging
 import callbacks
 import executors
+import floor
 import groups
 import latency
 import lifecycles
@@ -38,7 +39,7 @@ MEASUREMENTS = [
     Measurement(
         "latency-1khz",
         "generator -> process -> observer at 1 kHz",
-        [stacks.OURS, stacks.MANAGED, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
+        [stacks.OURS, stacks.MANAGED, floor.FLOOR, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
         latency.at_1_khz,
         warm_up=True,
     ),

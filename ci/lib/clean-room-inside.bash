@@ -10,15 +10,6 @@ source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
 limit=120
 limit_of_refusal=60
 
-# README's two commands, a line each, without their comments.
-readme_commands() {
-    awk '
-        /^## / { here = ($0 == "## Two commands") }
-        /^```/ { block = here && !block; next }
-        block { sub(/ +#.*/, ""); if (NF) print }
-    ' "$workspace/README.md"
-}
-
 # Two users, and the workspace in their folders.
 furnish() { # ROOT
     chroot "$1" useradd --create-home --shell /bin/bash student &&
@@ -83,7 +74,7 @@ take_by_hand() { # SUITE ROOT
 # From the first command until a second one hears the process node.
 take_launch() { # SUITE ROOT
     local began seconds launch heard=no command
-    command=$(readme_commands | head -n 1)
+    command=$(page_commands README.md "Two commands" | head -n 1)
     install_sudo "$2" || return
     began=$SECONDS
     say "$1: what '$command' needs"
@@ -116,7 +107,7 @@ take_launch() { # SUITE ROOT
 # Not as root, and without sudo.
 take_test() { # SUITE ROOT
     local command
-    command=$(readme_commands | tail -n 1)
+    command=$(page_commands README.md "Two commands" | tail -n 1)
     [ -z "$tiers" ] || command="$command ${tiers//,/ }"
     say "$1: what '$command' needs"
     refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&

@@ -2,6 +2,7 @@
 # is, and commands in it. Who sources this has set me, how it is called, and room, a directory.
 
 workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
+source "$workspace/ci/lib/pages.bash"
 
 say() { printf '%s: %s\n' "$me" "$*" >&2; }
 

@@ -6,15 +6,6 @@ set -euo pipefail
 me=ci/deb
 source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
 
-# The two commands of docs/packaging.md, a line each, without their comments.
-page_commands() {
-    awk '
-        /^## / { here = ($0 == "## Install") }
-        /^```/ { block = here && !block; next }
-        block { sub(/ +#.*/, ""); if (NF) print }
-    ' "$workspace/docs/packaging.md"
-}
-
 # An ordinary user, apt's lists, and nothing but what is needed.
 furnish() { # ROOT
     chroot "$1" useradd --create-home --shell /bin/bash student &&
@@ -29,7 +20,7 @@ apt_get() { # ROOT online|offline WHAT…
 # Type the command of the page in a directory with packages.
 install_as_written() { # ROOT DIRECTORY
     local command
-    command=$(page_commands | head -n 1)
+    command=$(page_commands docs/packaging.md Install | head -n 1)
     succeeds "$1" root offline env DEBIAN_FRONTEND=noninteractive \
         sh -ec "cd $2; ${command#sudo }" < <(yes)
 }

@@ -9,7 +9,7 @@ INSIDE = CI / "lib" / "clean-room-inside.bash"
 
 
 def test_the_commands_are_those_of_readme() -> None:
-    script = f"source '{INSIDE}'; readme_commands"
+    script = f"source '{INSIDE}'; page_commands README.md 'Two commands'"
     lines = subprocess.check_output(["bash", "-c", script]).decode().splitlines()
     assert lines == ["./ci/exec roslaunch basic_comms cw1.launch", "./ci/test"]
     readme = (CI.parent / "README.md").read_text("utf-8")

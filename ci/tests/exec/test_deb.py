@@ -17,7 +17,7 @@ def inside(script: str, *arguments: str) -> List[str]:
 
 
 def test_the_commands_are_those_of_the_page() -> None:
-    install, launch = inside("page_commands")
+    install, launch = inside("page_commands docs/packaging.md Install")
     assert install == "sudo apt install ./*.deb"
     proof = (CI / "lib" / "deb_proof.py").read_text("utf-8")
     assert (

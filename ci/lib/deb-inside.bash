@@ -94,7 +94,7 @@ prove() { # SUITE ROOT
         return 1
     }
     furnish "$2" && mkdir "$2/debs" &&
-        cp -r "${files[@]}" "$dist/$1/earlier" "$workspace/ci/lib/deb_proof.py" "$2/debs" || return
+        cp -r "${files[@]}" "$dist/$1/earlier" "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
     say "$1: what the packages depend on, recommend and suggest"
     apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic" &&
         apt_get "$2" online satisfy --simulate \

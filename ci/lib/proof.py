@@ -1,0 +1,67 @@
+"""Run the commands of a user, and say what has been seen, for ci/deb and ci/container."""
+
+import contextlib
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+from typing import Callable, Iterator
+
+#: How long anything may take, s.
+PATIENCE = 60.0
+
+
+def said(*command: str) -> str:
+    """Return what a command prints.
+
+    :raises SystemExit: it fails, or takes too long
+    """
+    try:
+        return subprocess.run(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+            timeout=PATIENCE,
+            check=True,
+        ).stdout
+    except subprocess.SubprocessError as error:
+        sys.exit(f"{error}\n{error.stdout}")  # type: ignore[attr-defined]
+
+
+def wait_for(what: str, condition: Callable[[], bool]) -> None:
+    """Wait until something is so, and say it.
+
+    :raises SystemExit: it is not so in time
+    """
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            sys.exit(f"not within {PATIENCE:.0f} s: {what}")
+        time.sleep(0.2)
+    print(what)
+
+
+@contextlib.contextmanager
+def running(*command: str) -> Iterator[None]:
+    """Have a command run, and end at Ctrl-C, with status 0."""
+    log = pathlib.Path("proof.log")
+    with log.open("w") as output:
+        process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
+    try:
+        yield
+    except BaseException:
+        process.send_signal(signal.SIGINT)
+        process.wait(PATIENCE)
+        print(log.read_text())
+        raise
+    process.send_signal(signal.SIGINT)
+    if process.wait(PATIENCE) != 0:
+        sys.exit(f"{command} ended with status {process.returncode}:\n{log.read_text()}")
+
+
+def answers(*command: str) -> bool:
+    """Tell whether a command that may fail succeeds."""
+    silence = subprocess.DEVNULL
+    return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0

@@ -96,7 +96,7 @@ prove() { # SUITE ROOT
     furnish "$2" && mkdir "$2/debs" &&
         cp -r "${files[@]}" "$dist/$1/earlier" "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
     say "$1: what the packages depend on, recommend and suggest"
-    apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic" &&
+    apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic, rosbash" &&
         apt_get "$2" online satisfy --simulate \
             "$(foreign Recommends "${files[@]}"), $(foreign Suggests "${files[@]}")" || return
     every_file "$2" >"$log.before"

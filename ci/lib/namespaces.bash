@@ -1,4 +1,4 @@
-# Shared by ci/clean-room and ci/deb: namespaces and a directory, of which nothing stays behind.
+# Shared by ci/clean-room, ci/container and ci/deb: namespaces and a directory, of which nothing stays behind.
 
 die() {
     echo "ci/${0##*/}: $*" >&2
@@ -13,7 +13,7 @@ in_namespaces() { # COMMAND ARGUMENT…
         command -v "$program" >/dev/null ||
             die "needs $program: apt-get install debootstrap util-linux iproute2 git"
     done
-    room=$(mktemp -d)
+    room=${room-$(mktemp -d)}
     trap leave EXIT
     trap 'exit 130' INT
     trap 'exit 143' TERM

@@ -73,7 +73,13 @@ class Workspace:
     def environment(self, changes: Optional[Dict[str, Optional[str]]] = None) -> Dict[str, str]:
         """The caller's environment with the fakes in it; a change to None removes a variable."""
         environment = dict(os.environ)
-        for name in ("ROS_HOSTNAME", "ROS_IP", "ROS_MASTER_URI", "CI_EXEC_NO_INSTALL"):
+        for name in (
+            "ROS_HOSTNAME",
+            "ROS_IP",
+            "ROS_MASTER_URI",
+            "CI_EXEC_NO_INSTALL",
+            "ROS_LANG_DISABLE",
+        ):
             environment.pop(name, None)
         for name, body in self.fakes.items():
             environment[f"BASH_FUNC_{name}%%"] = "() { %s\n}" % body

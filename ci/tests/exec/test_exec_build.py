@@ -27,7 +27,12 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
     shutil.copy(
         str(workspace.root / "src/tiny/msg/Beat.msg"), str(workspace.root / "src/tiny/msg/Bar.msg")
     )
+    # Messages are for Python alone, unless C++ is asked for; and then for both from then on.
+    headers = workspace.root / "devel" / "include" / "tiny"
+    assert not headers.exists()
+    assert "building" in workspace.run("true", ROS_LANG_DISABLE="genlisp").stderr
     assert workspace.shows("tiny.Bar")
+    assert (headers / "Bar.h").exists()
     assert workspace.run("true").stderr == ""
 
     (workspace.root / "src/tiny/msg/Beat.msg").unlink()

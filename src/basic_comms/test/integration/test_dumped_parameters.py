@@ -5,9 +5,13 @@ That is the exercise of a course, for all nodes. These are found in their packag
 ``nodes`` calls ``run`` with a name and a class. All of them are hosted by this process, first in
 one namespace, where as many of their parameters as possible are changed, then in another, where
 the file is loaded before.
+
+As all of them are there, what they offer is compared with what docs/compatibility.yaml promises.
+With the variable ADD_PROMISES, what is new is promised from then on.
 """
 
 import importlib.util
+import os
 import pathlib
 import subprocess
 import tempfile
@@ -18,6 +22,7 @@ from unittest import mock
 import rospy
 import rostest
 import yaml
+from helpers import interfaces, promises
 from std_srvs.srv import Trigger
 
 from lifecycle_msgs.msg import Transition
@@ -79,10 +84,12 @@ class Settings:
     """The parameters of a running node.
 
     :param node: its global name
+    :param registered: what it has registered
     """
 
-    def __init__(self, node: str) -> None:
+    def __init__(self, node: str, registered: interfaces.Registrations) -> None:
         self._node = node
+        self._registered = registered
         services = Server().services()
         if f"{node}/change_state" in services:  # a managed one has them once it is configured
             self._call("change_state", ChangeState, Transition(label="configure"))
@@ -101,6 +108,14 @@ class Settings:
             return {}
         values: Dict[str, Any] = yaml.safe_load(self._call("change", SetParameters, "{}").values)
         return values
+
+    def offered(self) -> Dict[str, Any]:
+        """Return what others may rely on."""
+        return {
+            "name": self._node.rpartition("/")[2],
+            "parameters": {entry["name"]: entry["type"] for entry in self.described},
+            **self._registered.of(self._node),
+        }
 
     def change(self) -> List[str]:
         """Change each parameter that has another value; return the names of these."""
@@ -122,12 +137,14 @@ class Dumped(unittest.TestCase):
     changed: Dict[str, List[str]] = {}
     before: Dict[str, Dict[str, Any]] = {}
     after: Dict[str, Dict[str, Any]] = {}
+    offered: Dict[str, Any] = {}
 
     @classmethod
     def setUpClass(cls) -> None:
         cls.root = register("test_dumped_parameters")
         cls.root.start()
         for module, settings in cls.started("/before"):
+            cls.offered[module] = settings.offered()
             cls.changed[module] = settings.change()
             cls.before[module] = settings.in_force()
         with tempfile.NamedTemporaryFile(suffix=".yaml") as file:
@@ -145,15 +162,22 @@ class Dumped(unittest.TestCase):
         """Start each node, the one after the other, in a namespace of its own below another."""
         for module in modules():
             name, node_class = node_of(module)
+            before = interfaces.Registrations()
             node = cls.root.host(name, f"{space}/{module.replace('.', '/')}", node_class)
             try:
-                yield module, Settings(node.name)
+                yield module, Settings(node.name, before)
             finally:
                 node.close()
 
     def test_what_is_left_out_is_still_there(self) -> None:
         for module in LEFT_OUT:
             self.assertIsNotNone(importlib.util.find_spec(module), module)
+
+    def test_what_is_promised_is_kept(self) -> None:
+        found = {**interfaces.of_packages(SOURCES), "nodes": self.offered}
+        if os.environ.get("ADD_PROMISES"):
+            promises.write(promises.merged(promises.read(), found))
+        self.assertEqual(list(promises.broken(promises.read(), found)), [])
 
     def test_most_parameters_could_be_changed(self) -> None:
         total = sum(map(len, self.before.values()))

@@ -1,0 +1,173 @@
+"""Build the ROS 2 twins of message packages into the environment of ci/ros2, all in one process.
+
+Run with the environment's Python: ``ros2_twins.py TWINS PACKAGE[:NEEDED,…]…``. The definitions lie
+in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
+called here, and what they write is compiled for rclpy and fastrtps: its CMake files start ten
+programs for each package, and build classes for C++ and introspection too, which nobody uses here.
+"""
+
+import concurrent.futures
+import functools
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import sysconfig
+from typing import Any, List, NamedTuple
+
+import numpy
+from rosidl_cli.command.hash.api import generate_type_hashes
+from rosidl_cli.command.translate.api import translate
+from rosidl_generator_c.cli import GenerateC
+from rosidl_generator_py.cli import GeneratePython
+from rosidl_parser import parser
+from rosidl_typesupport_c.cli import GenerateCTypesupport
+from rosidl_typesupport_fastrtps_c.cli import GenerateFastRTPSCTypesupport
+
+ENVIRONMENT = pathlib.Path(sys.prefix)
+LIBRARIES = ENVIRONMENT / "lib"
+SHARE = ENVIRONMENT / "share"
+INDEX = SHARE / "ament_index" / "resource_index"
+SITE = pathlib.Path(sysconfig.get_path("purelib"))
+
+C, FASTRTPS = "rosidl_typesupport_c", "rosidl_typesupport_fastrtps_c"
+#: What each service needs: its event has a time in it.
+ALWAYS = ["builtin_interfaces", "service_msgs"]
+#: Libraries of a package that has a wheel, and of one that was built here.
+OF_PACKAGE = ("rosidl_generator_c", FASTRTPS, C, "rosidl_generator_py", "twin")
+OF_ROS2 = ("rosidl_runtime_c", C, FASTRTPS, "rosidl_typesupport_fastrtps_cpp", "fastcdr", "rcutils")
+#: Not optimised: that takes twice as long, and few messages are converted by this code.
+FLAGS = ("-O0", "-fPIC", "-w", "-DNDEBUG")
+
+
+class Package(NamedTuple):
+    """A package to be built.
+
+    :param place: its folder
+    :param needs: names of the packages that it needs
+    """
+
+    name: str
+    place: pathlib.Path
+    needs: List[str]
+
+    @property
+    def code(self) -> pathlib.Path:
+        """Folder of what is generated; its parent is where compilers look for it."""
+        return self.place / "generated" / self.name
+
+    @property
+    def module(self) -> pathlib.Path:
+        """Folder of its Python module."""
+        return SITE / self.name
+
+
+def generate(package: Package) -> None:
+    """Write a package's code, and install its definitions."""
+    name, code, share = package.name, package.code, SHARE / package.name
+    source = package.place / "source"
+    for place in (code.parent, share, package.module):
+        shutil.rmtree(str(place), ignore_errors=True)
+    interfaces = sorted(path.relative_to(source) for path in source.glob("*/*"))
+    idl: Any = translate(
+        package_name=name,
+        interface_files=[f"{source}:{path}" for path in interfaces],
+        include_paths=[],
+        output_format="idl",
+        output_path=share,
+    )
+    paths = [str(SHARE / needed) for needed in package.needs]
+    hashes = generate_type_hashes(
+        package_name=name, interface_files=idl, include_paths=paths, output_path=share
+    )
+    GenerateC("c").generate(name, idl, paths, code, type_description_files=hashes)
+    for generator in (
+        GenerateFastRTPSCTypesupport("fastrtps_c"),
+        GenerateCTypesupport("c", typesupport_implementations=[FASTRTPS]),
+        GeneratePython("py", typesupport_implementations=[C]),
+    ):
+        generator.generate(name, idl, paths, code)
+    (code / "__init__.py").touch()
+    for path in [*interfaces, pathlib.Path("package.xml")]:
+        shutil.copy(str(source / path), str(share / path))
+    for path in code.rglob("*.py"):
+        target = package.module / path.relative_to(code)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(str(path), str(target))
+    listed = [
+        str(path.with_suffix(suffix)) for path in interfaces for suffix in (".idl", path.suffix)
+    ]
+    (INDEX / "packages" / name).touch()
+    (INDEX / "rosidl_interfaces" / name).write_text("\n".join(listed), "utf-8")
+
+
+def units(package: Package) -> List[pathlib.Path]:
+    """Return what is to be compiled: few files that include the rest, as headers take the time."""
+    alone = [*package.code.glob("*.c"), *package.code.rglob("*__description.c")]
+    found = list(alone)
+    for folder in [path for path in package.code.iterdir() if path.is_dir()]:
+        for suffix in (".c", ".cpp"):
+            parts = sorted(path for path in folder.rglob("*" + suffix) if path not in alone)
+            if parts:
+                lines = [f'#include "{path.relative_to(folder)}"\n' for path in parts]
+                found.append(folder / f"all{suffix}")
+                found[-1].write_text("".join(lines), "utf-8")
+    return found
+
+
+def build(packages: List[Package], includes: List[pathlib.Path]) -> None:
+    """Compile what was generated, as much at once as there are processors, and link it."""
+    options = [f"-I{path}" for path in includes]
+
+    def compiled(source: pathlib.Path) -> pathlib.Path:
+        target = source.with_suffix(source.suffix + ".o")
+        compiler = "g++" if source.suffix == ".cpp" else "gcc"
+        run(compiler, *FLAGS, *options, "-c", source, "-o", target)
+        return target
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [[pool.submit(compiled, unit) for unit in units(package)] for package in packages]
+    for package, parts in zip(packages, ([job.result() for job in of_one] for of_one in jobs)):
+        entry = [path for path in parts if ".ep." in path.name]
+        names = [f"{needed}__{part}" for needed in package.needs for part in OF_PACKAGE]
+        there = [one for one in (*names, *OF_ROS2) if (LIBRARIES / f"lib{one}.so").exists()]
+        own = f"{package.name}__twin"
+        link(LIBRARIES / f"lib{own}.so", [one for one in parts if one not in entry], there)
+        link(package.module / f"{package.name}_s__{C}.so", entry, [own])
+
+
+def link(target: pathlib.Path, objects: List[pathlib.Path], libraries: List[str]) -> None:
+    named = [f"-l{name}" for name in libraries]
+    run("g++", "-shared", "-o", target, *objects, f"-L{LIBRARIES}", *named)
+
+
+def run(*command: object) -> None:
+    subprocess.run([str(part) for part in command], check=True)
+
+
+def main(twins: pathlib.Path, given: List[str]) -> None:
+    """Build packages, given as on the command line."""
+    # The parser takes most of the generators' time, and each of them would parse all files anew.
+    parser.get_ast_from_idl_string = functools.lru_cache(None)(parser.get_ast_from_idl_string)
+    packages = []
+    for name, _, needed in (one.partition(":") for one in given):
+        packages.append(
+            Package(name, twins / name, ALWAYS + needed.split(",") if needed else ALWAYS)
+        )
+        generate(packages[-1])
+    headers = ENVIRONMENT / "include"
+    build(
+        packages,
+        [
+            *(headers, *headers.iterdir(), *twins.glob("*/generated")),
+            *(pathlib.Path(sysconfig.get_path("include")), pathlib.Path(numpy.get_include())),
+        ],
+    )
+    for package in packages:
+        for path in package.code.rglob("*.o"):
+            path.unlink()
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]), sys.argv[2:])

@@ -22,35 +22,56 @@ LINES_SHOWN = 200
 def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
     """Run steps in their order, and report each when it ends.
 
+    A step that has to be after another one takes its place behind all when that has ended; if that
+    went wrong, it is not run, and has failed.
+
     :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs any more
     """
-    outcomes = []
+    outcomes: List[Outcome] = []
     runner = Runner()
     # An exception raised by a signal could leave a lock of the pool locked for ever. This
     # queue's put() may be called from a handler.
     ended: "queue.SimpleQueue[Optional[concurrent.futures.Future[Outcome]]]" = queue.SimpleQueue()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.put(None))
+    waiting = [step for step in steps if step.after]
+    running: "List[concurrent.futures.Future[Outcome]]" = []
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
-        running = [
-            pool.submit(runner.run, step, directory / f"{number:03}")
-            for number, step in enumerate(steps)
-        ]
+
+        def begin(step: Step) -> None:
+            place = directory / f"{len(running):03}"
+            running.append(pool.submit(runner.run, step, place))
+            running[-1].add_done_callback(ended.put)
+
         try:
-            for future in running:
-                future.add_done_callback(ended.put)
-            for _ in steps:
+            for step in steps:
+                if not step.after:
+                    begin(step)
+            while len(outcomes) < len(steps):
                 first = ended.get()
                 if first is None:
                     raise KeyboardInterrupt
-                outcomes.append(first.result())
-                report(outcomes[-1])
+                outcome = first.result()
+                outcomes.append(outcome)
+                report(outcome)
+                for step in [one for one in waiting if follows(one, outcome.step)]:
+                    if outcome.good:
+                        begin(step)
+                    else:
+                        why = f"not run: {step.after} has failed"
+                        outcomes.append(Outcome(step, 0, 1, 0, 0.0, why))
+                        report(outcomes[-1])
         except BaseException:
             for future in running:
                 future.cancel()
             runner.interrupt()
             raise
     return outcomes
+
+
+def follows(step: Step, other: Step) -> bool:
+    """Tell whether a step has to be after another one."""
+    return (step.tier, step.after) == (other.tier, other.name)
 
 
 def report(outcome: Outcome) -> None:

@@ -19,7 +19,8 @@ class Step:
     """A command to run for a tier.
 
     ``{results}`` in an argument stands for the directory for JUnit files. A command that
-    writes none is one test by itself.
+    writes none is one test by itself. One that needs what another step of its tier has made
+    names that step, ``after``.
     """
 
     tier: str
@@ -27,6 +28,7 @@ class Step:
     command: List[str]
     time_limit: float = 300.0  # s
     writes_junit: bool = False
+    after: str = ""
 
 
 @dataclasses.dataclass(frozen=True)

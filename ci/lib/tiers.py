@@ -133,15 +133,16 @@ def declared_time(test: pathlib.Path) -> float:
 
 
 def ros2() -> List[Step]:
+    environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
     # With the Python of build/ros2, which takes pytest, as it takes rospy, from Debian's folder.
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
-    python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
-    steps = []
+    steps = [environment]
     for place in sorted(SOURCES.glob("*/test/ros2/test_*.py")):
-        command = ["env", path, python, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
+        command = ["env", path, str(WORKSPACE / "build" / "ros2" / "bin" / "python")]
+        command += ["-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
         command += ["--junitxml={results}/pytest.xml", str(place)]
-        steps.append(Step("ros2", place.stem, command, writes_junit=True, time_limit=300.0))
+        steps.append(Step("ros2", place.stem, command, 300.0, True, after=environment.name))
     return steps
 
 

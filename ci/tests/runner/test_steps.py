@@ -118,6 +118,33 @@ def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 1 failed, 0 skipped"
 
 
+def test_a_step_is_run_after_the_one_it_needs(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    made = tmp_path / "made"
+    steps = [
+        Step("x", "user", ["test", "-e", str(made)], after="maker"),
+        Step("x", "maker", ["sh", "-c", f"sleep 0.3; touch '{made}'"]),
+        Step("x", "other", ["sh", "-c", f"! test -e '{made}'"]),
+        Step("x", "broken", ["false"]),
+        Step("x", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
+    ]
+    code = (
+        "import sys, tiers, run_tiers; from steps import Step;"
+        f"tiers.TIERS['x'] = lambda: {steps!r}; sys.exit(run_tiers.main(['x']))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=dict(os.environ, PYTHONPATH=os.path.dirname(run_tiers.__file__), TMPDIR=str(tmp_path)),
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
+    )
+    assert done.returncode == 1
+    assert done.stdout.splitlines()[-1] == "3 passed, 2 failed, 0 skipped"
+    assert "    not run: broken has failed" in done.stdout.splitlines()
+    assert not (tmp_path / "lost").exists()
+
+
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (

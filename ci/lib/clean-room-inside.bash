@@ -104,16 +104,31 @@ take_launch() { # SUITE ROOT
     return 1
 }
 
-# Not as root, and without sudo.
 take_test() { # SUITE ROOT
     local command
     command=$(page_commands README.md "Two commands" | tail -n 1)
-    [ -z "$tiers" ] || command="$command ${tiers//,/ }"
-    say "$1: what '$command' needs"
-    refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&
+    run_tests "$1" "$2" offline "$command${tiers:+ ${tiers//,/ }}"
+}
+
+# The environment with ROS 2 comes from PyPI, which Debian 11 has a Python too old for.
+take_ros2() { # SUITE ROOT
+    if [ "$1" != bullseye ]; then
+        run_tests "$1" "$2" online "./ci/test ros2"
+        return
+    fi
+    refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/ros2 &&
+        by_hand "$2" &&
+        refuses "PyPI has ROS 2 for Python" "$2" student online ./ci/ros2 &&
+        verdict="refused with its sentence"
+}
+
+# Not as root, and without sudo.
+run_tests() { # SUITE ROOT online|offline COMMAND
+    say "$1: what '$4' needs"
+    refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $4" &&
         by_hand "$2" || return
-    say "$1: $command"
-    (within "$2" student offline sh -c "exec $command") 2>&1 | tee "$log" || {
+    say "$1: $4"
+    (within "$2" student "$3" sh -c "exec $4") 2>&1 | tee "$log" || {
         verdict="tests: $(tail -n 1 "$log")"
         return 1
     }

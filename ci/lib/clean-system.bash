@@ -26,6 +26,16 @@ copy_apt_settings() { # ROOT
     done
 }
 
+# The same for PyPI, which only what is run online reaches. Debian's own certificates are made anew
+# in there, so these have a place beside them.
+copy_pip_settings() { # ROOT
+    local file
+    file=$(sed -n 's/^ *cert *= *//p' /etc/pip.conf 2>/dev/null) || return 0
+    [ -f "$file" ] || return 0
+    install -m 644 "$file" "$1/etc/pip-certificates.crt"
+    printf '[global]\ncert = /etc/pip-certificates.crt\n' >"$1/etc/pip.conf"
+}
+
 # Without users, and without apt's lists.
 bootstrap() { # SUITE ROOT
     local packed=${CLEAN_ROOM_CACHE:-$room}/$1.tar
@@ -41,6 +51,7 @@ bootstrap() { # SUITE ROOT
         tar -C "$2" -cf "$packed.new" . && mv "$packed.new" "$packed" || return
     fi
     copy_apt_settings "$2" &&
+        copy_pip_settings "$2" &&
         cp /etc/resolv.conf "$2/etc/resolv.conf" &&
         printf '127.0.0.1 localhost\n127.0.1.1 %s\n' "$(hostname)" >"$2/etc/hosts" &&
         mount -t proc proc "$2/proc" &&

@@ -56,3 +56,4 @@ def test_without_a_tier_all_run_that_the_release_has_tools_for(
     assert (result.stdout, result.returncode) == (tiers + "\n", 0)
     assert ("the tiers for a Debian are: " + tiers in result.stderr) == (release != "bookworm")
     assert workspace.run("docs").stdout == "docs\n"
+    assert workspace.run("all").stdout == tiers + " ros2\n"

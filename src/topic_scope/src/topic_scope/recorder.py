@@ -10,8 +10,8 @@ from topic_scope import decoding, fields, time_base
 from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
 from topic_scope.ring import Samples
+from topic_scope.source import Source
 from topic_scope.streams import Stream, Trace
-from topic_scope.taps import Taps
 
 #: Most fields that are listed, and most topics that are listened to just to learn their type.
 LISTED, UNKNOWN = 5000, 50
@@ -65,14 +65,14 @@ class Recorder:
 
     All methods belong to one thread.
 
-    :param taps: where the messages come in
+    :param source: where the messages come in
     :param layouts: knows the messages
     :param history: how long samples are kept, and a field that nobody looks at any more, s
     """
 
-    def __init__(self, taps: Taps, layouts: Layouts, history: float) -> None:
+    def __init__(self, source: Source, layouts: Layouts, history: float) -> None:
         self.history = history
-        self._taps = taps
+        self._source = source
         self._layouts = layouts
         self._types: Mapping[str, str] = {}
         self._lengths: Dict[str, "_Longest"] = {}
@@ -150,7 +150,7 @@ class Recorder:
         for stream in self._streams.values():
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
-        self._taps.want([topic for topic, _ in self._streams] + self._unknown())
+        self._source.want([topic for topic, _ in self._streams] + self._unknown())
 
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
         """Keep the samples of fields for as long as these spans are named.
@@ -173,9 +173,9 @@ class Recorder:
 
         :returns: the time up to which all samples are there, s
         """
-        now = self._taps.clock.now()
+        now = self._source.clock.now()
         earliest = now
-        for topic, tap in self._taps.open().items():
+        for topic, tap in self._source.open().items():
             for batch in tap.take():
                 layout = self._layouts.received(batch.header)
                 if layout is None:

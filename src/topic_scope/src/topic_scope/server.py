@@ -1,26 +1,20 @@
-"""The oscilloscope between its pages and the graph; all of it runs in the thread of the web."""
+"""The oscilloscope between its pages and what it shows; all of it runs in the thread of the web."""
 
 import time
-from typing import Any, AsyncIterator, Dict, List, Optional, Sequence, Tuple
+from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence, Tuple
 
-import rospy
 import tornado.ioloop
 
 from topic_scope import protocol
-from topic_scope.background import Background
 from topic_scope.charts import ChartFeed
-from topic_scope.checks import TRACES, RequestError
-from topic_scope.controls import Controls
+from topic_scope.checks import TRACES
 from topic_scope.export import parts
 from topic_scope.fields import FieldError
-from topic_scope.graph_feed import GraphFeed
-from topic_scope.master_watch import GraphState, MasterWatch
 from topic_scope.measuring import statistics_of, warn_of
 from topic_scope.options import Options
+from topic_scope.origin import Origin
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
-from topic_scope.robot_requests import Drive, Goal, Robots, Steer
-from topic_scope.robot_view import RobotView
 from topic_scope.trigger import TriggerWatch
 from topic_scope.web import Socket
 from topic_scope.wishes import Chart, Measure
@@ -36,35 +30,36 @@ STATISTICS_S = 0.25
 class Server:
     """Serves all pages.
 
-    :param recorder: has the samples
     :param options: the command line
-    :param watch: follows the graph
+    :param origin: where messages come from
     """
 
-    def __init__(self, recorder: Recorder, options: Options, watch: MasterWatch) -> None:
+    def __init__(self, options: Options, origin: Origin) -> None:
         self.sockets: List[Socket] = []
-        self._recorder, self._options, self._watch = recorder, options, watch
-        self._state: Optional[GraphState] = None
+        self._recorder = Recorder(origin.source, origin.layouts, options.history)
+        self._options, self._origin = options, origin
+        self._knows_topics = False
         self._initial: List[str] = list(options.fields)
         self._choices: List[Choice] = []
         self._statistics_at = 0.0
         loop = tornado.ioloop.IOLoop.current()
-        self._controls = Controls(loop.add_callback, self._tell)
-        self._graph = GraphFeed(rospy.get_name(), Background(loop.add_callback), self._tell_graph)
-        self._robots = RobotView(rospy.get_name(), loop.add_callback)
-        watch.start(lambda state: loop.add_callback(self._on_graph, state))
-        loop.call_later(WARN_AFTER_S, lambda: warn_of(recorder, self._initial))
+        origin.start(self)
+        loop.call_later(WARN_AFTER_S, lambda: warn_of(self._recorder, self._initial))
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
-    # --- From the graph ----------------------------------------------------------------------
+    # --- From the origin ---------------------------------------------------------------------
 
-    def _on_graph(self, state: GraphState) -> None:
-        is_first, self._state = self._state is None, state
-        self._recorder.set_topics(state.published_types)
+    def on_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics that there are.
+
+        :param types: type of each
+        """
+        is_first, self._knows_topics = not self._knows_topics, True
+        self._recorder.set_topics(types)
         initial = self._expanded(self._options.fields)
         has_changed, self._initial = initial != self._initial, initial
         choices = self._recorder.choices()
-        for page in self._pages():
+        for page in self.pages():
             if is_first:
                 self._welcome(page)
             elif has_changed and page.chosen is None:
@@ -72,11 +67,8 @@ class Server:
             self._select(page)
         if choices != self._choices:
             self._choices = choices
-            self._tell(self._fields())
+            self.tell(self._fields())
         self._record()
-        self._controls.on_services([name for name, nodes in state.services if nodes])
-        self._graph.on_state(state, any(page.wants_graph for page in self._pages()))
-        self._robots.on_state(state)
 
     # --- From pages --------------------------------------------------------------------------
 
@@ -84,7 +76,7 @@ class Server:
         """Welcome a page, as soon as it is known what there is on the graph."""
         page = Page(self._options.window)
         self.sockets.append(connection)
-        if self._state is not None:
+        if self._knows_topics:
             self._welcome(page)
         return page
 
@@ -93,7 +85,7 @@ class Server:
         if connection in self.sockets:
             self.sockets.remove(connection)
             if connection.page is not None:
-                self._robots.leave(connection.page)
+                self._origin.leave(connection.page)
             self._pin()
 
     def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
@@ -116,7 +108,7 @@ class Server:
             self._select(page)
             page.view.restart()
             self._record()
-            self._watch.ring()
+            self._origin.ring()
         elif isinstance(request, protocol.View):
             page.view.show(request)
             self._pin()
@@ -126,59 +118,40 @@ class Server:
             page.measure = request
         elif isinstance(request, Chart):
             page.chart = ChartFeed(request)
-        elif isinstance(request, protocol.Graph):
-            page.wants_graph = request.on
-            graph = self._graph.message()
-            if request.on and graph is not None:
-                page.put(graph)
-                self._watch.ring()
-        elif isinstance(request, Robots):
-            self._robots.handle(page, request)
-            self._watch.ring()
         else:
-            self._control(page, request)
-
-    def _control(self, page: Page, request: protocol.Request) -> None:
-        if not self._options.is_local:
-            raise RequestError("this scope is open to the network, and so is read-only")
-        try:
-            if isinstance(request, (Steer, Drive, Goal)):
-                self._robots.control(page, request)
-            else:
-                self._controls.obey(request, page.note)
-        except ValueError as error:
-            raise RequestError(str(error)) from None
+            self._origin.handle(page, request)
 
     # --- To pages ----------------------------------------------------------------------------
 
-    def _pages(self) -> List[Page]:
+    def pages(self) -> List[Page]:
+        """Return the pages that are open."""
         return [connection.page for connection in self.sockets if connection.page is not None]
 
-    def _tell(self, message: Dict[str, Any], *about: str) -> None:
-        if self._state is not None:
-            for page in self._pages():
-                page.put(message, *about)
+    def tell(self, message: Dict[str, Any], *about: str) -> None:
+        """Tell all pages.
 
-    def _tell_graph(self, message: Dict[str, Any]) -> None:
-        for page in self._pages():
-            if page.wants_graph:
-                page.put(message)
+        :param message: the message
+        :param about: what it is about; a later one of its type about the same replaces it
+        """
+        if self._knows_topics:
+            for page in self.pages():
+                page.put(message, *about)
 
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
         page.put(self._fields())
-        for message in self._controls.messages():
+        for message in self._origin.messages():
             page.put(message)
         self._select(page)
 
     def _hello(self) -> Dict[str, Any]:
         return {
             "type": "hello",
-            "readonly": not self._options.is_local,
             "history": self._options.history,
             "fields": self._initial,
             "defaults": {"window": self._options.window},
             "setup": self._options.setup,
+            **self._origin.hello(),
         }
 
     def _fields(self) -> Dict[str, Any]:
@@ -204,14 +177,14 @@ class Server:
                 page.put({"type": "selected", "fields": list(names)})
 
     def _record(self) -> None:
-        names = set(self._initial).union(*(page.view.fields for page in self._pages()))
+        names = set(self._initial).union(*(page.view.fields for page in self.pages()))
         self._recorder.want(names, self._recorder.update())
         self._pin()
 
     def _pin(self) -> None:
         """Keep what stands still on a page."""
         spans: Dict[str, Tuple[float, float]] = {}
-        for page in self._pages():
+        for page in self.pages():
             if page.view.pinned is not None:
                 start, end = page.view.pinned
                 for name in page.view.fields:
@@ -227,7 +200,7 @@ class Server:
         samples = self._recorder.samples
         for connection in list(self.sockets):
             page = connection.page
-            if page is None or self._state is None:
+            if page is None or not self._knows_topics:
                 continue
             crossing = page.trigger.update(now, page.view.window, samples)
             if crossing is not None:

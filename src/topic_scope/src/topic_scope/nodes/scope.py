@@ -18,12 +18,9 @@ import tornado.ioloop
 
 from nodekit import run
 from topic_scope import options, web
-from topic_scope.layouts import Layouts
-from topic_scope.master_watch import MasterWatch
+from topic_scope.live_graph import LiveGraph
 from topic_scope.options import Options
-from topic_scope.recorder import Recorder
 from topic_scope.server import Server
-from topic_scope.taps import Clock, Taps
 
 
 class Scope:
@@ -59,10 +56,7 @@ class Scope:
             # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
             folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
             names = ["localhost", self._options.address, socket.gethostname(), socket.getfqdn()]
-            layouts = Layouts()
-            taps = Taps(Clock())
-            recorder = Recorder(taps, layouts, self._options.history)
-            server = Server(recorder, self._options, MasterWatch(taps, layouts))
+            server = Server(self._options, LiveGraph(not self._options.is_local))
             application = web.application(server, folder, [name.lower() for name in names])
             tornado.httpserver.HTTPServer(
                 application, max_header_size=16384, max_body_size=4096

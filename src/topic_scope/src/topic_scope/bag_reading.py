@@ -39,7 +39,7 @@ class BagReader:
         self._recorded: Dict[str, List[str]] = {}
         #: Of the messages of each topic read so far.
         self._checksums: Dict[str, str] = {}
-        _look_at_begin(path)
+        look_at_begin(path)
         try:
             self._bag = rosbag.Bag(path)
             # Those without messages rosbag leaves out.
@@ -50,12 +50,11 @@ class BagReader:
             _, _, self._begin = next(self._bag.read_messages(raw=True))
             end = round(self._bag.get_end_time() * 1e9)
         except rosbag.ROSBagUnindexedException as error:
-            text = "%s has no index, as its recording was cut off; make one: rosbag reindex %s"
-            raise BagError(text % (path, path)) from error
+            raise without_index(path) from error
         except BagError:
             raise
         except Exception as error:  # broken bytes make rosbag raise errors of any kind
-            raise _broken(path, error) from error
+            raise broken(path, error) from error
         #: From the first message to the last, ns; rosbag tells it to a microsecond only.
         self.length: int = max(0, end - self._begin.to_nsec())
 
@@ -107,7 +106,7 @@ class BagReader:
             except StopIteration:
                 return
             except Exception as error:  # broken bytes make rosbag raise errors of any kind
-                raise _broken(self._path, error) from error
+                raise broken(self._path, error) from error
             topic = "/" + topic.lstrip("/")
             if self._checksums.setdefault(topic, message._md5sum) != message._md5sum:
                 raise BagError(f"{self._path}: the messages of {topic} change their type")
@@ -120,7 +119,11 @@ class BagReader:
         return genpy.Time(0, self._begin.to_nsec() + since_begin)
 
 
-def _look_at_begin(path: str) -> None:
+def look_at_begin(path: str) -> None:
+    """Check that a file begins as bags do.
+
+    :raises BagError: if it does not, or cannot be read
+    """
     try:
         with open(path, "rb") as file:
             begin = file.read(len(_MAGIC))
@@ -130,7 +133,18 @@ def _look_at_begin(path: str) -> None:
         raise BagError(f"{path} is no bag")
 
 
-def _broken(path: str, error: Exception) -> BagError:
+def without_index(path: str) -> BagError:
+    """Return what is to be said of a bag that has no index."""
+    return BagError(
+        f"{path} has no index, as its recording was cut off; make one: rosbag reindex {path}"
+    )
+
+
+def broken(path: str, error: Exception) -> BagError:
+    """Return what is to be said of a bag that is broken.
+
+    :param error: what has shown it
+    """
     reason = str(error) or type(error).__name__
     text = "%s is broken (%s); what can be saved of it, this saves: rosbag reindex %s"
     return BagError(text % (path, reason, path))

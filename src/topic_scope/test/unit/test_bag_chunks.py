@@ -1,0 +1,168 @@
+"""What is read of a bag chunk by chunk is what rosbag reads; and what is said of one that is broken."""
+
+import io
+import struct
+from pathlib import Path
+from typing import Any, Dict, List, Set, Tuple
+
+import genpy
+import pytest
+import rosbag
+from bags import BEGIN, write_bag
+from hypothesis import given
+from hypothesis import strategies as st
+from std_msgs.msg import Float64, String
+
+from topic_scope.bag_chunks import BagChunks
+from topic_scope.bag_reading import BagError
+
+#: Topic, length of the text, time; small chunks hold some of them each, out of order.
+messages = st.lists(
+    st.tuples(st.sampled_from("abc"), st.integers(0, 300), st.integers(0, 10**10)), min_size=1
+)
+
+
+def write(path: Path, told: List[Tuple[str, int, int]], compression: str = "none") -> str:
+    with rosbag.Bag(str(path), "w", compression=compression, chunk_threshold=1000) as bag:
+        for topic, length, time in told:
+            bag.write(topic, String("x" * length), genpy.Time(0, BEGIN + time))
+    return str(path)
+
+
+def read(bag: BagChunks, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
+    """Return time, topic and bytes of all messages of the chunks behind a time."""
+    numbers = {number for number, one in bag.connections.items() if one.topic in wanted}
+    found = []
+    for chunk, _ in zip(*bag.chunks_after(after)):
+        for part in bag.read(chunk, numbers):
+            topic = bag.connections[part.connection].topic
+            found += [(time, topic, data) for time, data in zip(part.times.tolist(), part.messages)]
+    return sorted(found)
+
+
+def as_read_by_rosbag(path: str, wanted: Set[str]) -> List[Tuple[int, str, bytes]]:
+    with rosbag.Bag(path) as bag:
+        return sorted(
+            (time.to_nsec(), "/" + topic, raw[1])
+            for topic, raw, time in bag.read_messages(raw=True)
+            if "/" + topic in wanted
+        )
+
+
+@given(
+    messages, st.sets(st.sampled_from(["/a", "/b", "/c"])), st.sampled_from(["none", "bz2", "lz4"])
+)
+def test_all_messages_of_the_wanted_topics_come(
+    tmp_path_factory: "pytest.TempPathFactory",
+    told: List[Tuple[str, int, int]],
+    wanted: Set[str],
+    compression: str,
+) -> None:
+    path = write(tmp_path_factory.mktemp("bags") / "x.bag", told, compression)
+    bag = BagChunks(path)
+    assert read(bag, wanted, 0) == as_read_by_rosbag(path, wanted)
+    assert (bag.begin, bag.end) == tuple(
+        BEGIN + end(time for _, _, time in told) for end in (min, max)
+    )
+    bag.close()
+
+
+@given(messages, st.integers(0, 10**10))
+def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
+    tmp_path_factory: "pytest.TempPathFactory", told: List[Tuple[str, int, int]], after: int
+) -> None:
+    bag = BagChunks(write(tmp_path_factory.mktemp("bags") / "x.bag", told))
+    numbers, starts = bag.chunks_after(BEGIN + after)
+    assert starts == sorted(starts)
+    expected = [time for _, _, time in told if time > after]
+    found = [time for time, *_ in read(bag, {"/a", "/b", "/c"}, BEGIN + after)]
+    assert sorted(BEGIN + time for time in expected) == [t for t in found if t > BEGIN + after]
+    for number, start in zip(numbers, starts):
+        times = [t for part in bag.read(number, list(bag.connections)) for t in part.times]
+        assert min(times) == start and max(times) > BEGIN + after
+    bag.close()
+
+
+def test_it_is_known_what_publishers_have_said(tmp_path: Path) -> None:
+    path = write_bag(tmp_path / "x.bag", [("/x", Float64(1), 0), ("/y", String("one"), 1)])
+    bag = BagChunks(path)
+    said: Dict[str, Any] = {one.topic: one.header for one in bag.connections.values()}
+    assert sorted(said) == ["/x", "/y"]
+    assert said["/x"]["type"] == "std_msgs/Float64"
+    assert said["/x"]["message_definition"].strip() == "float64 data"
+    ((_, _, data),) = read(bag, {"/x"}, 0)
+    buffer = io.BytesIO()
+    Float64(1).serialize(buffer)
+    assert data == buffer.getvalue()
+    bag.close()
+
+
+def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    write(path, [("a", 1, 0), ("a", 2, 1)])
+    content = path.read_bytes()
+    # Of one chunk with one connection: 12 bytes for each message, the second one first.
+    begin = content.index(struct.pack("<II", *divmod(BEGIN, 10**9)), content.index(b"op=\x04"))
+    entries = content[begin : begin + 24]
+    swapped = entries[12:] + entries[:12]
+    path.write_bytes(content[:begin] + swapped + content[begin + 24 :])
+    bag = BagChunks(str(path))
+    (part,) = bag.read(0, list(bag.connections))
+    assert part.times.tolist() == [BEGIN, BEGIN + 1]
+    assert [len(message) for message in part.messages] == [5, 6]
+    bag.close()
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(BagError) as caught:
+        bag = BagChunks(str(path))
+        read(bag, {one.topic for one in bag.connections.values()}, 0)
+    text = str(caught.value)
+    assert str(path) in text and "\n" not in text
+    return text
+
+
+def test_what_cannot_be_read_is_said_in_a_sentence(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    assert "No such file" in refusal(path)
+    assert "Is a directory" in refusal(tmp_path)
+    path.write_text("name,value\n")
+    assert "is no bag" in refusal(path)
+    path.write_bytes(b"#ROSBAG V1.2\n")
+    assert "version 2.0" in refusal(path)
+    path.write_bytes(b"#ROSBAG V2.0\n")
+    assert "broken" in refusal(path)
+    with rosbag.Bag(str(path), "w"):
+        pass
+    assert "holds no messages" in refusal(path)
+
+
+def test_a_recording_that_was_cut_off_is_told_from_a_broken_one(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    bag = rosbag.Bag(str(path), "w")
+    bag.write("/x", Float64(1), genpy.Time(1))
+    bag.flush()
+    whole = path.read_bytes()
+    bag.close()
+    path.write_bytes(whole)
+    assert "rosbag reindex" in refusal(path)
+
+
+@given(st.data())
+def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
+    tmp_path_factory: "pytest.TempPathFactory", data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("bags") / "x.bag"
+    told = [("a", number, number * 10**8) for number in range(0, 100, 10)]
+    write(path, told, data.draw(st.sampled_from(["none", "bz2", "lz4"])))
+    content = bytearray(path.read_bytes())
+    # The header of the file is padded to 4096 bytes, which mean nothing.
+    places = st.integers(13, 120) | st.integers(4100, len(content) - 1)
+    for place in data.draw(st.lists(places, min_size=1, max_size=4)):
+        content[place] = data.draw(st.integers(0, 255))
+    path.write_bytes(content[: data.draw(st.none() | st.integers(0, len(content)))])
+    try:
+        bag = BagChunks(str(path))
+        read(bag, {one.topic for one in bag.connections.values()}, 0)
+    except BagError as error:
+        assert str(path) in str(error)

@@ -1,4 +1,4 @@
-"""What is read of a bag chunk by chunk is what rosbag reads; and what is said of one that is broken."""
+"""What is read of a bag by chunks is what rosbag reads; and what is said of one that is broken."""
 
 import io
 import struct

@@ -1,0 +1,216 @@
+"""What a bag plays, and when, by a clock of the test's own."""
+
+from pathlib import Path
+from typing import Dict, List, Tuple
+
+import genpy
+import pytest
+import rosbag
+from bags import BEGIN
+from hypothesis import given
+from hypothesis import strategies as st
+from std_msgs.msg import Int32
+
+from topic_scope.bag_chunks import BagChunks
+from topic_scope.bag_player import BagPlayer
+
+#: Of each topic, how long after the begin its messages were recorded, ms.
+RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}
+START = BEGIN / 1e9
+
+
+class Clock:
+    """Goes when it is told to, and a little with each look at it.
+
+    :param step: how far, s
+    """
+
+    def __init__(self, step: float = 0.0) -> None:
+        self.time, self.step = 50.0, step
+
+    def __call__(self) -> float:
+        self.time += self.step
+        return self.time
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: "pytest.TempPathFactory") -> BagChunks:
+    path = str(tmp_path_factory.mktemp("bags") / "x.bag")
+    told = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
+    with rosbag.Bag(path, "w", chunk_threshold=500) as file:
+        for time, topic in told:
+            file.write(topic, Int32(time), genpy.Time(0, BEGIN + time * 10**6))
+    return BagChunks(path)
+
+
+def playing(bag: BagChunks, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
+    player = BagPlayer(bag, history, clock)
+    player.want(topics)
+    player.seek(START)
+    return player
+
+
+def taken(player: BagPlayer) -> Dict[str, List[int]]:
+    """Return what has come out, by topic, and check that its times are those of the record."""
+    found: Dict[str, List[int]] = {}
+    for topic, outlet in player.open().items():
+        for batch in outlet.take():
+            assert batch.header["type"] == "std_msgs/Int32"
+            values = [int.from_bytes(message, "little") for message in batch.messages]
+            assert batch.times == pytest.approx([START + value / 1e3 for value in values], abs=1e-6)
+            found.setdefault(topic, []).extend(values)
+    return found
+
+
+def loaded(player: BagPlayer) -> float:
+    for _ in range(1000):
+        now = player.now()
+        if not player.is_loading:
+            return now
+    raise AssertionError("it loads for ever")
+
+
+def expected(topics: Tuple[str, ...], above: float, up_to: float) -> Dict[str, List[int]]:
+    """Return what was recorded in a time, its ends in ms."""
+    found = {topic: [time for time in RECORDED[topic] if above < time <= up_to] for topic in topics}
+    return {topic: times for topic, times in found.items() if times}
+
+
+#: In steps of 50 ms, and in between at first: so no message is at the very edge of what is played.
+steps = st.lists(
+    st.tuples(st.sampled_from(["wait", "play", "pause", "seek", "speed"]), st.integers(0, 80)),
+    max_size=12,
+)
+
+
+@given(steps, st.sampled_from([0.0, 1e-3]))
+def test_what_comes_out_is_what_the_clock_has_passed(
+    bag: BagChunks, steps: List[Tuple[str, int]], step: float
+) -> None:
+    clock = Clock()
+    player = playing(bag, clock, "/a", "/b")
+    player.seek(START + 0.025)
+    at, speed, plays, before = 25.0, 1.0, False, -1.0  # the times in ms
+    for kind, number in [("pause", 0), *steps]:
+        if kind == "wait":
+            clock.time += number * 0.05
+            at = min(at + plays * number * 50.0 * speed, 10000.0)
+        elif kind == "play" and at < 10000.0:
+            player.play()
+            plays = True
+        elif kind == "pause":
+            player.pause()
+            plays = False
+        elif kind == "seek":
+            at = 25.0 + number * 50.0
+            player.seek(START + at / 1e3)
+            before = max(at - 3000.0, 0.0) - 1.0
+        elif kind == "speed":
+            player.speed = speed = 1.0 + number % 5
+        clock.step = step if kind == "seek" else 0.0
+        assert loaded(player) == pytest.approx(START + at / 1e3, abs=1e-6)
+        assert taken(player) == expected(("/a", "/b"), before, at)
+        clock.step = 0.0
+        plays = plays and at < 10000.0
+        assert player.is_playing == plays
+        before = at
+
+
+def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagChunks) -> None:
+    player = playing(bag, Clock(), "/b", "/not/there")
+    player.seek(START + 1.05)
+    loaded(player)
+    assert taken(player) == {"/b": [50, 550]}
+    assert not player.lacks
+    player.want(["/a", "/b"])
+    assert player.lacks
+    player.seek(START + 1.05)
+    loaded(player)
+    assert not player.lacks
+    assert taken(player)["/a"] == list(range(0, 1001, 100))
+
+
+def test_it_stops_at_the_end_and_begins_anew(bag: BagChunks) -> None:
+    clock = Clock()
+    player = playing(bag, clock, "/a")
+    player.seek(START + 9.95)
+    player.play()
+    loaded(player)
+    clock.time += 1.0
+    assert player.now() == player.end == pytest.approx(START + 10.0)
+    assert not player.is_playing
+    player.play()
+    assert loaded(player) == player.begin == pytest.approx(START)
+    taken(player)
+    clock.time += 0.25
+    player.now()
+    assert player.is_playing and taken(player) == {"/a": [100, 200]}
+
+
+def test_places_beyond_its_ends_are_its_ends(bag: BagChunks) -> None:
+    player = playing(bag, Clock(), "/a")
+    for place, there in ((0.0, player.begin), (1e11, player.end)):
+        player.seek(place)
+        assert loaded(player) == there
+
+
+def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: BagChunks) -> None:
+    clock = Clock(step=1.0)  # so that each look reads one chunk
+    player = playing(bag, clock, "/a", history=60.0)
+    player.seek(START + 10.1)
+    seen, looks = [], 0
+    while player.is_loading:
+        now, looks = player.now(), looks + 1
+        found = taken(player).get("/a", [])
+        assert all(START + value / 1e3 <= now + 1e-6 for value in found)
+        seen += found
+    assert seen == list(RECORDED["/a"]) and looks > 3
+    player.seek(player.begin)
+    player.play()
+    looks = 0
+    while player.is_playing:
+        player.now()
+        looks += 1
+    assert taken(player) == {"/a": list(RECORDED["/a"])} and looks > 3
+
+
+def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagChunks) -> None:
+    clock = Clock()
+    player = playing(bag, clock, "/a")
+    loaded(player)
+    player.play()
+    clock.step = 5.0
+    late = player.now() - START
+    clock.step = 0.0
+    assert late < 5.0
+    clock.time += 0.1
+    assert player.now() - START == pytest.approx(late + 0.1, abs=1e-6)
+
+
+def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagChunks) -> None:
+    clock = Clock()
+    player = playing(bag, clock, "/a")
+    loaded(player)
+    player.play()
+    clock.time += 1.0
+    player.speed = 2.0
+    clock.time += 1.0
+    player.pause()
+    clock.time += 1.0
+    assert player.now() - START == pytest.approx(3.0, abs=1e-6)
+
+
+def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w", chunk_threshold=200, compression="bz2") as file:
+        for number in range(20):
+            file.write("/a", Int32(number * 1000), genpy.Time(0, BEGIN + number * 10**9))
+    content = bytearray(path.read_bytes())
+    content[content.index(b"BZh") + 20] ^= 0xFF
+    path.write_bytes(content)
+    player = playing(BagChunks(str(path)), Clock(), "/a", history=60.0)
+    player.seek(START + 20.0)
+    loaded(player)
+    found = taken(player)["/a"]
+    assert 0 not in found and found == list(range(found[0], 20000, 1000))
+    assert "broken" in player.problems[0] and str(path) in player.problems[0]

@@ -1,5 +1,6 @@
 """What a page shows in place of traces over time: their spectra, or one over another."""
 
+import time
 from typing import Any, Dict, Optional
 
 from topic_scope.decimation import as_json
@@ -31,13 +32,14 @@ class ChartFeed:
         :param recorder: has the samples
         :param view: what the page shows
         """
-        if self._request.kind == "time" or now < self._made_at + CHART_S:
+        # Not by the time of the samples, which may stand, or be set.
+        if self._request.kind == "time" or time.monotonic() < self._made_at + CHART_S:
             return None
         start, end = view.span(now)
         made_of = (start, end, tuple(view.fields), now > end + LATE_S)
         if made_of == self._made_of:
             return None
-        self._made_at, self._made_of = now, made_of
+        self._made_at, self._made_of = time.monotonic(), made_of
         make = _spectra if self._request.kind == "spectrum" else _xy
         return make(recorder, view, self._request, start, end)
 

@@ -20,6 +20,12 @@ class Host(Protocol):
     def on_topics(self, types: Mapping[str, str]) -> None:
         """Take note of the topics, and the type of each."""
 
+    def halt(self) -> None:
+        """Forget all samples: the time will be another one. Pages get no frames till then."""
+
+    def resume(self) -> None:
+        """Go on, at the time that it is now."""
+
 
 class Origin(Protocol):
     """Where messages come from, and what else there is; methods belong to the thread of the web."""

@@ -37,6 +37,14 @@ class Page:
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
 
+    def restart(self, now: float) -> None:
+        """Show and await what there is at another time.
+
+        :param now: this time, s
+        """
+        self.view.restart()
+        self.trigger = TriggerWatch(self.trigger.request, now)
+
     def is_due(self, now: float) -> bool:
         """Tell whether it is the page's turn to get a frame.
 

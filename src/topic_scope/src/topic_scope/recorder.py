@@ -152,6 +152,13 @@ class Recorder:
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
         self._source.want([topic for topic, _ in self._streams] + self._unknown())
 
+    def forget(self) -> None:
+        """Forget all samples: those that come next are of another time."""
+        names, self._traces, self._streams = list(self._traces), {}, {}
+        self._updates.clear()
+        for name in names:
+            self._record(name)
+
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
         """Keep the samples of fields for as long as these spans are named.
 

@@ -42,6 +42,7 @@ class Server:
         self._initial: List[str] = list(options.fields)
         self._choices: List[Choice] = []
         self._statistics_at = 0.0
+        self._is_halted = False
         loop = tornado.ioloop.IOLoop.current()
         origin.start(self)
         loop.call_later(WARN_AFTER_S, lambda: warn_of(self._recorder, self._initial))
@@ -69,6 +70,19 @@ class Server:
             self._choices = choices
             self.tell(self._fields())
         self._record()
+
+    def halt(self) -> None:
+        """Forget all samples: the time will be another one. Pages get no frames till then."""
+        self._is_halted = True
+        self._recorder.forget()
+
+    def resume(self) -> None:
+        """Go on, at the time that it is now."""
+        self._is_halted = False
+        now = self._recorder.update()
+        for page in self.pages():
+            page.restart(now)
+        self._pin()
 
     # --- From pages --------------------------------------------------------------------------
 
@@ -194,13 +208,17 @@ class Server:
 
     def _send_frames(self) -> None:
         now = self._recorder.update()
-        measures = now >= self._statistics_at + STATISTICS_S
+        measures = time.monotonic() >= self._statistics_at + STATISTICS_S
         if measures:
-            self._statistics_at = now
+            self._statistics_at = time.monotonic()
         samples = self._recorder.samples
         for connection in list(self.sockets):
             page = connection.page
             if page is None or not self._knows_topics:
+                continue
+            if self._is_halted:
+                if connection.is_ready:
+                    connection.send(page.take())
                 continue
             crossing = page.trigger.update(now, page.view.window, samples)
             if crossing is not None:

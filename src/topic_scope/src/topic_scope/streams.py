@@ -147,10 +147,21 @@ class Stream:
         """
         if layout is not self._layout:
             self._read_as(layout)
+        if self._decoder is None:
+            return self._add(batch, None)
+        own = self._decoder.decode(batch.messages)
+        # A part for each time that the clock was set back: of a bag much comes at once.
+        ends = (numpy.flatnonzero(numpy.diff(own) < -time_base.BACK_S) + 1).tolist()
+        return min(
+            self._add(Batch(batch.header, batch.times[part], batch.messages[part]), own[part])
+            for part in map(slice, [0, *ends], [*ends, len(own)])
+        )
+
+    def _add(self, batch: Batch, own: Optional[numpy.ndarray]) -> float:
         times = received = numpy.array(batch.times)
         offset = self.offset
-        if self._decoder is not None:
-            times, back = self._time.take(self._decoder.decode(batch.messages), received)
+        if own is not None:
+            times, back = self._time.take(own, received)
             if back:
                 for trace in self.traces:
                     trace.ring.move(back)

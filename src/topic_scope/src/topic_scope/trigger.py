@@ -70,10 +70,12 @@ class TriggerWatch:
 
     :param request: what to wait for
     :param now: the time from which on it counts, s
+
+    :ivar request: what to wait for
     """
 
     def __init__(self, request: protocol.Trigger, now: float) -> None:
-        self._request = request
+        self.request = request
         self._seen = now
         self._hold_until = now
         self._is_ready = False
@@ -92,14 +94,14 @@ class TriggerWatch:
         :returns: what to tell the page, None if it knows that
         """
         if self._is_waiting:
-            self._look(source(self._request.field, self._seen, now), window)
-            if self._state == "triggered" and self._request.mode != "single":
-                is_auto = self._request.mode == "auto"
+            self._look(source(self.request.field, self._seen, now), window)
+            if self._state == "triggered" and self.request.mode != "single":
+                is_auto = self.request.mode == "auto"
                 if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
                     self._state, self._time = "armed", None
         message = {
             "type": "trigger",
-            "number": self._request.number,
+            "number": self.request.number,
             "state": self._state,
             "time": self._time,
         }
@@ -110,14 +112,14 @@ class TriggerWatch:
 
     @property
     def _is_waiting(self) -> bool:
-        return self._request.mode in ("normal", "auto") or self._state == "armed"
+        return self.request.mode in ("normal", "auto") or self._state == "armed"
 
     def _look(self, samples: Samples, window: float) -> None:
         times, values = samples
         if not len(times):
             return
         self._seen = float(times[-1])  # again with the next look, as the one before its first
-        wanted = self._request
+        wanted = self.request
         found, self._is_ready = _crossings(
             times, values, wanted.level, wanted.rising, wanted.hysteresis, self._is_ready
         )

@@ -87,7 +87,8 @@ class LiveView:
         :param longest_step: tells where a line ends
         :returns: the frame, None where nothing can come any more
         """
-        if self._complete:
+        stands_still = now == self._frame_at and self._open is not None
+        if self._complete or stands_still:
             return None
         start, end = self.span(now)
         width = self._view.window / self._view.width

@@ -66,7 +66,7 @@ def test_lines_end_where_samples_are_missing_however_the_frames_fall(
         return times[seen], values[seen]
 
     view.select(["/a"])
-    for now in [EPOCH + moment for moment in sorted(moments)] + [EPOCH + 5.0]:
+    for now in sorted({EPOCH + moment for moment in [*moments, 5.0]}):
         frame = view.frame(
             now, lambda _, start, end: until(now, start, end), _same, lambda _: longest
         )
@@ -110,8 +110,7 @@ def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, windo
     samples, screen = arrays(pairs), Screen()
     view = LiveView(protocol.View(window, 50, None))
     view.select(["/a"])
-    for moment in sorted(moments) + [5.0]:
-        now = EPOCH + moment
+    for now in sorted({EPOCH + moment for moment in [*moments, 5.0]}):
         frame = view.frame(now, lambda name, start, end: source(samples, now), _same)
         assert frame is not None
         screen.show(frame)
@@ -119,6 +118,20 @@ def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, windo
     expected = expected_bins(samples, width)
     for index in range(bin_of(EPOCH + 5.0 - window, width), bin_of(EPOCH + 5.0, width) + 1):
         assert screen.bins[index] == expected.get(index, [None, None])
+
+
+def test_while_the_time_stands_only_another_view_is_news() -> None:
+    view, samples = LiveView(protocol.View(1.0, 100, None)), arrays([(0.5, 1.0)])
+    view.select(["/a"])
+
+    def frame() -> object:
+        return view.frame(EPOCH + 1.0, lambda *_: samples, _same)
+
+    assert frame() is not None
+    assert frame() is None
+    view.show(protocol.View(0.7, 100, None))
+    assert frame() is not None
+    assert frame() is None
 
 
 def test_a_page_that_was_away_for_long_starts_over() -> None:
@@ -162,7 +175,7 @@ def test_samples_that_come_late_are_shown_where_they_belong(
     came = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
     view, before = LiveView(protocol.View(4.0, 50, None)), 0.0
     view.select(["/a"])
-    for now in [EPOCH + moment for moment in sorted(moments)] + [EPOCH + 8.0]:
+    for now in sorted({EPOCH + moment for moment in [*moments, 8.0]}):
         new = samples[0][(before < came) & (came <= now)]
         there = came <= now
         frame = view.frame(

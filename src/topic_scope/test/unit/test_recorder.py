@@ -112,6 +112,22 @@ def test_what_nobody_wants_any_more_is_kept_for_the_history() -> None:
     assert values(made) == [] and taps.wanted == ["/c"]
 
 
+def test_what_is_forgotten_is_wanted_all_the_same() -> None:
+    taps = FakeTaps()
+    made = recording(taps, "/a/data")
+    taps.send(Float32, 1.0, 2.0)
+    made.update()
+    made.forget()
+    taps.time -= 500.0  # earlier than all that was there
+    taps.send(Float32, 3.0)
+    taps.time += 1.0
+    before = made.update()
+    assert values(made) == [3.0]
+    taps.send(Float32, 4.0)
+    made.update()
+    assert made.changed_since(before) == before
+
+
 def test_the_number_of_traces_is_limited() -> None:
     taps = FakeTaps()
     made = recording(taps)
@@ -193,6 +209,19 @@ def test_names_are_expanded_as_far_as_they_are_known() -> None:
     assert made.expand("/c/x") == ["/c/x"]
     choices = [choice.field for choice in made.choices()]
     assert choices[0] == "/a/data" and "/b/data[0]" in choices
+
+
+def test_a_clock_that_is_set_back_within_a_batch_begins_a_new_line() -> None:
+    """Of a bag much comes at once."""
+    stream = Stream("/a", "time_x")
+    trace = stream.record(("signal_y",), 100.0)
+    own = [100.0 + 0.1 * index for index in range(20)] + [0.1 * index for index in range(20)]
+    received = [1.7e9 + 0.1 * index for index in range(40)]
+    data = [struct.pack("<ffdf", 2.0, 1.0, time, 5.0) for time in own]
+    stream.add(layout_of(signal_msg), Batch(header(signal_msg), received, data))
+    times, found = trace.samples(0.0, 2e9)
+    assert len(times) == 41 and numpy.isnan(found[20])
+    numpy.testing.assert_allclose(numpy.delete(times, 20), received, atol=1e-3)
 
 
 @given(st.lists(st.floats(0.0, 3.0), min_size=1, max_size=50, unique=True).map(sorted))

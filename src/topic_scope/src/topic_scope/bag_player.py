@@ -77,6 +77,11 @@ class BagPlayer:
         return self._bag.end / _NS
 
     @property
+    def place(self) -> float:
+        """Where its clock is, or where it is sent to, s since the epoch."""
+        return self._goal / _NS
+
+    @property
     def speed(self) -> float:
         """How much faster than it was recorded."""
         return self._speed
@@ -88,9 +93,7 @@ class BagPlayer:
         self._count_from_here()
 
     def play(self) -> None:
-        """Let the clock go; from the begin, where it is at the end."""
-        if self._goal >= self._bag.end:
-            self.seek(self.begin)
+        """Let the clock go, up to the end."""
         self.is_playing = True
         self._count_from_here()
 

@@ -34,6 +34,7 @@ class Options(NamedTuple):
     :param window: span of time that is shown at first, s
     :param open_browser: whether to open the page where there is a browser
     :param setup: what a page is set up to show at first, as one has saved it; None for nothing
+    :param bag: the bag to show in place of the graph; None for the graph
     """
 
     fields: Sequence[str]
@@ -44,6 +45,7 @@ class Options(NamedTuple):
     window: float
     open_browser: bool
     setup: Optional[Dict[str, Any]] = None
+    bag: Optional[str] = None
 
     @property
     def ports(self) -> Sequence[int]:
@@ -102,6 +104,7 @@ def parse(arguments: Sequence[str]) -> Options:
         read.window,
         read.open_browser,
         read.setup,
+        read.bag,
     )
 
 
@@ -152,6 +155,9 @@ def _parser() -> argparse.ArgumentParser:
         help="show what was saved on the page: traces, axes, trigger, cursors",
     )
     parser.add_argument(
+        "--bag", metavar="FILE", help="show what rosbag record has recorded; needs no master"
+    )
+    parser.add_argument(
         "--open-browser", action="store_true", help="open the page where there is a browser"
     )
     return parser
@@ -160,7 +166,7 @@ def _parser() -> argparse.ArgumentParser:
 def _as_options(arguments: Sequence[str]) -> List[str]:
     words = []
     for argument in arguments:
-        match = re.match(r"_(port|address|history|window|setup):=(.*)\Z", argument)
+        match = re.match(r"_(port|address|history|window|setup|bag):=(.*)\Z", argument)
         if match:
             words += ["--" + match.group(1), match.group(2)]
         elif ":=" not in argument:  # the rest is rospy's

@@ -3,7 +3,7 @@
 import json
 from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple, Union
 
-from topic_scope import robot_requests
+from topic_scope import playback, robot_requests
 from topic_scope.checks import (
     TIMES,
     RequestError,
@@ -114,7 +114,17 @@ class Graph(NamedTuple):
 
 
 Request = Union[
-    Select, View, Trigger, Measure, Chart, Set, Call, Transit, Graph, robot_requests.Request
+    Select,
+    View,
+    Trigger,
+    Measure,
+    Chart,
+    Set,
+    Call,
+    Transit,
+    Graph,
+    robot_requests.Request,
+    playback.Playback,
 ]
 
 
@@ -210,4 +220,5 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "transit": _transit,
     "graph": _graph,
     **robot_requests.READERS,
+    **playback.READERS,
 }

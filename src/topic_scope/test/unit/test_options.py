@@ -69,6 +69,12 @@ def test_what_makes_no_sense_is_refused(
     assert "usage" in capsys.readouterr().err
 
 
+def test_a_bag_is_named_like_any_option() -> None:
+    assert parse(["--bag", "my.bag", "/a/x"]).bag == "my.bag"
+    assert parse(["_bag:=my.bag"]).bag == "my.bag"
+    assert parse([]).bag is None
+
+
 def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:
     path = tmp_path / "setup.json"
     path.write_text('{"fields": ["/a/x"], "window": 2.5}')

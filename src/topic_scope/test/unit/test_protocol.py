@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope import protocol, robot_requests
+from topic_scope import playback, protocol, robot_requests
 from topic_scope.checks import RequestError
 from topic_scope.wishes import Chart, Measure
 
@@ -58,6 +58,8 @@ GOOD = [
         {"type": "transit", "node": "/n", "label": "configure"},
         protocol.Transit("/n", "configure"),
     ),
+    ({"type": "playback", "playing": False}, playback.Playback(False)),
+    ({"type": "playback", "time": 1.7e9, "speed": 2}, playback.Playback(None, 1.7e9, 2.0)),
     ({"type": "graph", "on": True}, protocol.Graph(True)),
     ({"type": "robots", "on": True}, robot_requests.Robots(True)),
     ({"type": "steer", "topic": "/cmd_vel"}, robot_requests.Steer("/cmd_vel")),
@@ -81,6 +83,9 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
 @pytest.mark.parametrize(
     "request_",
     [
+        {"type": "playback", "playing": 1},
+        {"type": "playback", "time": -1.0},
+        {"type": "playback", "speed": 0},
         {"type": "select", "fields": "/a/x"},
         {"type": "select", "fields": ["/a/x"] * 33},
         {"type": "select", "fields": ["/a/" + ":".join(f"x{n}" for n in range(40))]},

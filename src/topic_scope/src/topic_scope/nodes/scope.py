@@ -3,24 +3,20 @@
 import asyncio
 import errno
 import logging
-import os
 import socket
 import sys
 import threading
 import traceback
-import webbrowser
 from typing import List
 
-import rospkg
 import rospy
-import tornado.httpserver
 import tornado.ioloop
 
 from nodekit import run
-from topic_scope import options, web
+from topic_scope import bag_scope, options, web
 from topic_scope.live_graph import LiveGraph
 from topic_scope.options import Options
-from topic_scope.server import Server
+from topic_scope.serving import open_browser, serve
 
 
 class Scope:
@@ -47,32 +43,19 @@ class Scope:
         if not chosen.is_local:
             rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
         if chosen.open_browser:
-            threading.Thread(target=_open_browser, args=(chosen.url,), daemon=True).start()
+            threading.Thread(target=open_browser, args=(chosen.url,), daemon=True).start()
 
     def _serve(self) -> None:
         try:
             asyncio.set_event_loop(asyncio.new_event_loop())
             loop = tornado.ioloop.IOLoop.current()
-            # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
-            folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
-            names = ["localhost", self._options.address, socket.gethostname(), socket.getfqdn()]
-            server = Server(self._options, LiveGraph(not self._options.is_local))
-            application = web.application(server, folder, [name.lower() for name in names])
-            tornado.httpserver.HTTPServer(
-                application, max_header_size=16384, max_body_size=4096
-            ).add_sockets(self._sockets)
+            serve(self._options, self._sockets, LiveGraph(not self._options.is_local))
             loop.add_callback(self._running.set)
             loop.start()
         except Exception:
             rospy.logfatal("the scope has ended:\n%s", traceback.format_exc())
             rospy.signal_shutdown("the scope has ended")
             self._running.set()
-
-
-def _open_browser(url: str) -> None:
-    # Without a display the module would take one that runs in the terminal.
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        webbrowser.open(url)
 
 
 def main() -> None:
@@ -84,6 +67,8 @@ def main() -> None:
         sys.exit("scope.py: " + _why_not(error, wanted))
     chosen = wanted._replace(port=sockets[0].getsockname()[1])
     logging.getLogger("tornado").setLevel(logging.ERROR)
+    if chosen.bag is not None:
+        bag_scope.run(chosen, sockets)
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 

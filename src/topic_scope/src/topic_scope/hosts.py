@@ -7,7 +7,20 @@ name that the browser believes to talk to, and where the page came from.
 
 import ipaddress
 import urllib.parse
-from typing import Collection, Optional
+from typing import Collection, List, Optional
+
+
+def names_of(short: str, full: str, address: str) -> List[str]:
+    """Return what this machine is called.
+
+    :param short: its name
+    :param full: its name with that of its domain
+    :param address: address or name that the pages are served at
+    :returns: these, ``localhost``, and the name that others in the same network find it by without
+        a name server, https://www.rfc-editor.org/rfc/rfc6762
+    """
+    local = short.partition(".")[0] + ".local"
+    return [name.lower() for name in ("localhost", short, full, address, local)]
 
 
 def is_known_host(host: str, names: Collection[str]) -> bool:

@@ -4,9 +4,9 @@ from typing import Optional
 
 import pytest
 
-from topic_scope.hosts import is_known_host, is_same_origin
+from topic_scope.hosts import is_known_host, is_same_origin, names_of
 
-NAMES = ["localhost", "lab-7"]
+NAMES = names_of("Lab-7.uni.example", "lab-7.uni.example", "scope.example")
 
 
 @pytest.mark.parametrize(
@@ -18,7 +18,10 @@ NAMES = ["localhost", "lab-7"]
         "127.0.0.1:8080",
         "[::1]:8080",
         "10.0.0.7",
-        "lab-7:1",
+        "lab-7.uni.example:1",
+        "lab-7.local:8080",
+        "LAB-7.LOCAL",
+        "scope.example",
     ],
 )
 def test_names_of_this_machine_are_known(host: str) -> None:
@@ -27,7 +30,16 @@ def test_names_of_this_machine_are_known(host: str) -> None:
 
 @pytest.mark.parametrize(
     "host",
-    ["", "example.com", "localhost.example.com:8080", "127.0.0.1.example.com", "a@b", "[", "x:y:z"],
+    [
+        "",
+        "example.com",
+        "localhost.example.com:8080",
+        "127.0.0.1.example.com",
+        "a@b",
+        "[",
+        "x:y:z",
+        "lab-8.local",
+    ],
 )
 def test_other_names_are_not(host: str) -> None:
     assert not is_known_host(host, NAMES)

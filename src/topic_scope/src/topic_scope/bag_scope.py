@@ -12,9 +12,11 @@ import rospy
 import tornado.ioloop
 
 from nodekit.process.ending import end
+from topic_scope import web
 from topic_scope.bag_reading import BagError
 from topic_scope.options import Options
 from topic_scope.recording import Recording
+from topic_scope.server import Server
 from topic_scope.serving import open_browser, serve
 
 
@@ -33,7 +35,7 @@ def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
         recording = Recording(str(options.bag), options.history, options.window)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, tornado.ioloop.IOLoop.current().stop)
-        serve(options, sockets, recording)
+        serve(options, sockets, web.Front(Server(options, recording)))
         rospy.loginfo("the scope shows %s at %s", options.bag, options.url)
         if not options.is_local:
             rospy.logwarn("it is open to the network: others can watch, and play the bag")

@@ -23,14 +23,23 @@ def fields_of(names: Any) -> Tuple[str, ...]:
     :returns: each name once
     :raises RequestError: if it is no such list
     """
-    if not isinstance(names, list) or len(names) > TRACES:
-        raise RequestError(f"fields is a list of at most {TRACES} names")
+    if not isinstance(names, list):
+        raise RequestError("fields is a list of names")
+    check_count(len(names))
     fields: List[str] = []
     for name in names:
         fields += [field for field in field_names(name, "fields") if field not in fields]
-    if len(fields) > TRACES:
-        raise RequestError(f"these are more than {TRACES} fields")
+    check_count(len(fields))
     return tuple(fields)
+
+
+def check_count(count: int) -> None:
+    """Check how many traces there are to be.
+
+    :raises RequestError: if these are too many
+    """
+    if count > TRACES:
+        raise RequestError(f"a page shows at most {TRACES} traces, and these are {count}")
 
 
 def field_names(name: Any, kind: str) -> List[str]:

@@ -17,6 +17,7 @@ from topic_scope.page import Page
 from topic_scope.robot_requests import Drive, Goal, Robots, Steer
 from topic_scope.robot_view import RobotView
 from topic_scope.taps import Clock, Taps
+from topic_scope.waiting import master_message
 
 
 class LiveGraph:
@@ -30,6 +31,7 @@ class LiveGraph:
         self.layouts = Layouts()
         self._is_readonly = is_readonly
         self._watch = MasterWatch(self.source, self.layouts)
+        self._trouble = ""  # what is wrong with the master, in words
 
     def start(self, host: Host) -> None:
         """Begin to follow the graph."""
@@ -38,9 +40,24 @@ class LiveGraph:
         self._controls = Controls(deliver, host.tell)
         self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._tell_graph)
         self._robots = RobotView(rospy.get_name(), deliver)
-        self._watch.start(lambda state: deliver(self._on_state, state))
+        self._watch.start(
+            lambda state: deliver(self._on_state, state),
+            lambda uri: deliver(self._on_silence, uri),
+        )
+
+    def _on_silence(self, uri: str) -> None:
+        self._set_trouble(
+            f"The ROS master at {uri} does not answer: traces go on, and nothing new is seen."
+        )
+
+    def _set_trouble(self, text: str) -> None:
+        if text != self._trouble:
+            self._trouble = text
+            for page in self._host.pages():
+                page.put(master_message(text))
 
     def _on_state(self, state: GraphState) -> None:
+        self._set_trouble("")
         self._host.on_topics(state.published_types)
         self._controls.on_services([name for name, nodes in state.services if nodes])
         self._graph.on_state(state, any(page.wants_graph for page in self._host.pages()))
@@ -58,7 +75,7 @@ class LiveGraph:
 
     def messages(self) -> List[Dict[str, Any]]:
         """Return what a new page is told."""
-        return self._controls.messages()
+        return self._controls.messages() + [master_message(self._trouble)]
 
     def leave(self, page: Page) -> None:
         """Forget a page; a robot that it drove stops."""

@@ -6,14 +6,12 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
-from nodekit.live.master import MasterClient, MasterUnreachable
+from nodekit.live.master import MasterClient
 from topic_scope.layouts import Layouts
 from topic_scope.taps import Taps
 
 #: Time between two looks at the graph, s.
 PERIOD_S = 1.0
-#: A failure is logged at most this often, s.
-_LOG_PERIOD_S = 30.0
 
 Registrations = List[Tuple[str, List[str]]]
 
@@ -53,19 +51,22 @@ class MasterWatch:
         )
         self._bell = threading.Event()
 
-    def start(self, on_state: Callable[[GraphState], Any]) -> None:
+    def start(
+        self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]
+    ) -> None:
         """Begin.
 
         :param on_state: called with each state, from the thread
+        :param on_silence: called so with the master's URI each time when it does not answer
         """
-        arguments = (on_state,)
+        arguments = (on_state, on_silence)
         threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
 
     def ring(self) -> None:
         """Look at once."""
         self._bell.set()
 
-    def _run(self, on_state: Callable[[GraphState], Any]) -> None:
+    def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:
         while not rospy.is_shutdown():
             try:
                 self._taps.adjust()
@@ -74,7 +75,8 @@ class MasterWatch:
                 for datatype in set(types.values()):
                     self._layouts.installed(datatype)
                 on_state(GraphState(publishers, subscribers, services, types))
-            except (MasterUnreachable, rospy.ROSException) as error:
+            except (OSError, rospy.ROSException) as error:  # MasterUnreachable is an OSError
                 rospy.logdebug("the master does not answer: %s", error)
+                on_silence(rosgraph.get_master_uri())
             self._bell.wait(PERIOD_S)
             self._bell.clear()

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from rosgraph.names import get_ros_namespace, ns_join
 
-from topic_scope.checks import fields_of
+from topic_scope.checks import RequestError, check_count, fields_of
 from topic_scope.fields import FieldError, expand
 
 #: Addresses that stand for all of a machine's.
@@ -95,6 +95,10 @@ def parse(arguments: Sequence[str]) -> Options:
                 names += [name for name in expanded if name not in names]
             except FieldError as error:
                 parser.error(str(error))
+    try:
+        check_count(len(names))
+    except RequestError as error:
+        parser.error(str(error))
     return Options(
         tuple(names),
         read.address,

@@ -1,7 +1,7 @@
 """The oscilloscope between its pages and what it shows; all of it runs in the thread of the web."""
 
 import time
-from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 
 import tornado.ioloop
 
@@ -10,12 +10,14 @@ from topic_scope.charts import ChartFeed
 from topic_scope.checks import TRACES
 from topic_scope.export import parts
 from topic_scope.fields import FieldError
+from topic_scope.greeting import choices_message, hello
 from topic_scope.measuring import statistics_of, warn_of
 from topic_scope.options import Options
 from topic_scope.origin import Origin
 from topic_scope.page import Page
 from topic_scope.recorder import Choice, Recorder
 from topic_scope.trigger import TriggerWatch
+from topic_scope.view import pinned
 from topic_scope.web import Socket
 from topic_scope.wishes import Chart, Measure
 
@@ -68,7 +70,7 @@ class Server:
             self._select(page)
         if choices != self._choices:
             self._choices = choices
-            self.tell(self._fields())
+            self.tell(choices_message(self._choices))
         self._record()
 
     def halt(self) -> None:
@@ -153,23 +155,13 @@ class Server:
 
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
-        page.put(self._fields())
+        page.put(choices_message(self._choices))
         for message in self._origin.messages():
             page.put(message)
         self._select(page)
 
     def _hello(self) -> Dict[str, Any]:
-        return {
-            "type": "hello",
-            "history": self._options.history,
-            "fields": self._initial,
-            "defaults": {"window": self._options.window},
-            "setup": self._options.setup,
-            **self._origin.hello(),
-        }
-
-    def _fields(self) -> Dict[str, Any]:
-        return {"type": "fields", "fields": [choice._asdict() for choice in self._choices]}
+        return {**hello(self._options, self._initial), **self._origin.hello()}
 
     def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
         """Return the fields that names stand for; those that stand for none stay as they are."""
@@ -181,6 +173,9 @@ class Server:
                 found += [name] if name not in found else []
                 if page is not None:
                     page.note({"type": "error", "text": f"{name}: {error}"})
+        if page is not None and len(found) > TRACES:
+            text = f"a page shows at most {TRACES} traces: the others of {len(found)} are left out"
+            page.note({"type": "error", "text": text})
         return found[:TRACES]
 
     def _select(self, page: Page) -> None:
@@ -197,14 +192,7 @@ class Server:
 
     def _pin(self) -> None:
         """Keep what stands still on a page."""
-        spans: Dict[str, Tuple[float, float]] = {}
-        for page in self.pages():
-            if page.view.pinned is not None:
-                start, end = page.view.pinned
-                for name in page.view.fields:
-                    before = spans.get(name, (start, end))
-                    spans[name] = (min(start, before[0]), max(end, before[1]))
-        self._recorder.pin(spans)
+        self._recorder.pin(pinned(page.view for page in self.pages()))
 
     def _send_frames(self) -> None:
         now = self._recorder.update()

@@ -8,23 +8,21 @@ from typing import List
 import rospkg
 import tornado.httpserver
 
-from topic_scope import web
+from topic_scope import hosts, web
 from topic_scope.options import Options
-from topic_scope.origin import Origin
-from topic_scope.server import Server
 
 
-def serve(options: Options, sockets: List[socket.socket], origin: Origin) -> None:
+def serve(options: Options, sockets: List[socket.socket], front: web.Front) -> None:
     """Serve pages from now on, in the loop of the thread that calls this.
 
     :param options: the command line
     :param sockets: where to serve
-    :param origin: what pages show
+    :param front: what pages show
     """
     # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
     folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
-    names = ["localhost", options.address, socket.gethostname(), socket.getfqdn()]
-    application = web.application(Server(options, origin), folder, [name.lower() for name in names])
+    names = hosts.names_of(socket.gethostname(), socket.getfqdn(), options.address)
+    application = web.application(front, folder, names)
     server = tornado.httpserver.HTTPServer(application, max_header_size=16384, max_body_size=4096)
     server.add_sockets(sockets)
 

@@ -1,7 +1,7 @@
 """What one page sees: which bins it has, and which it needs next."""
 
 import math
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 
 from topic_scope import protocol
 from topic_scope.decimation import as_json, bin_of, extremes
@@ -126,3 +126,15 @@ def default_view(window: float) -> protocol.View:
     :param window: span of time, s
     """
     return protocol.View(window, 1000, None)
+
+
+def pinned(views: Iterable[LiveView]) -> Dict[str, Tuple[float, float]]:
+    """Return what stands still on some pages: begin and end by name of the field, s."""
+    spans: Dict[str, Tuple[float, float]] = {}
+    for view in views:
+        if view.pinned is not None:
+            start, end = view.pinned
+            for name in view.fields:
+                before = spans.get(name, (start, end))
+                spans[name] = (min(start, before[0]), max(end, before[1]))
+    return spans

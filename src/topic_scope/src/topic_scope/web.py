@@ -20,8 +20,20 @@ from topic_scope.page import Page
 DYGRAPHS = "/usr/share/javascript/dygraphs"
 #: Most pages at a time.
 PAGES = 32
+#: Why a connection is ended where there are as many: try again later.
+TRY_AGAIN = 1013
 #: What the system keeps for a page that does not read, bytes; it would let it grow to megabytes.
 _SEND_BUFFER = 256 * 1024
+
+
+class Front:
+    """What pages are about, which may change while they are served.
+
+    :ivar scope: has ``sockets``, ``open``, ``close``, ``handle`` and ``export``
+    """
+
+    def __init__(self, scope: Any) -> None:
+        self.scope = scope
 
 
 def bind(options: Options) -> List[socket.socket]:
@@ -73,11 +85,11 @@ class Files(tornado.web.StaticFileHandler):
 class Data(tornado.web.RequestHandler):
     """Samples as CSV.
 
-    :param scope: what has them: its method ``export``
+    :param front: has what has them
     """
 
-    def initialize(self, scope: Any) -> None:
-        self._scope = scope
+    def initialize(self, front: Front) -> None:
+        self._scope = front.scope
 
     def prepare(self) -> None:
         _check_host(self)
@@ -108,18 +120,16 @@ class Data(tornado.web.RequestHandler):
 class Socket(tornado.websocket.WebSocketHandler):
     """The connection of one page.
 
-    :param scope: what the page is about: has ``open``, ``close`` and ``handle``
+    :param front: has what the page is about
     """
 
-    def initialize(self, scope: Any) -> None:
-        self._scope = scope
+    def initialize(self, front: Front) -> None:
+        self._front = front
         self._writing: Optional["asyncio.Future[None]"] = None
         self.page: Optional[Page] = None
 
     def prepare(self) -> None:
         _check_host(self)
-        if len(self._scope.sockets) >= PAGES:
-            raise tornado.web.HTTPError(503, "too many pages are open")
 
     def check_origin(self, origin: str) -> bool:
         return hosts.is_same_origin(origin, self.request.host)
@@ -129,14 +139,21 @@ class Socket(tornado.websocket.WebSocketHandler):
         if stream is not None and stream.socket is not None:
             stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
         self.set_nodelay(True)
-        self.page = self._scope.open(self)
+        if len(self._front.scope.sockets) >= PAGES:  # a browser shows no other answer than this
+            self.close(TRY_AGAIN, f"{PAGES} pages of this scope are open already: close one")
+            return
+        self.enter()
+
+    def enter(self) -> None:
+        """Show what there is to be shown now."""
+        self.page = self._front.scope.open(self)
 
     def on_message(self, message: Any) -> None:
         if self.page is not None:
-            self.page.obey(message, self._scope.handle)
+            self.page.obey(message, self._front.scope.handle)
 
     def on_close(self) -> None:
-        self._scope.close(self)
+        self._front.scope.close(self)
 
     @property
     def is_ready(self) -> bool:
@@ -154,17 +171,17 @@ class Socket(tornado.websocket.WebSocketHandler):
             self._writing.add_done_callback(lambda future: future.exception())
 
 
-def application(scope: Any, folder: str, names: List[str]) -> tornado.web.Application:
+def application(front: Front, folder: str, names: List[str]) -> tornado.web.Application:
     """Return the web application.
 
-    :param scope: what pages are about
+    :param front: has what pages are about
     :param folder: where the page's files are
     :param names: what this machine is called
     """
     return tornado.web.Application(
         [
-            (r"/ws", Socket, {"scope": scope}),
-            (r"/data\.csv", Data, {"scope": scope}),
+            (r"/ws", Socket, {"front": front}),
+            (r"/data\.csv", Data, {"front": front}),
             (r"/static/(.*)", Files, {"path": folder}),
             (r"/dygraphs/(.*)", Files, {"path": DYGRAPHS}),
             (r"/()", Files, {"path": folder, "default_filename": "index.html"}),

@@ -1,5 +1,6 @@
 """The scope as a process of its own, which a test can end and start again."""
 
+import os
 import socket
 import subprocess
 from urllib.request import urlopen
@@ -8,16 +9,23 @@ import roslib.packages
 from browsing.waiting import wait_until
 
 
+def free_port() -> int:
+    """Return a port that nobody listens at."""
+    with socket.socket() as probe:
+        probe.bind(("localhost", 0))
+        return int(probe.getsockname()[1])
+
+
 class ScopeProcess:
     """A scope at a port of its own.
 
     :param arguments: what its command line says besides the port
+    :param variables: of its environment, besides those of the test
     """
 
-    def __init__(self, *arguments: str) -> None:
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            port = str(probe.getsockname()[1])
+    def __init__(self, *arguments: str, **variables: str) -> None:
+        port = str(free_port())
+        self._environment = {**os.environ, **variables}
         self._command = [roslib.packages.find_node("topic_scope", "scope.py")[0]]
         self._command += ["--port", port, *arguments]
         self.url = "http://localhost:" + port
@@ -30,7 +38,7 @@ class ScopeProcess:
 
     def start(self) -> None:
         """Start it; the page waits for it by itself."""
-        self._process = subprocess.Popen(self._command)
+        self._process = subprocess.Popen(self._command, env=self._environment)
 
     def wait_until_served(self) -> None:
         """Wait until a page can be loaded."""

@@ -6,6 +6,7 @@ import io
 import json
 import math
 import re
+import subprocess
 import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,10 +17,12 @@ import rosbag
 import rospy
 import rostest
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
+from browsing.scope_process import ScopeProcess, free_port
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from std_msgs.msg import Float64
+from wire.client import Client
 
 from basic_comms.msg import signal_msg
 
@@ -317,6 +320,40 @@ class Page(PageTest):
         self.assertEqual({first, second}, {"light", "dark"})
         self.browser.open(self.scope.url)
         self.assertEqual(self.browser.run(theme), second)
+
+    def test_says_that_the_master_is_missing_and_that_there_is_no_place(self) -> None:
+        port = str(free_port())
+        uri = f"http://localhost:{port}"
+        scope = ScopeProcess("/a/data", ROS_MASTER_URI=uri)
+        self.addCleanup(scope.stop)
+        scope.wait_until_served()
+        self.browser.open(scope.url)
+        self.wait_banner(f"There is no ROS master at {uri} yet: the scope waits for it.")
+        master = subprocess.Popen(["rosmaster", "--core", "-p", port])
+        self.addCleanup(master.kill)
+        self.wait_banner("")
+        self.browser.wait_for("#legend tr[data-field='/a/data']")
+        master.terminate()
+        master.wait(30.0)
+        self.wait_banner(
+            f"The ROS master at {uri} does not answer: traces go on, and nothing new is seen."
+        )
+        self.browser.driver.get("about:blank")
+        pages = [Client(self.scope.url) for _ in range(32)]
+        for page in pages:
+            self.addCleanup(page.close)
+        self.browser.driver.get(self.scope.url)
+        full = "32 pages of this scope are open already: close one. Trying again in 1 s."
+        self.wait_banner(full)
+        pages[0].close()
+        self.browser.wait_connected()
+
+    def wait_banner(self, text: str) -> None:
+        """Wait until the banner says something; nothing to have it gone."""
+        banner = "#banner:not([hidden]) #banner-text"
+        wait_until(
+            lambda: self.browser.text(banner) == text, lambda: self.browser.text("#banner-text")
+        )
 
     def test_comes_back_as_it_was(self) -> None:
         self.browser.keys("a")

@@ -128,8 +128,8 @@ class Modules(unittest.TestCase):
           for (let number = 0; number < 9; number += 1) {
             connection.connect();
             const socket = sockets[sockets.length - 1];
-            if (number === 7) socket.events.open();
-            socket.events.close();
+            if (number === 7) socket.events.message({ data: "{}" });
+            socket.events.close({ reason: "" });
           }
           clearTimeout(connection.timer);
           globalThis.WebSocket = native;

@@ -174,9 +174,11 @@ class Life(unittest.TestCase):
         page = self.page("/signal/signal_y", "/proc_signal/data")
         wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
         self.end(self.master)
+        page.wait_for("master", lambda told: "does not answer" in told["text"])
         page.forget()
         page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
         self.start_master()
+        page.wait_for("master", lambda told: told["text"] == "")
         # What comes only now is found, and its parameters too.
         self.start_node("basic_comms", "process.py")
         wait_until(lambda: page.values("/proc_signal/data"), lambda: page.bins)

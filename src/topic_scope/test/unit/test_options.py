@@ -98,3 +98,11 @@ def test_what_is_no_setup_is_refused_in_words(
     assert ended.value.code == 2
     error = capsys.readouterr().err
     assert str(path) in error and said in error
+
+
+def test_more_fields_than_a_page_shows_are_refused(capsys: "pytest.CaptureFixture[str]") -> None:
+    names = [f"/a/data[{index}]" for index in range(33)]
+    assert len(parse(names[:32]).fields) == 32
+    with pytest.raises(SystemExit):
+        parse(names)
+    assert "a page shows at most 32 traces, and these are 33" in capsys.readouterr().err

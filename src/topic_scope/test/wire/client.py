@@ -116,6 +116,11 @@ class Client:
         """Whether the scope has ended the connection."""
         return self._closed
 
+    @property
+    def farewell(self) -> Tuple[Optional[int], Optional[str]]:
+        """With which code and which words the scope has ended the connection."""
+        return self._connection.close_code, self._connection.close_reason
+
     def cut(self) -> None:
         """Be gone without a word."""
 

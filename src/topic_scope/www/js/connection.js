@@ -8,8 +8,9 @@ export class Connection {
   /**
    * @param {string} url of the WebSocket
    * @param {function(Object): void} onMessage takes each message of the server
-   * @param {function("connecting"|"connected"|"lost", number): void} onChange takes the new state,
-   *   and for "lost" the wait until the next attempt, ms
+   * @param {function("connecting"|"connected"|"lost", number, string): void} onChange takes the
+   *   new state, and for "lost" the wait until the next attempt, ms, and what the server said, if
+   *   it did
    */
   constructor(url, onMessage, onChange) {
     this.url = url;
@@ -23,24 +24,28 @@ export class Connection {
   /** Connect, now. */
   connect() {
     clearTimeout(this.timer);
-    this.onChange("connecting", 0);
+    this.onChange("connecting", 0, "");
     const socket = new WebSocket(this.url);
     this.socket = socket;
-    socket.addEventListener("open", () => {
-      this.wait = FIRST_WAIT_MS;
-      this.onChange("connected", 0);
+    let isWelcome = false; // a server that has no place for this page closes without a message
+    socket.addEventListener("message", (event) => {
+      if (!isWelcome) {
+        isWelcome = true;
+        this.wait = FIRST_WAIT_MS;
+        this.onChange("connected", 0, "");
+      }
+      this.onMessage(JSON.parse(event.data));
     });
-    socket.addEventListener("message", (event) => this.onMessage(JSON.parse(event.data)));
-    socket.addEventListener("close", () => {
-      if (socket === this.socket) this.retryLater();
+    socket.addEventListener("close", (event) => {
+      if (socket === this.socket) this.retryLater(event.reason);
     });
   }
 
-  retryLater() {
+  retryLater(reason) {
     const wait = this.wait * (1 + Math.random() / 4); // not all pages of a class at once
     this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     this.timer = setTimeout(() => this.connect(), wait);
-    this.onChange("lost", wait);
+    this.onChange("lost", wait, reason);
   }
 
   /**

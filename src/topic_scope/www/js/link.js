@@ -5,21 +5,35 @@ import { byId, say } from "./dom.js";
 const NOTICE_MS = 8000;
 let leaving = null;
 
+/** Show a sentence above all else; none to show nothing. */
+function warn(text, canRetry) {
+  byId("banner").hidden = !text;
+  byId("reconnect").hidden = !canRetry;
+  say(byId("banner-text"), text);
+}
+
 /**
  * Show the state of the connection.
  * @param {"connecting"|"connected"|"lost"} state
  * @param {number} wait until the next attempt, ms
+ * @param {string} reason what the server said when it ended the connection, if it did
  */
-export function showLink(state, wait) {
+export function showLink(state, wait, reason) {
   const link = byId("link");
-  const banner = byId("banner");
   link.dataset.state = state;
   say(link, state);
-  if (state === "connected") banner.hidden = true;
+  if (state === "connected") warn("", false);
   if (state !== "lost") return;
-  banner.hidden = false;
   const seconds = Math.max(1, Math.round(wait / 1000));
-  say(byId("banner-text"), `The connection to the scope is lost. Trying again in ${seconds} s.`);
+  warn(`${reason || "The connection to the scope is lost"}. Trying again in ${seconds} s.`, true);
+}
+
+/**
+ * Say what is wrong with the ROS master, as long as it is.
+ * @param {{text: string}} message
+ */
+export function showMaster({ text }) {
+  warn(text, false);
 }
 
 /**

@@ -28,7 +28,7 @@ import { startTools } from "./tools.js";
 import { Trigger } from "./trigger.js";
 import { startTriggerMore } from "./trigger_more.js";
 import { View } from "./view.js";
-import { showLink, notify } from "./link.js";
+import { showLink, showMaster, notify } from "./link.js";
 
 const state = new State();
 const sweep = new Sweep(state);
@@ -88,6 +88,7 @@ const handlers = {
   steering: (message) => robots.wheel.onSteering(message),
   sent: (message) => robots.goals.onSent(message),
   fleet: (message) => fleet.show(message),
+  master: showMaster,
   error: ({ text }) => notify(text),
 };
 

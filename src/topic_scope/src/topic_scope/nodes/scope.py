@@ -1,22 +1,19 @@
 """The oscilloscope: serves a page that shows numeric fields of any topics."""
 
-import asyncio
 import errno
 import logging
-import socket
 import sys
 import threading
-import traceback
-from typing import List
 
 import rospy
-import tornado.ioloop
 
 from nodekit import run
 from topic_scope import bag_scope, options, web
 from topic_scope.live_graph import LiveGraph
 from topic_scope.options import Options
-from topic_scope.serving import open_browser, serve
+from topic_scope.server import Server
+from topic_scope.serving import open_browser
+from topic_scope.site import Site
 
 
 class Scope:
@@ -30,32 +27,18 @@ class Scope:
           beside them, when a page calls them
 
     :param chosen: the options, with the port that is served at
-    :param sockets: where to serve
+    :param site: shows it
     """
 
-    def __init__(self, chosen: Options, sockets: List[socket.socket]) -> None:
+    def __init__(self, chosen: Options, site: Site) -> None:
         self._options = chosen
-        self._sockets = sockets
-        self._running = threading.Event()
-        threading.Thread(target=self._serve, name="web", daemon=True).start()
-        self._running.wait()
+        site.show(self._server)
         rospy.loginfo("the scope is at %s", chosen.url)
         if not chosen.is_local:
             rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
-        if chosen.open_browser:
-            threading.Thread(target=open_browser, args=(chosen.url,), daemon=True).start()
 
-    def _serve(self) -> None:
-        try:
-            asyncio.set_event_loop(asyncio.new_event_loop())
-            loop = tornado.ioloop.IOLoop.current()
-            serve(self._options, self._sockets, LiveGraph(not self._options.is_local))
-            loop.add_callback(self._running.set)
-            loop.start()
-        except Exception:
-            rospy.logfatal("the scope has ended:\n%s", traceback.format_exc())
-            rospy.signal_shutdown("the scope has ended")
-            self._running.set()
+    def _server(self) -> Server:
+        return Server(self._options, LiveGraph(not self._options.is_local))
 
 
 def main() -> None:
@@ -72,10 +55,14 @@ def main() -> None:
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 
+    site = Site(chosen, sockets)  # before there is a master: a page says that it is missing
+    if chosen.open_browser:
+        threading.Thread(target=open_browser, args=(chosen.url,), daemon=True).start()
+
     def start(_node: object) -> Scope:
         if chosen.port != wanted.port:
             rospy.loginfo("port %d is taken: the next free one is %d", wanted.port, chosen.port)
-        return Scope(chosen, sockets)
+        return Scope(chosen, site)
 
     run(name, start)
 

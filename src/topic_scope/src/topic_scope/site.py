@@ -1,0 +1,77 @@
+"""The web server, in a thread of its own: it is there before the graph is, and stays."""
+
+import asyncio
+import socket
+import threading
+from typing import Callable, List, Optional
+
+import rosgraph
+import rospy
+import tornado.ioloop
+
+from topic_scope import web
+from topic_scope.options import Options
+from topic_scope.server import Server
+from topic_scope.serving import serve
+from topic_scope.waiting import Waiting
+
+#: How long the master may take to answer before it is said that the page is there already, s.
+_PATIENCE_S = 0.5
+
+
+class Site:
+    """Serves pages; they wait until there is something to show.
+
+    :param options: the command line, with the port that is served at
+    :param sockets: where to serve
+    """
+
+    def __init__(self, options: Options, sockets: List[socket.socket]) -> None:
+        self._options, self._sockets = options, sockets
+        self._waiting = Waiting(rosgraph.get_master_uri(), options.window)
+        self._front = web.Front(self._waiting)
+        self._running = threading.Event()
+        self._error: Optional[Exception] = None
+        threading.Thread(target=self._serve, name="web", daemon=True).start()
+        self._running.wait()
+        if self._error is not None:
+            raise self._error
+
+    def show(self, make: Callable[[], Server]) -> None:
+        """Show something from now on.
+
+        :param make: makes it, in the thread of the web
+        :raises Exception: what that raises
+        """
+        made = threading.Event()
+
+        def begin() -> None:
+            try:
+                self._front.scope = make()
+                for connection in self._waiting.sockets:
+                    connection.enter()
+            except Exception as error:
+                self._error = error
+            made.set()
+
+        self._loop.add_callback(begin)
+        made.wait()
+        if self._error is not None:
+            raise self._error
+
+    def _serve(self) -> None:
+        try:
+            asyncio.set_event_loop(asyncio.new_event_loop())
+            self._loop = tornado.ioloop.IOLoop.current()
+            serve(self._options, self._sockets, self._front)
+        except Exception as error:
+            self._error = error
+            self._running.set()
+            return
+        self._loop.add_callback(self._running.set)
+        self._loop.call_later(_PATIENCE_S, self._say_waiting)
+        self._loop.start()
+
+    def _say_waiting(self) -> None:
+        if self._front.scope is self._waiting:
+            rospy.logwarn("the scope is at %s already", self._options.url)

@@ -9,7 +9,6 @@ from topic_scope.fields import (
     Path,
     ending,
     expand,
-    lengths_in,
     numeric_fields,
     parted,
     resolve,
@@ -17,6 +16,7 @@ from topic_scope.fields import (
     to_text,
 )
 from topic_scope.time_base import path_of
+from topic_scope.values import lengths_in
 
 
 class Column(NamedTuple):

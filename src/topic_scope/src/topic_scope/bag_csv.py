@@ -9,8 +9,8 @@ from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
 from topic_scope.derived import make, parts
-from topic_scope.fields import getter, value_at
 from topic_scope.time_base import path_of
+from topic_scope.values import getter, value_at
 
 
 def write_csv(file: TextIO, columns: List[Column], samples: Iterable[Sample]) -> int:

@@ -16,8 +16,9 @@ from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
 from topic_scope.derived import make, parts
-from topic_scope.fields import Path, getter
+from topic_scope.fields import Path
 from topic_scope.time_base import longest_step, path_of, placed
+from topic_scope.values import getter
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300

@@ -7,21 +7,22 @@ and an array of undeclared length begin with a count of 32 bits).
 """
 
 import struct
-from typing import Callable, List, Sequence, Union
+from typing import Callable, Iterator, List, Sequence, Union
 
 import numpy
 
 from topic_scope.definitions import Array, Layout, Record, Scalar
-from topic_scope.fields import FieldError, Lengths, Path, leaf_at, to_text
+from topic_scope.fields import FieldError, Key, Path, names_of
 
 #: How to get on: a number of bytes, or a function from data and offset to the next offset.
 Step = Union[int, Callable[[bytes, int], int]]
 
-_COUNT = struct.Struct("<I")
+#: How many elements an array has, or bytes a text.
+COUNT = struct.Struct("<I")
 
 
-class _TooShort(Exception):
-    """An array ends before the element."""
+class NotThere(Exception):
+    """An array ends before the element, or none has the name."""
 
 
 class Decoder:
@@ -33,7 +34,7 @@ class Decoder:
     """
 
     def __init__(self, layout: Record, path: Path) -> None:
-        steps, leaf = _steps_to(layout, path)
+        steps, leaf = steps_to(layout, path)
         if not isinstance(leaf, Scalar):
             raise FieldError("what stands there is no number")
         self._steps = steps
@@ -64,64 +65,41 @@ class Decoder:
 
     def _decode_one(self, data: bytes) -> float:
         try:
-            values = self._struct.unpack_from(data, _follow(self._steps, data))
-        except (_TooShort, struct.error):  # the latter: the message is cut off
+            values = self._struct.unpack_from(data, follow(self._steps, data))
+        except (NotThere, struct.error):  # the latter: the message is cut off
             return float("nan")
         return values[0] + values[1] * 1e-9 if self._is_time else float(values[0])
 
 
-def lengths_in(layout: Record, data: bytes) -> Lengths:
-    """Return the function that tells how long the arrays of a serialized message are.
+def follow(steps: Sequence[Step], data: bytes) -> int:
+    """Return where in a message some steps from its start lead.
 
-    :param layout: its layout
-    :param data: the message
+    :raises NotThere: if an element on the way is not there
+    :raises struct.error: if the message is cut off
     """
-
-    def length(path: Path) -> int:
-        try:
-            return int(_COUNT.unpack_from(data, _follow(_steps_to(layout, path)[0], data))[0])
-        except (_TooShort, struct.error):
-            return 0
-
-    return length
-
-
-def check_length(layout: Record, path: Path, lengths: Lengths) -> None:
-    """Check that the arrays on the way to a place are long enough.
-
-    :param layout: layout of the messages
-    :param path: the place
-    :param lengths: tells how many elements an array has whose length is not declared
-    :raises FieldError: if one is too short
-    """
-    for position, part in enumerate(path):
-        node = leaf_at(layout, path[:position])
-        if isinstance(part, int) and isinstance(node, Array) and node.length is None:
-            if part >= lengths(path[:position]):
-                count = lengths(path[:position])
-                raise FieldError(f"{to_text(path[:position])} has {count} elements now")
-
-
-def _follow(steps: Sequence[Step], data: bytes) -> int:
     offset = 0
     for step in steps:
         offset = offset + step if isinstance(step, int) else step(data, offset)
     return offset
 
 
-def _steps_to(layout: Layout, path: Path) -> "tuple[List[Step], Layout]":
+def steps_to(layout: Record, path: Path) -> "tuple[List[Step], Layout]":
     """Return the steps from the start of a message to a place in it, and what is there."""
     steps: List[Step] = []
-    node = layout
-    for part in path:
-        if isinstance(part, str) and isinstance(node, Record):
-            names = [name for name, _ in node.fields]
-            if part not in names:
+    node: Layout = layout
+    for position, part in enumerate(path):
+        if isinstance(part, Key) and isinstance(node, Array):
+            names, _ = steps_to(layout, names_of(layout, path[:position]))
+            steps.append(_step_to_named(node, part.encode(), names))
+            node = node.element
+        elif isinstance(part, str) and isinstance(node, Record):
+            fields = [name for name, _ in node.fields]
+            if part not in fields:
                 raise FieldError(f"there is no {part} in {node.datatype}")
-            position = names.index(part)
-            for _, before in node.fields[:position]:
+            place = fields.index(part)
+            for _, before in node.fields[:place]:
                 steps += _skip(before)
-            node = node.fields[position][1]
+            node = node.fields[place][1]
         elif isinstance(part, int) and isinstance(node, Array):
             steps.append(_step_to_element(node, part))
             node = node.element
@@ -138,7 +116,7 @@ def _skip(layout: Layout) -> List[Step]:
         return _merged([step for _, field in layout.fields for step in _skip(field)])
     if isinstance(layout, Array):
         return [_step_over_array(layout)]
-    return [lambda data, offset: offset + 4 + _COUNT.unpack_from(data, offset)[0]]
+    return [lambda data, offset: offset + 4 + COUNT.unpack_from(data, offset)[0]]
 
 
 def _step_over_array(array: Array) -> Step:
@@ -147,7 +125,7 @@ def _step_over_array(array: Array) -> Step:
     def step(data: bytes, offset: int) -> int:
         if array.length is not None:
             return over_elements(data, offset, array.length)
-        return over_elements(data, offset + 4, _COUNT.unpack_from(data, offset)[0])
+        return over_elements(data, offset + 4, COUNT.unpack_from(data, offset)[0])
 
     return step
 
@@ -162,12 +140,39 @@ def _step_to_element(array: Array, index: int) -> Step:
 
     def step(data: bytes, offset: int) -> int:
         if array.length is None:
-            if index >= _COUNT.unpack_from(data, offset)[0]:
-                raise _TooShort
+            if index >= COUNT.unpack_from(data, offset)[0]:
+                raise NotThere
             offset += 4
         return over_elements(data, offset, index)
 
     return step
+
+
+def _step_to_named(array: Array, name: bytes, names: Sequence[Step]) -> Step:
+    """Return the step to the element whose name stands at the same place among the names."""
+    over_elements = _step_over_elements(array.element)
+
+    def step(data: bytes, offset: int) -> int:
+        count = array.length
+        if count is None:
+            count = COUNT.unpack_from(data, offset)[0]
+            offset += 4
+        for index, text in enumerate(texts(data, follow(names, data))):
+            if text == name and index < count:
+                return over_elements(data, offset, index)
+        raise NotThere
+
+    return step
+
+
+def texts(data: bytes, offset: int) -> Iterator[bytes]:
+    """Return the texts of an array of them; ends with struct.error at the end of the data."""
+    count = COUNT.unpack_from(data, offset)[0]
+    offset += 4
+    for _ in range(count):
+        begin = offset + 4
+        offset = begin + COUNT.unpack_from(data, offset)[0]
+        yield data[begin:offset]
 
 
 def _step_over_elements(element: Layout) -> Callable[[bytes, int, int], int]:

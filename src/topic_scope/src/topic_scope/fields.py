@@ -1,20 +1,27 @@
 """Names of numeric fields, such as ``/signal/signal_y``, and what they stand for.
 
 The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
-side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. A time or a
-duration is a number too, in s, and a truth value is 0 or 1. ``.`` and the name of what is computed
-of it may follow, see :mod:`topic_scope.derived`: ``/topic/field.derivative``; and then ``@`` and
-the name of a time, see :mod:`topic_scope.time_base`: ``/topic/field@stamp``.
+side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. Where elements have
+names, these will do: ``/joint_states/position[arm]`` is what stands at the place of ``arm`` in the
+``string[] name`` beside the array. A time or a duration is a number too, in s, and a truth value is
+0 or 1. ``.`` and the name of what is computed of it may follow, see :mod:`topic_scope.derived`:
+``/topic/field.derivative``; then ``@`` and the name of a time, see :mod:`topic_scope.time_base`:
+``/topic/field@stamp``.
 """
 
 import itertools
 import re
-from typing import Any, Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
-from topic_scope.definitions import Array, Layout, Record, Scalar
+from topic_scope.definitions import Array, Layout, Record, Scalar, Text
 from topic_scope.derived import FUNCTIONS, QUATERNION
 
-#: Names of fields and, behind the one of an array, indices.
+
+class Key(str):
+    """The name of an element, where else its index stands."""
+
+
+#: Names of fields and, behind the one of an array, indices or names of elements.
 Path = Tuple[Union[str, int], ...]
 
 #: Tells how many elements the array at a path has.
@@ -25,11 +32,14 @@ LISTED_ELEMENTS = 16
 #: Most fields of a topic that are listed or chosen at once.
 LISTED_FIELDS = 200
 
-_NAME = r"[A-Za-z][A-Za-z0-9_]*(?:\[\d{1,9}\])*"
+_ELEMENT = r"\[(?:\d{1,9}|[A-Za-z_][A-Za-z0-9_-]*)\]"
+_NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
 _EXPRESSION = re.compile(
     rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:\.([a-z]+))?(?:@{_NAME}(?:/{_NAME})*)?\Z"
 )
-_PART = re.compile(r"([A-Za-z][A-Za-z0-9_]*)((?:\[\d+\])*)\Z")
+_PART = re.compile(rf"([A-Za-z][A-Za-z0-9_]*)((?:{_ELEMENT})*)\Z")
+#: The field that has the names of elements, beside their arrays.
+_NAMES = "name"
 _LONGEST = 300
 
 
@@ -116,13 +126,14 @@ def to_path(text: str) -> Path:
         if not match:
             raise FieldError(f"{part!r} is no name of a field")
         path.append(match.group(1))
-        path += [int(index) for index in re.findall(r"\d+", match.group(2))]
+        elements = re.findall(r"[\w-]+", match.group(2))
+        path += [int(one) if one.isdigit() else Key(one) for one in elements]
     return tuple(path)
 
 
 def to_text(path: Path) -> str:
     """Return the text that stands for a path."""
-    parts = [f"[{part}]" if isinstance(part, int) else "/" + part for part in path]
+    parts = [f"[{part}]" if isinstance(part, (int, Key)) else "/" + part for part in path]
     return "".join(parts).lstrip("/")
 
 
@@ -162,8 +173,27 @@ def leaf_at(layout: Record, path: Path) -> Layout:
     """
     node: Layout = layout
     for position, part in enumerate(path):
+        if isinstance(part, Key):
+            names_of(layout, path[:position])
         node = _step(node, part, to_text(path[:position]) or layout.datatype)
     return node
+
+
+def names_of(layout: Record, path: Path) -> Path:
+    """Return where the names of an array's elements stand.
+
+    :param layout: layout of the messages
+    :param path: where the array stands
+    :raises FieldError: if its elements have no names
+    """
+    place = path[:-1] + (_NAMES,)
+    try:
+        names = leaf_at(layout, place)
+    except FieldError:
+        names = layout
+    if isinstance(names, Array) and names.length is None and isinstance(names.element, Text):
+        return place
+    raise FieldError(f"the elements of {to_text(path)} have no names, only numbers")
 
 
 def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
@@ -175,49 +205,11 @@ def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[Numer
     return list(itertools.islice(_found(layout, (), lengths, _is_number), LISTED_FIELDS))
 
 
-def lengths_in(message: Any) -> Lengths:
-    """Return the function that tells how long the arrays of a message are."""
-    return lambda path: len(value_at(message, path) or ())
-
-
-def value_at(message: Any, path: Path) -> Any:
-    """Return what stands in a message as it is: a time, say, or a whole number.
-
-    :param message: the message
-    :param path: where it stands
-    :returns: the value; None where an array is too short for it
-    """
-    for part in path:
-        if isinstance(part, str):
-            message = getattr(message, part)
-        elif part < len(message):
-            message = message[part]
-        else:
-            return None
-    return message
-
-
-def getter(path: Path) -> Callable[[Any], float]:
-    """Return a function that takes a number out of a message.
-
-    :param path: where it stands
-    :returns: a function from a message to the value, NaN where an array is too short for it
-    """
-
-    def get(message: Any) -> float:
-        value = value_at(message, path)
-        if value is None:
-            return float("nan")
-        return float(value.to_sec() if hasattr(value, "to_sec") else value)
-
-    return get
-
-
 def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
-    if isinstance(part, int):
+    if isinstance(part, (int, Key)):
         if not isinstance(node, Array):
             raise FieldError(f"{place} is no array")
-        if node.length is not None and part >= node.length:
+        if isinstance(part, int) and node.length is not None and part >= node.length:
             raise FieldError(f"{place} has {node.length} elements only")
         return node.element
     fields = dict(node.fields) if isinstance(node, Record) else {}

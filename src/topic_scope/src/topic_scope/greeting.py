@@ -1,6 +1,6 @@
 """What a page is told first: how the scope is set up, and what there is to choose."""
 
-from typing import Any, Dict, Sequence
+from typing import Any, Dict, Mapping, Sequence
 
 from topic_scope.options import Options
 from topic_scope.recorder import Choice
@@ -21,6 +21,12 @@ def hello(options: Options, fields: Sequence[str]) -> Dict[str, Any]:
     }
 
 
-def choices_message(choices: Sequence[Choice]) -> Dict[str, Any]:
-    """Return the message that tells what can be chosen."""
-    return {"type": "fields", "fields": [choice._asdict() for choice in choices]}
+def choices_message(choices: Sequence[Choice], types: Mapping[str, str]) -> Dict[str, Any]:
+    """Return the message that tells what can be chosen.
+
+    :param choices: the fields
+    :param types: type of each topic
+    """
+    listed = [choice._asdict() for choice in choices]
+    topics = {choice.topic: types.get(choice.topic, "*") for choice in choices}
+    return {"type": "fields", "fields": listed, "types": topics}

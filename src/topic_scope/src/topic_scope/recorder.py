@@ -6,22 +6,23 @@ from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional,
 
 import numpy
 
-from topic_scope import decoding, fields, time_base
+from topic_scope import fields, time_base
+from topic_scope.arrays import Arrays, has_names
 from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
 from topic_scope.ring import Samples
 from topic_scope.source import Source
 from topic_scope.streams import Stream, Trace
+from topic_scope.taps import Batch
 
-#: Most fields that are listed, and most topics that are listened to just to learn their type.
+#: Most fields that are listed, and most topics that are listened to for their first message alone.
 LISTED, UNKNOWN = 5000, 50
 #: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
 TRACES = 1024
-#: Most arrays of a topic whose lengths are remembered.
-_ARRAYS = 1000
 #: How many updates are remembered for pages that have not had a frame since.
 _UPDATES = 400
 
+_LOGS = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics")
 _NEVER = (math.inf, -math.inf)
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
@@ -31,33 +32,12 @@ class Choice(NamedTuple):
 
     :param field: its name
     :param datatype: its type, e.g. ``float32``
+    :param topic: the topic that it is of
     """
 
     field: str
     datatype: str
-
-
-class _Longest:
-    """How many elements the arrays of a topic have had at most, so that the list stands still."""
-
-    def __init__(self) -> None:
-        self._known: Dict[fields.Path, int] = {}
-        #: Those of the latest message.
-        self.latest: fields.Lengths = fields.one_element
-
-    def look(self, layout: Record, message: bytes) -> None:
-        """Take the lengths from a message."""
-        self.latest = decoding.lengths_in(layout, message)
-
-    def __call__(self, path: fields.Path) -> int:
-        try:
-            latest = self.latest(path)
-        except fields.FieldError:  # the topic has got another type
-            latest = 1
-        longest = max(latest, self._known.get(path, 0))
-        if path in self._known or len(self._known) < _ARRAYS:
-            self._known[path] = longest
-        return longest
+    topic: str
 
 
 class Recorder:
@@ -75,8 +55,10 @@ class Recorder:
         self._source = source
         self._layouts = layouts
         self._types: Mapping[str, str] = {}
-        self._lengths: Dict[str, "_Longest"] = {}
-        self._choices: Dict[Tuple[str, str], List[Choice]] = {}
+        self._arrays: Dict[str, Arrays] = {}
+        #: The latest message of each topic that is listened to: a latched one comes only once.
+        self._latest: Dict[str, Tuple[Record, Batch]] = {}
+        self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
         #: When the latest updates were, and the time of the earliest sample that each brought, s.
@@ -98,22 +80,29 @@ class Recorder:
             layout = self._layouts.installed(datatype)
             if layout is None:
                 continue
-            if topic in recorded or (topic, datatype) not in known:
-                lengths = self._lengths.get(topic, fields.one_element)
-                listed = fields.numeric_fields(layout, lengths)
-                known[topic, datatype] = [
-                    Choice(_name(topic, field.path), field.datatype) for field in listed
-                ] + [
-                    Choice(_name(topic, field.path) + ".yaw", field.datatype)
-                    for field in fields.quaternions(layout, lengths)
-                ]
-            self._choices[topic, datatype] = known[topic, datatype]
+            key = (topic, datatype, topic in self._arrays)
+            if topic in recorded or key not in known:
+                known[key] = self._listed(topic, layout)
+            self._choices[key] = known[key]
         return [choice for listed in self._choices.values() for choice in listed][:LISTED]
 
-    def _unknown(self) -> List[str]:
-        """List topics whose type is not installed: their first message will tell what it is."""
-        types = self._types.items()
-        return [topic for topic, name in types if not self._layouts.installed(name)][:UNKNOWN]
+    def _listed(self, topic: str, layout: Record) -> List[Choice]:
+        arrays = self._arrays.get(topic, Arrays())
+        found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
+        found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
+        return [
+            Choice(_name(topic, arrays.named(field.path)) + end, field.datatype, topic)
+            for field, end in found
+        ]
+
+    def _unheard(self) -> List[str]:
+        """List topics whose first message tells their type, or the names of their elements."""
+        unheard = []
+        for topic, name in self._types.items():
+            layout = self._layouts.installed(name)
+            if layout is None or (topic not in self._arrays and has_names(layout)):
+                unheard.append(topic)
+        return unheard[:UNKNOWN]
 
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
@@ -129,7 +118,7 @@ class Recorder:
             return [name]
         topic, text = place
         time_base.path_of(base, layout)
-        lengths = self._lengths.get(topic, fields.one_element)
+        lengths = self._arrays.get(topic, fields.one_element)
         found = fields.resolve(layout, text, lengths, function)
         return [_name(topic, field.path) + name[len(bare) :] for field in found]
 
@@ -150,12 +139,13 @@ class Recorder:
         for stream in self._streams.values():
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
-        self._source.want([topic for topic, _ in self._streams] + self._unknown())
+        self._source.want([topic for topic, _ in self._streams] + self._unheard())
 
     def forget(self) -> None:
         """Forget all samples: those that come next are of another time."""
         names, self._traces, self._streams = list(self._traces), {}, {}
         self._updates.clear()
+        self._latest.clear()
         for name in names:
             self._record(name)
 
@@ -174,6 +164,8 @@ class Recorder:
             return  # its topic is not there yet
         stream = self._streams.setdefault((place[0], base), Stream(place[0], base))
         self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
+        if len(stream.traces) == 1 and place[0] in self._latest:
+            stream.add(*self._latest[place[0]])
 
     def update(self) -> float:
         """Take in what has come.
@@ -182,12 +174,16 @@ class Recorder:
         """
         now = self._source.clock.now()
         earliest = now
-        for topic, tap in self._source.open().items():
+        taps = self._source.open()
+        self._latest = {topic: one for topic, one in self._latest.items() if topic in taps}
+        for topic, tap in taps.items():
             for batch in tap.take():
                 layout = self._layouts.received(batch.header)
                 if layout is None:
                     continue
-                self._lengths.setdefault(topic, _Longest()).look(layout, batch.messages[-1])
+                self._arrays.setdefault(topic, Arrays()).look(layout, batch.messages[-1])
+                latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
+                self._latest[topic] = (layout, latest)
                 for stream in self._streams.values():
                     if stream.topic == topic:
                         earliest = min(earliest, stream.add(layout, batch))
@@ -227,10 +223,8 @@ class Recorder:
         layout = self._layouts.installed(self._types[place[0]])
         try:
             self.expand(name)
-            if layout is not None and place[0] in self._lengths:
-                decoding.check_length(
-                    layout, fields.to_path(place[1]), self._lengths[place[0]].latest
-                )
+            if layout is not None and place[0] in self._arrays:
+                self._arrays[place[0]].check(layout, fields.to_path(place[1]))
         except fields.FieldError as error:
             return str(error)
         return None
@@ -241,9 +235,9 @@ class Recorder:
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
-    """Return what topics are sorted by: what nodes tell of their parameters comes last."""
+    """Return what topics are sorted by: what nodes tell of themselves comes last."""
     topic, datatype = item
-    return datatype.startswith("dynamic_reconfigure/"), topic
+    return datatype.startswith("dynamic_reconfigure/") or datatype in _LOGS, topic
 
 
 def _name(topic: str, path: fields.Path) -> str:

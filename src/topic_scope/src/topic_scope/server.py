@@ -43,6 +43,7 @@ class Server:
         self._knows_topics = False
         self._initial: List[str] = list(options.fields)
         self._choices: List[Choice] = []
+        self._listed = choices_message([], {})
         self._statistics_at = 0.0
         self._is_halted = False
         loop = tornado.ioloop.IOLoop.current()
@@ -70,7 +71,8 @@ class Server:
             self._select(page)
         if choices != self._choices:
             self._choices = choices
-            self.tell(choices_message(self._choices))
+            self._listed = choices_message(choices, types)
+            self.tell(self._listed)
         self._record()
 
     def halt(self) -> None:
@@ -155,7 +157,7 @@ class Server:
 
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
-        page.put(choices_message(self._choices))
+        page.put(self._listed)
         for message in self._origin.messages():
             page.put(message)
         self._select(page)

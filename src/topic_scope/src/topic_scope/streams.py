@@ -118,6 +118,7 @@ class Stream:
         self._layout: Optional[Record] = None
         self.path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
+        self._latest: Optional[Tuple[Batch, numpy.ndarray]] = None
         self._time = time_base.OwnTime(None)
 
     @property
@@ -135,6 +136,8 @@ class Stream:
         trace = Trace(self, path, history, function)
         if self._layout is not None:
             trace.read_as(self._layout)
+        if self._latest is not None:  # there may be no other, where it is latched
+            trace.add(*self._latest)
         self.traces.append(trace)
         return trace
 
@@ -167,10 +170,11 @@ class Stream:
                     trace.ring.move(back)
         for trace in self.traces:
             trace.add(batch, times)
+        self._latest = (Batch(batch.header, batch.times[-1:], batch.messages[-1:]), times[-1:])
         return float(times.min()) + offset if offset == self.offset else -numpy.inf
 
     def _read_as(self, layout: Record) -> None:
-        self._layout = layout
+        self._layout, self._latest = layout, None
         try:
             path = time_base.path_of(self._base, layout)
         except fields.FieldError:  # the topic has got another type

@@ -295,6 +295,57 @@ class Modules(unittest.TestCase):
         )
         self.assertEqual(places, ["4", "3", "3", "3"])
 
+    def test_names_are_in_the_order_that_people_count_in(self) -> None:
+        names = ["/group10/a", "/group2/b", "/group2/a", "/group2", "/group2_b/a", "/a/10", "/a/9"]
+        order = ["/a/9", "/a/10", "/group2", "/group2/a", "/group2/b", "/group2_b/a", "/group10/a"]
+        self.assertEqual(self.browser.call("natural.js", "a[0].sort(module.byName)", names), order)
+
+    def test_choices_are_grouped_and_the_useful_ones_come_first(self) -> None:
+        types = {
+            "/rosout": "rosgraph_msgs/Log",
+            "/n/parameter_updates": "dynamic_reconfigure/Config",
+            "/robot10/j": "sensor_msgs/JointState",
+            "/robot2/j": "sensor_msgs/JointState",
+            "/scan": "sensor_msgs/LaserScan",
+        }
+        fields = ["/rosout/level", "/n/parameter_updates/ints[0]/value"]
+        for robot in ("/robot10/j", "/robot2/j"):
+            fields += [f"{robot}/header/stamp", f"{robot}/position[arm]", f"{robot}/position[leg]"]
+        fields += ["/scan/header/seq", "/scan/ranges[0]", "/scan/ranges[1]"]
+        choices = [
+            {
+                "field": field,
+                "datatype": "float64",
+                "topic": next(topic for topic in types if field.startswith(topic + "/")),
+            }
+            for field in fields
+        ]
+
+        def found(text: str, everything: bool = False) -> Any:
+            told = self.browser.call(
+                "choices.js", "module.found(...a)", choices, types, text, everything
+            )
+            return [[one["field"] for one in group["fields"]] for group in told["groups"]], told[
+                "aside"
+            ]
+
+        groups, aside = found("")
+        self.assertEqual(aside, 2)
+        robot = ["/robot2/j/position[arm]", "/robot2/j/position[leg]", "/robot2/j/header/stamp"]
+        self.assertEqual(groups[0], robot)
+        self.assertEqual(
+            [group[0] for group in groups],
+            [robot[0], "/robot10/j/position[arm]", "/scan/ranges[0]"],
+        )
+        self.assertEqual(found("rosout"), ([], 1))
+        self.assertEqual(found("rosout", True), ([["/rosout/level"]], 0))
+        self.assertEqual(len(found("", True)[0]), 5)
+        # Any element can be found, by its index or by its name.
+        self.assertEqual(found("ranges[359]")[0], [["/scan/ranges[359]"]])
+        self.assertEqual(found("robot2 LEG")[0], [["/robot2/j/position[leg]"]])
+        self.assertEqual(found("robot2 [tail]")[0], [["/robot2/j/position[tail]"]])
+        self.assertEqual(found("laserscan seq")[0], [["/scan/header/seq"]])
+
     def test_layers_go_forward_but_for_ways_back(self) -> None:
         items = [{"id": name} for name in "abcd"]
         edges = [{"from": a, "to": b} for a, b in ("ab", "bc", "ca", "ad", "cd")]

@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """The page sets parameters, calls services and shows the graph, for several users at once."""
 
+import json
 import re
 import subprocess
 from contextlib import contextmanager
 from typing import Iterator, List
+from urllib.parse import quote
 
 import roslib.packages
 import rospy
@@ -12,6 +14,7 @@ import rostest
 from browsing.page_test import PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
+from sensor_msgs.msg import JointState
 
 from basic_comms.msg import signal_msg
 
@@ -150,6 +153,37 @@ class Panels(PageTest):
             lambda: not self.browser.find(_row("frequency")).is_displayed(), lambda: "all shown"
         )
         self.assertTrue(self.browser.find(_row("amplitude")).is_displayed())
+
+    def test_any_field_is_found_by_topic_and_a_joint_by_its_name(self) -> None:
+        publisher = rospy.Publisher("/robot/joint_states", JointState, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(JointState(name=["left", "right"], position=[1.5, -2.5]))
+        self.browser.keys("a")
+        group = "#chooser-list [data-topic='/robot/joint_states']"
+        self.browser.wait_for("#chooser-list [data-topic='/signal']")
+        self.assertEqual(self.browser.count("#chooser-list [data-topic='/rosout_agg']"), 0)
+        field = "/robot/joint_states/position[right]"
+        wait_until(
+            lambda: self.browser.count(f"{group} input[aria-label='{field}']"),
+            lambda: self.browser.text(group),
+        )
+        self.browser.find("#chooser-all").click()
+        self.browser.wait_for("#chooser-list [data-topic='/rosout_agg']")
+        self.browser.find("#chooser-search").send_keys("robot [right] position", Keys.ENTER)
+        value = f"#legend tr[data-field='{field}'] [data-cell='value']"
+        wait_until(
+            lambda: self.browser.text(value) == "−2.5000", lambda: self.browser.text("#legend")
+        )
+        self.browser.keys(Keys.ESCAPE)
+        fields = [f"/many/data[{index}]" for index in range(32)]
+        self.browser.driver.get("about:blank")
+        self.browser.open(f"{self.scope.url}#{quote(json.dumps({'fields': fields}))}")
+        self.browser.keys("a")
+        self.browser.find("#chooser-search").send_keys("/many/data[99]", Keys.ENTER)
+        sentence = "A page shows at most 32 traces: remove one first."
+        self.assertEqual(self.browser.text("#chooser-count"), sentence)
+        self.assertEqual(self.browser.count("#legend tr"), 32)
+        self.browser.keys(Keys.ESCAPE)
 
     def test_graph_follows_the_nodes(self) -> None:
         self.browser.keys("g")

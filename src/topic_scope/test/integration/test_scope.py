@@ -43,15 +43,13 @@ class Signals(ScopeTest):
         hello = page.wait_for("hello")
         self.assertEqual(hello["fields"], ["/signal/signal_y", "/proc_signal/data"])
         self.assertFalse(hello["readonly"])
-        listed = page.wait_for("fields")["fields"]
-        self.assertIn({"field": "/signal/time_x", "datatype": "float64"}, listed)
-        self.assertIn(
-            {
-                "field": "/signal_generator/parameter_updates/doubles[0]/value",
-                "datatype": "float64",
-            },
-            listed,
-        )
+        told = page.wait_for("fields", lambda told: "/signal/time_x" in str(told))
+        fields = {(one["field"], one["datatype"], one["topic"]) for one in told["fields"]}
+        updates = "/signal_generator/parameter_updates"
+        self.assertIn(("/signal/time_x", "float64", "/signal"), fields)
+        self.assertIn((updates + "/doubles[0]/value", "float64", updates), fields)
+        self.assertEqual(told["types"]["/signal"], "basic_comms/signal_msg")
+        self.assertEqual(told["types"][updates], "dynamic_reconfigure/Config")
 
     def test_every_sample_is_in_a_frame_and_in_the_csv(self) -> None:
         field = "/every/data"

@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rosgraph_msgs.msg import Log, TopicStatistics
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64MultiArray, Header, MultiArrayDimension, String
 
-from topic_scope import decoding, fields
+from topic_scope import arrays, decoding, fields
+from topic_scope import values as objects
 from topic_scope.definitions import Array, DefinitionError, Record, layout_of, parse
 
 NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
@@ -41,7 +43,23 @@ def test_a_name_becomes_global() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["", "/", "//a", "/a/", "/a//b", "/a:", "/a[x]", "/a[-1]", "/a b", "/a\n", "/../a", "a" * 400],
+    [
+        "",
+        "/",
+        "//a",
+        "/a/",
+        "/a//b",
+        "/a:",
+        "/a[]",
+        "/a[-1]",
+        "/a[1x]",
+        "/a[b c]",
+        "/a[b",
+        "/a b",
+        "/a\n",
+        "/../a",
+        "a" * 400,
+    ],
 )
 def test_what_is_no_name_is_refused(name: str) -> None:
     with pytest.raises(fields.FieldError):
@@ -73,7 +91,7 @@ def test_a_message_stands_for_all_of_its_numbers() -> None:
 def test_nested_fields_and_arrays_are_listed() -> None:
     message = Float64MultiArray(data=[1.0, 2.0])
     message.layout.dim = [MultiArrayDimension("rows", 2, 2)]
-    found = fields.numeric_fields(layout_of(Float64MultiArray), fields.lengths_in(message))
+    found = fields.numeric_fields(layout_of(Float64MultiArray), objects.lengths_in(message))
     assert texts(found) == [
         "layout/dim[0]/size",
         "layout/dim[0]/stride",
@@ -81,7 +99,7 @@ def test_nested_fields_and_arrays_are_listed() -> None:
         "data[0]",
         "data[1]",
     ]
-    same = decoding.lengths_in(layout_of(Float64MultiArray), wire(message))
+    same = arrays.lengths_in(layout_of(Float64MultiArray), wire(message))
     assert fields.numeric_fields(layout_of(Float64MultiArray), same) == found
 
 
@@ -124,10 +142,10 @@ def log(names: List[str], level: int = 4) -> Log:
 def test_getter_and_decoder_read_the_same() -> None:
     layout, messages = layout_of(Log), [log(["/a", "/bcd"]), log([], level=8)]
     for field in fields.numeric_fields(layout):
-        values = [fields.getter(field.path)(message) for message in messages]
+        values = [objects.getter(field.path)(message) for message in messages]
         decoder = decoding.Decoder(layout, field.path)
         assert decoder.decode([wire(message) for message in messages]).tolist() == values
-    assert fields.getter(("header", "stamp"))(messages[0]) == 12.5
+    assert objects.getter(("header", "stamp"))(messages[0]) == 12.5
 
 
 @given(st.lists(st.lists(st.floats(width=64), max_size=5), min_size=1, max_size=5))
@@ -139,7 +157,7 @@ def test_elements_are_read_also_behind_text(rows: List[List[float]]) -> None:
     values = decoder.decode([wire(message) for message in messages]).tolist()
     expected = [row[1] if len(row) > 1 else math.nan for row in rows]
     assert [repr(value) for value in values] == [repr(value) for value in expected]
-    assert repr(fields.getter(("data", 1))(messages[0])) == repr(expected[0])
+    assert repr(objects.getter(("data", 1))(messages[0])) == repr(expected[0])
 
 
 def test_numbers_of_all_types_are_read() -> None:
@@ -177,7 +195,7 @@ def test_what_is_behind_an_array_is_none_of_its_elements() -> None:
 def test_garbage_is_no_number_but_no_error_either(data: bytes) -> None:
     for message_class in (Log, TopicStatistics, Float64MultiArray):
         layout = layout_of(message_class)
-        for field in fields.numeric_fields(layout, decoding.lengths_in(layout, data)):
+        for field in fields.numeric_fields(layout, arrays.lengths_in(layout, data)):
             assert decoding.Decoder(layout, field.path).decode([data]).shape == (1,)
 
 
@@ -212,3 +230,37 @@ def test_sizes_are_known_where_they_are_fixed() -> None:
     assert isinstance(layout, Record) and layout.size is None
     sizes = [field.size for _, field in layout.fields if isinstance(field, Array)]
     assert sizes == [16, None, None, 0]
+
+
+def joints(names: List[str], positions: List[float]) -> JointState:
+    return JointState(name=names, position=positions, header=Header(frame_id="x" * len(names)))
+
+
+def test_an_element_is_found_by_its_name_wherever_it_stands() -> None:
+    layout = layout_of(JointState)
+    path = fields.to_path("position[left-wheel_1]")
+    assert fields.to_text(path) == "position[left-wheel_1]"
+    messages = [
+        joints(["arm", "left-wheel_1"], [1.0, 2.0]),
+        joints(["left-wheel_1", "arm"], [3.0, 4.0]),
+        joints(["arm"], [5.0]),
+        joints(["arm", "left-wheel_1"], [6.0]),  # a name without a position
+        joints([], []),
+    ]
+    expected = ["2.0", "3.0", "nan", "nan", "nan"]
+    decoded = decoding.Decoder(layout, path).decode([wire(one) for one in messages])
+    assert [repr(value) for value in decoded.tolist()] == expected
+    assert [repr(objects.getter(path)(one)) for one in messages] == expected
+    whole = wire(messages[0])
+    for end in range(len(whole)):  # cut off anywhere
+        decoding.Decoder(layout, path).decode([whole[:end]])
+
+
+def test_elements_without_names_have_numbers_only() -> None:
+    with pytest.raises(fields.FieldError, match="the elements of data have no names"):
+        fields.resolve(layout_of(Float64MultiArray), "data[arm]")
+    with pytest.raises(fields.FieldError, match="frame_id is no array|no names"):
+        fields.resolve(layout_of(JointState), "header/frame_id[arm]")
+    assert fields.resolve(layout_of(JointState), "effort[arm]") == [
+        (("effort", fields.Key("arm")), "float64")
+    ]

@@ -7,10 +7,11 @@ from typing import Collection, Dict, Iterator, List
 import numpy
 from hypothesis import given
 from hypothesis import strategies as st
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
-from topic_scope import fields, recorder
+from topic_scope import recorder
 from topic_scope.definitions import layout_of
 from topic_scope.layouts import Layouts
 from topic_scope.recorder import Recorder
@@ -169,15 +170,32 @@ def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() ->
     assert "/n99" in taps.wanted
 
 
-def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited() -> None:
-    longest = recorder._Longest()
-    latest = 5
-    longest.latest = lambda _path: latest
-    paths: List[fields.Path] = [fields.to_path(f"a[{n}]/b") for n in range(recorder._ARRAYS + 10)]
-    assert [longest(path) for path in paths] == [5] * len(paths)
-    latest = 2
-    # The list of fields stands still, but for those beyond the limit.
-    assert [longest(path) for path in paths] == [5] * recorder._ARRAYS + [2] * 10
+def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
+    taps = FakeTaps()
+    made = recording(taps)
+    made.set_topics({"/j": "sensor_msgs/JointState"})
+    made.want([], taps.time)
+    assert taps.wanted == ["/j"]
+    before = [choice.field for choice in made.choices()]
+    assert "/j/position[0]" in before and "/j/position[arm]" not in before
+    buffer = io.BytesIO()
+    JointState(name=["leg", "arm"], position=[1.0, 2.0]).serialize(buffer)
+    taps.taps["/j"] = FakeTap()
+    taps.taps["/j"].batches.append(Batch(header(JointState), [taps.time], [buffer.getvalue()]))
+    made.update()
+    after = {choice.field: choice.topic for choice in made.choices()}
+    assert after["/j/position[leg]"] == after["/j/position[arm]"] == "/j"
+    made.want([], taps.time)
+    assert taps.wanted == []
+    # It is recorded under the name that is listed, and begins with what has come: where that is
+    # latched nothing else may.
+    made.want(["/j/position[arm]"], taps.time)
+    assert values(made, "/j/position[arm]") == [2.0]
+    made.want(["/j/position[leg]"], taps.time)
+    assert values(made, "/j/position[leg]") == [1.0]
+    taps.taps["/j"].batches.append(Batch(header(JointState), [taps.time + 1], [buffer.getvalue()]))
+    made.update()
+    assert values(made, "/j/position[arm]") == [2.0, 2.0]
 
 
 def test_says_in_words_what_is_wrong_with_a_field() -> None:

@@ -62,7 +62,7 @@ const handlers = {
     requests.onHello(message);
     robots.onHello();
   },
-  fields: ({ fields }) => state.set({ available: fields }),
+  fields: ({ fields, types }) => state.set({ available: fields, types }),
   selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
   frame: (frame) => {
     sweep.onFrame(frame);

@@ -11,7 +11,8 @@
 /** What a page starts with. Times are in s. */
 const INITIAL = {
   fields: [], // chosen, in order
-  available: [], // {field, datatype}
+  available: [], // {field, datatype, topic}
+  types: {}, // topic -> its type
   hidden: new Set(),
   right: new Set(), // fields on the right axis
   colours: new Map(), // field -> colour picked by hand

@@ -25,7 +25,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   const clicks = {
     run: () => view.toggle(),
     reset: () => view.reset(),
-    add: open.chooser,
+    add: () => open.chooser(),
     "show-axes": open.axes,
     "show-measures": open.measures,
     "show-help": () => byId("help").showModal(),

@@ -1,0 +1,135 @@
+"""The arrays of serialized messages: how long they are, and what their elements are called."""
+
+import re
+import struct
+from typing import Dict, List, Optional
+
+from topic_scope.decoding import COUNT, NotThere, follow, steps_to, texts
+from topic_scope.definitions import Array, Record
+from topic_scope.fields import (
+    FieldError,
+    Key,
+    Lengths,
+    Path,
+    leaf_at,
+    names_of,
+    to_text,
+)
+
+#: Most arrays of a topic whose lengths are remembered.
+_ARRAYS = 1000
+#: A name that can stand in brackets.
+_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
+#: Most names that a sentence has.
+_SHOWN = 10
+
+
+def lengths_in(layout: Record, data: bytes) -> Lengths:
+    """Return the function that tells how long the arrays of a serialized message are.
+
+    :param layout: its layout
+    :param data: the message
+    """
+
+    def length(path: Path) -> int:
+        try:
+            return int(COUNT.unpack_from(data, follow(steps_to(layout, path)[0], data))[0])
+        except (NotThere, struct.error):
+            return 0
+
+    return length
+
+
+def names_in(layout: Record, data: bytes, path: Path) -> List[str]:
+    """Return the names of an array's elements in a serialized message.
+
+    :param layout: its layout
+    :param data: the message
+    :param path: where the array stands
+    :returns: the names; none where the elements have none
+    """
+    try:
+        steps, _ = steps_to(layout, names_of(layout, path))
+        return [text.decode(errors="replace") for text in texts(data, follow(steps, data))]
+    except (FieldError, NotThere, struct.error):
+        return []
+
+
+def has_names(layout: Record) -> bool:
+    """Tell whether elements of arrays in a message have names."""
+    parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
+    try:
+        return bool(parts) and bool(names_of(layout, (parts[0],)))
+    except FieldError:
+        return False
+
+
+def check_elements(layout: Record, path: Path, data: bytes) -> None:
+    """Check that the elements on the way to a place are there.
+
+    :param layout: layout of the messages
+    :param path: the place
+    :param data: a serialized message
+    :raises FieldError: if an array is too short, or none of its elements has the name
+    """
+    lengths = lengths_in(layout, data)
+    for position, part in enumerate(path):
+        place = path[:position]
+        node = leaf_at(layout, place)
+        if isinstance(part, Key) and part not in names_in(layout, data, place):
+            names = ", ".join(names_in(layout, data, place)[:_SHOWN])
+            raise FieldError(f"none of {to_text(place)} is called {part} now, but {names or '-'}")
+        if isinstance(part, int) and isinstance(node, Array) and node.length is None:
+            if part >= lengths(place):
+                raise FieldError(f"{to_text(place)} has {lengths(place)} elements now")
+
+
+class Arrays:
+    """The arrays of a topic; how many elements each has had at most, so that lists stand still."""
+
+    def __init__(self) -> None:
+        self._known: Dict[Path, int] = {}
+        self._layout: Optional[Record] = None
+        self._message = b""
+
+    def look(self, layout: Record, message: bytes) -> None:
+        """Take note of the latest message."""
+        self._layout, self._message = layout, message
+
+    def __call__(self, path: Path) -> int:
+        """Return how many elements an array has had."""
+        latest = 1
+        if self._layout is not None:
+            try:
+                latest = lengths_in(self._layout, self._message)(path)
+            except FieldError:  # the topic has got another type
+                pass
+        longest = max(latest, self._known.get(path, 0))
+        if path in self._known or len(self._known) < _ARRAYS:
+            self._known[path] = longest
+        return longest
+
+    def check(self, layout: Record, path: Path) -> None:
+        """Check that what stands at a place is in the latest message.
+
+        :param layout: layout of the messages now
+        :raises FieldError: if it is not
+        """
+        if self._layout is not None:
+            check_elements(layout, path, self._message)
+
+    def named(self, path: Path) -> Path:
+        """Return a place with the names of elements for their indices, where they have some.
+
+        :param path: with indices
+        """
+        found: Path = ()
+        for part in path:
+            if isinstance(part, int) and self._layout is not None:
+                names = names_in(self._layout, self._message, found)
+                name = names[part] if part < len(names) else ""
+                # Two may have one name, and not all can be written.
+                if names.count(name) == 1 and _KEY.match(name):
+                    part = Key(name)
+            found += (part,)
+        return found

@@ -71,9 +71,14 @@ class Browser:
         self.driver.quit()
         shutil.rmtree(self._profile, ignore_errors=True)
 
-    def resize(self, width: int, height: int) -> None:
-        """Give the page a size, whatever the window around it needs."""
-        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    def resize(self, width: int, height: int, ratio: float = 1.0) -> None:
+        """Give the page a size, whatever the window around it needs.
+
+        :param width: of the page, pixels
+        :param height: of the page, pixels
+        :param ratio: pixels of the screen in one of those
+        """
+        metrics = {"width": width, "height": height, "deviceScaleFactor": ratio, "mobile": False}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
     def open(self, url: str) -> None:

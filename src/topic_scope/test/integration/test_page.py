@@ -16,6 +16,7 @@ from urllib.request import urlopen
 import rosbag
 import rospy
 import rostest
+from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.scope_process import ScopeProcess, free_port
 from browsing.waiting import wait_until
@@ -305,6 +306,53 @@ class Page(PageTest):
             lambda: "7" in self.browser.text(".dygraph-axis-label-y").split(),
             lambda: self.browser.text(".dygraph-axis-label-y"),
         )
+
+    def test_nothing_is_left_beside_the_plot_when_titles_change(self) -> None:
+        self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
+        for width, ratio in ((WIDTH, 1.0), (412, 2.625)):  # of a phone the second
+            self.browser.resize(width, HEIGHT, ratio)
+            self.browser.keys("x")
+            title = self.browser.wait_for("[aria-label='title of the time axis']")
+            bound = self.browser.find("[aria-label='left axis, to']")
+            for text, end in (("", "2"), ("time", "1234567")):
+                title.send_keys(Keys.CONTROL + "a")
+                title.send_keys(Keys.BACKSPACE, text)
+                bound.send_keys(Keys.CONTROL + "a")
+                bound.send_keys(end, Keys.TAB)
+                wait_until(
+                    lambda: self.browser.text(".dygraph-xlabel") == text,
+                    lambda: self.browser.text("#plot"),
+                )
+                self.assertEqual(self.painted_outside(ratio), 0, (ratio, text))
+            self.browser.keys(Keys.ESCAPE)
+
+    def painted_outside(self, ratio: float) -> int:
+        """Return how many pixels of the canvases are painted that are not of the plot itself."""
+        code = """
+          const [ratio, done] = arguments;
+          const count = () => {
+            const box = document.querySelector("#overlay").getBoundingClientRect();
+            let found = 0;
+            for (const canvas of document.querySelectorAll("#plot canvas")) {
+              const { left, top } = canvas.getBoundingClientRect();
+              const { width, height } = canvas;
+              const copy = new OffscreenCanvas(width, height);
+              const context = copy.getContext("2d", { willReadFrequently: true });
+              context.drawImage(canvas, 0, 0);
+              const { data } = context.getImageData(0, 0, width, height);
+              for (let index = 3; index < data.length; index += 4) {
+                const place = (index - 3) / 4;
+                const x = left - box.left + (place % width) / ratio;
+                const y = top - box.top + Math.floor(place / width) / ratio;
+                const isIn = x > -2 && x < box.width + 1 && y > -2 && y < box.height + 1;
+                if (data[index] && !isIn) found += 1;
+              }
+            }
+            done(found);
+          };
+          requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(count)));
+        """
+        return int(self.browser.driver.execute_async_script(code, ratio))
 
     def test_saves_a_picture(self) -> None:
         self.browser.find("#png").click()

@@ -125,8 +125,23 @@ export class Plot {
       ylabel: axes.y.title || null,
       y2label: axes.y2.title || null,
     };
+    this.erase();
     drawQuietly(() => this.graph.updateOptions(options));
     for (const listener of this.listeners) listener();
+  }
+
+  /**
+   * Take away what is drawn. By itself dygraphs erases only where it is about to draw: of an area
+   * that was larger before, as a title or wider numbers have come, an axis would stay. What it has
+   * cut the canvas to has to go as well, since at broken pixels that erases by halves.
+   */
+  erase() {
+    for (const canvas of this.canvases) {
+      const context = canvas.getContext("2d");
+      context.restore();
+      context.clearRect(0, 0, canvas.width, canvas.height);
+      context.save();
+    }
   }
 
   series(fields, buffer) {

@@ -65,6 +65,49 @@ class Modules(unittest.TestCase):
         labels = self.browser.call("numbers.js", "module.ticks(1e6 - 1e-3, 1e6 + 1e-3, 8)")
         self.assertEqual(len({tick["label"] for tick in labels}), len(labels), labels)
 
+    def test_no_plot_is_empty_and_an_axis_stays_with_its_plot(self) -> None:
+        free = {"title": "", "low": None, "high": None}
+        first, third = {**free, "title": "first"}, {**free, "high": 3}
+        axes = {"x": {"title": "s"}, "y": first, "y2": free, "y.3": third, "y2.4": first}
+        # Fields, what is known of traces, and then: the plot of each, and which axes there are.
+        cases = [
+            (["/a", "/b"], {"/b": 3}, [1, 2], {"y": first, "y2": free, "y.2": third}),
+            (["/b"], {"/a": 1, "/b": 3}, [1], {"y": third, "y2": free}),
+            (
+                ["/a", "/b", "/c"],
+                {"/b": 4, "/c": 4},
+                [1, 2, 2],
+                {"y": first, "y2": free, "y2.2": first},
+            ),
+            # What stands for a topic is in the plot that the topic was put in.
+            (["/a", "/t/x", "/t/y", "/tt"], {"/t": 2}, [1, 2, 2, 1], {"y": first, "y2": free}),
+        ]
+        for fields, plots, expected, axes_then in cases:
+            told = self.browser.call(
+                "traces.js",
+                "(() => { const [fields, plots, axes] = a;"
+                " const traces = new Map(Object.entries(plots).map(([f, plot]) => [f, { plot }]));"
+                " const now = module.arranged({ fields, traces, axes });"
+                " return { plots: [...now.traces.values()].map(({ plot }) => plot),"
+                " fields: [...now.traces.keys()], axes: now.axes }; })()",
+                fields,
+                plots,
+                axes,
+            )
+            self.assertEqual((told["fields"], told["plots"]), (fields, expected))
+            self.assertEqual(told["axes"], {"x": axes["x"], **axes_then})
+
+    def test_what_is_chosen_for_traces_is_read_as_it_was_written(self) -> None:
+        told = self.browser.call(
+            "traces.js",
+            "(() => { const traces = module.readTraces(a[0]);"
+            " return [module.writeTraces(traces), module.writeTraces(module.readTraces({ '/b': { plot: 1 } })),"
+            " a[1].map((wrong) => { try { return module.isTraces(wrong); } catch { return false; } })]; })()",
+            {"/a": {"plot": 2}},
+            [{"/a": {"plot": 9}}, {"/a": {"plot": 1.5}}, {"/a": {"other": 1}}, {"/a": None}],
+        )
+        self.assertEqual(told, [{"/a": {"plot": 2}}, {}, [False] * 4])
+
     def test_the_clock_is_local(self) -> None:
         moments = [0, 1.7e9, 1.72e9 + 0.25, 1.72e9 + 59.9999]
         found = self.browser.call(

@@ -8,6 +8,7 @@ import rospy
 import rostest
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from std_msgs.msg import Float64MultiArray
 
@@ -177,6 +178,82 @@ class Plots(PageTest):
             lambda: self.cell("/later/data[7]", "value") == 3.0 and not self.browser.count(badge),
             lambda: self.browser.text("#legend"),
         )
+
+    def panes(self) -> int:
+        """Return how many plots are drawn, of which the last one alone has times below it."""
+        count = self.browser.count(".pane")
+        below = self.browser.count(".pane:last-child .dygraph-axis-label-x")
+        return count if below == self.browser.count(".dygraph-axis-label-x") > 2 else 0
+
+    def drag(self, field: str, up: float) -> None:
+        """Drag the name of a trace to a part of the height of all plots, from below."""
+        name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
+        stage = self.browser.find("#stage").rect
+        middle = name.rect["y"] + name.rect["height"] / 2
+        down = stage["y"] + (1.0 - up) * stage["height"] - middle
+        actions = ActionChains(self.browser.driver)
+        actions.click_and_hold(name).move_by_offset(10, -10)
+        actions.move_by_offset(0, round(down) + 10).release().perform()
+
+    def test_has_several_plots_over_one_time(self) -> None:
+        self.assertEqual(self.panes(), 1)
+        self.browser.choose(f"[aria-label='plot of {PROCESSED}']", "2")
+        wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
+        # One has numbers below 0, the other one has none; the edges are the same.
+        labels = ".pane:{}-child .dygraph-axis-label-y"
+        wait_until(
+            lambda: "−2" in self.browser.text(labels.format("first"))
+            and "−" not in self.browser.text(labels.format("last")),
+            lambda: self.browser.text("#plot"),
+        )
+        self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
+        wait_until(
+            lambda: self.browser.count(".pane:last-child .dygraph-axis-label-y2") > 1
+            and not self.browser.count(".dygraph-axis-label-y1"),
+            lambda: self.browser.text("#plot"),
+        )
+        overlay = self.browser.find("#overlay").rect
+        for pane in self.browser.driver.find_elements("css selector", ".pane"):
+            self.assertLess(overlay["y"], pane.rect["y"] + pane.rect["height"])
+            self.assertLess(pane.rect["y"], overlay["y"] + overlay["height"])
+        # The level is in the plot of its trace, and stays there.
+        self.browser.choose("#trigger-mode", "auto")
+        self.browser.choose("#trigger-field", PROCESSED)
+        level = self.browser.wait_for(".handle.level")
+        lower = self.browser.find(".pane:last-child").rect
+        self.assertGreater(level.rect["y"], lower["y"])
+        ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
+        wait_until(
+            lambda: float(self.browser.value("#trigger-level")) > 2.0,
+            lambda: self.browser.value("#trigger-level"),
+        )
+        self.browser.choose("#trigger-mode", "off")
+        # All of it is in the address.
+        self.browser.find("#show-axes").click()
+        self.browser.wait_for("[aria-label='right axis of plot 2, to']").send_keys("7.5", Keys.TAB)
+        self.browser.keys(Keys.ESCAPE)
+        wait_until(
+            lambda: "7.5" in self.browser.driver.current_url,
+            lambda: self.browser.driver.current_url,
+        )
+        self.browser.driver.refresh()
+        wait_until(
+            lambda: self.panes() == 2 and "6" in self.browser.text(labels.format("last")).split(),
+            lambda: self.browser.text("#plot"),
+        )
+        wait_until(
+            lambda: not math.isnan(self.cell(PROCESSED, "max")),
+            lambda: self.browser.text("#legend"),
+        )
+        # By the pointer: an empty plot goes, and its axis with it; a new one comes.
+        self.drag(PROCESSED, 0.75)
+        wait_until(lambda: self.panes() == 1, lambda: self.browser.text("#plot"))
+        self.drag(SIGNAL, 0.03)  # where it says "new plot" meanwhile
+        wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
+        choice = self.browser.value(f"[aria-label='plot of {SIGNAL}']")
+        self.assertEqual(choice, "2")
+        self.browser.keys("k")  # another kind of plot has them all in one
+        self.assertFalse(self.browser.find("#overlay").is_displayed())
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

@@ -2,8 +2,15 @@
 
 import { byId, make } from "./dom.js";
 import { readNumber, typed } from "./numbers.js";
+import { axisName, axisOf, axisParts, plotCount } from "./traces.js";
 
-const NAMES = { x: "time", y: "left", y2: "right" };
+const SIDES = { x: "time", y: "left", y2: "right" };
+
+/** What an axis is called; one of the first plot by its side alone. */
+function called(name) {
+  const [side, plot] = axisParts(name);
+  return `${SIDES[side]} axis${plot === 1 ? "" : ` of plot ${plot}`}`;
+}
 
 /**
  * Make the dialog work.
@@ -19,20 +26,20 @@ export function startAxes(state) {
     const input = make("input", {
       type: "text",
       class: "title",
-      "aria-label": `title of the ${NAMES[name]} axis`,
-      value: state.values.axes[name].title,
+      "aria-label": `title of the ${called(name)}`,
+      value: axisOf(state.values, name).title,
       input: () => state.setAxis(name, { title: input.value }),
     });
     return input;
   }
 
   function boundField(name, bound) {
-    const value = state.values.axes[name][bound];
+    const value = axisOf(state.values, name)[bound];
     const input = make("input", {
       type: "text",
       inputmode: "decimal",
       placeholder: "auto",
-      "aria-label": `${NAMES[name]} axis, ${bound === "low" ? "from" : "to"}`,
+      "aria-label": `${called(name)}, ${bound === "low" ? "from" : "to"}`,
       value: value === null ? "" : typed(value),
       change: () => {
         const number = readNumber(input.value);
@@ -77,10 +84,14 @@ export function startAxes(state) {
         fill();
       },
     }, "Auto");
+    const vertical = (name) => [
+      make("span", {}, called(name).replace(/ axis( of plot)?/, "")), titleField(name),
+      boundField(name, "low"), boundField(name, "high"), auto(name),
+    ];
+    const plots = Array.from({ length: plotCount(state.values) }, (_, index) => index + 1);
     rows.replaceChildren(
       head("axis"), head("title"), head("from"), head("to"), head(""),
-      make("span", {}, "left"), titleField("y"), boundField("y", "low"), boundField("y", "high"), auto("y"),
-      make("span", {}, "right"), titleField("y2"), boundField("y2", "low"), boundField("y2", "high"), auto("y2"),
+      ...plots.flatMap((plot) => [...vertical(axisName("y", plot)), ...vertical(axisName("y2", plot))]),
       make("span", {}, "time"), titleField("x"), windowField(), make("span", { class: "muted" }, "s long"), clockField(),
     );
   }

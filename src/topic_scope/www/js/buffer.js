@@ -9,7 +9,6 @@ export class TraceBuffer {
     this.now = 0; // time of the last frame, since the epoch, s
     // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
     this.traces = new Map();
-    this.rowsKept = [];
   }
 
   /**
@@ -49,21 +48,20 @@ export class TraceBuffer {
   /** A copy that further frames leave alone. */
   copy() {
     const twin = new TraceBuffer();
-    Object.assign(twin, this, { traces: new Map(), rowsKept: [] });
+    Object.assign(twin, this, { traces: new Map() });
     for (const [field, values] of this.traces) twin.traces.set(field, values.slice());
     return twin;
   }
 
   /**
    * Tabulate traces for dygraphs: two rows a bin, at its middle, one with the smallest and one
-   * with the largest value, of which the first is the one nearer to the bin before. The rows are
-   * used again by the next call.
+   * with the largest value, of which the first is the one nearer to the bin before.
    * @param {string[]} fields
    * @param {number} reference what the times count from, since the epoch, s
+   * @param {Array<Array<?number>>} [rows] of an earlier call, to be used again
    * @returns {Array<Array<?number>>} never empty
    */
-  rows(fields, reference) {
-    const rows = this.rowsKept;
+  rows(fields, reference, rows = []) {
     rows.length = Math.max(1, 2 * this.count);
     for (let index = 0; index < rows.length; index += 1) {
       const row = rows[index] || (rows[index] = []);

@@ -10,7 +10,7 @@ export class Cursors {
   /**
    * @param {HTMLElement} overlay of the plot
    * @param {import("./state.js").State} state
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    */
   constructor(overlay, state, plot) {
     this.state = state;

@@ -51,7 +51,7 @@ function drawLegend(context, fields, colourOf, top, style) {
 
 /**
  * Make a picture of the plot with its axes and a legend.
- * @param {import("./plot.js").Plot} plot
+ * @param {import("./plots.js").Plots} plot
  * @param {string[]} fields
  * @param {function(string): string} colourOf
  * @returns {HTMLCanvasElement}
@@ -67,7 +67,10 @@ export function picture(plot, fields, colourOf) {
   context.scale(scale, scale);
   context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--screen");
   context.fillRect(0, 0, box.width, box.height + BELOW);
-  for (const layer of plot.canvases) context.drawImage(layer, 0, 0, box.width, box.height);
+  for (const layer of plot.canvases) {
+    const { left, top, width, height } = layer.getBoundingClientRect();
+    context.drawImage(layer, left - box.left, top - box.top, width, height);
+  }
   drawLabels(context, box, plot.element);
   drawLegend(context, fields, colourOf, box.height + 4, getComputedStyle(document.body));
   return canvas;

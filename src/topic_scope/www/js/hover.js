@@ -12,7 +12,7 @@ export class Hover {
    * @param {HTMLElement} stage
    * @param {HTMLElement} overlay of the plot
    * @param {import("./state.js").State} state
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    * @param {function(string): number} spreadOf from the least to the greatest value of a trace
    */
   constructor(stage, overlay, state, plot, spreadOf) {

@@ -2,6 +2,7 @@
 
 import { KINDS } from "./charts.js";
 import { byId } from "./dom.js";
+import { verticals } from "./traces.js";
 
 const CLOSER = 0.8;
 
@@ -14,7 +15,7 @@ const CLOSER = 0.8;
  * @returns {import("./keys.js").Key[]}
  */
 export function keyList({ state, view, cursors, trigger, open }) {
-  const vertical = (act) => (state.values.right.size ? ["y", "y2"] : ["y"]).forEach(act);
+  const vertical = (act) => verticals(state.values).forEach(act);
   const key = (keys, shown, help, act) => ({ keys, shown, help, act });
   const pair = (shown, help, pairs) => pairs.map(([keys, act], index) => (
     { keys, act, shown: index ? "" : shown, help: index ? "" : help }));

@@ -4,6 +4,7 @@ import { colourOf } from "./colours.js";
 import { byId, make, press, say } from "./dom.js";
 import { LEVELS, shownFigures } from "./measures.js";
 import { figure } from "./numbers.js";
+import { plotChoice, startDrag } from "./plot_choice.js";
 import { TimeChoice } from "./time_base.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
@@ -24,7 +25,7 @@ function missing({ silent, nan, problem }) {
 export class Legend {
   /**
    * @param {import("./state.js").State} state
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    * @param {import("./cursors.js").Cursors} cursors
    */
   constructor(state, plot, cursors) {
@@ -35,7 +36,7 @@ export class Legend {
     this.body = byId("legend");
     this.cursorsShown = 0;
     this.more = make("th", { scope: "col" }, byId("show-measures"));
-    state.on(["fields", "hidden", "right", "colours", "theme", "measures"], () => this.build());
+    state.on(["fields", "hidden", "right", "colours", "traces", "theme", "measures"], () => this.build());
     state.on(["cursors"], () => {
       if ((state.values.cursors !== null) !== this.withCursors) this.build();
     });
@@ -50,7 +51,7 @@ export class Legend {
     this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
     const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
     byId("legend-head").replaceChildren(
-      head("", ""), head("", ""), head("trace", "name"), head("axis", ""), head("time", ""),
+      head("", ""), head("", ""), head("trace", "name"), head("plot", ""), head("axis", ""), head("time", ""),
       ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
     );
     const before = this.rows;
@@ -100,10 +101,12 @@ export class Legend {
       "aria-label": `remove ${field}`,
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
-    const name = make("td", { class: "name", title: field }, field, badge);
+    const name = make("td", { class: "name", title: `${field}: drag it to another plot` }, field, badge);
+    startDrag(name, state, field);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, shown), make("td", {}, colour), name,
+      make("td", { class: "choice" }, plotChoice(state, field)),
       make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, remove),
     );
     return { element, name, cells, time, badge };
@@ -117,7 +120,7 @@ export class Legend {
     for (const [field, { element, name, cells, time, badge }] of this.rows) {
       const measured = traces[field] || {};
       element.classList.toggle("gone", Boolean(measured.problem));
-      name.colSpan = measured.problem ? 3 + this.columns.length : 1; // the words take the room
+      name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
       if (measured.topic) time.show(measured.topic, measured.time);
       say(badge, missing(measured));
       badge.hidden = !badge.textContent;

@@ -50,7 +50,7 @@ export function wished({ measures, cursors, fields }, reference) {
  * Make the dialog work, and keep the server in step with it.
  * @param {import("./state.js").State} state
  * @param {import("./sweep.js").Sweep} sweep
- * @param {import("./plot.js").Plot} plot
+ * @param {import("./plots.js").Plots} plot
  * @param {import("./requests.js").Requests} requests
  * @returns {function(): void} opens the dialog
  */

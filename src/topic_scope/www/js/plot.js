@@ -1,7 +1,9 @@
 /** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
 
 import { clockTicks, zoneText } from "./clock.js";
+import { make } from "./dom.js";
 import { AutoRange, ticks } from "./numbers.js";
+import { axisName, axisOf, plotCount } from "./traces.js";
 
 /* global Dygraph */
 
@@ -9,6 +11,9 @@ const STYLE_NAMES = ["grid", "axis"];
 const PIXELS_PER_TICK = { x: 90, y: 46, y2: 46 };
 const LABEL_WIDTH = 58;
 const LETTER = 7; // pixels, of a label
+const TICK_PIXELS = 6; // that dygraphs leaves beside labels
+const RIGHT_GAP = 6; // pixels, where there is no axis
+const BELOW = 22; // pixels below a plot that has no time axis, for the lowest number beside it
 const SPARSE_PIXELS = 9; // samples at least so far apart are marked
 const OUTSIDE = /^\d+ points out of [XY] bounds:/;
 
@@ -27,26 +32,31 @@ function drawQuietly(drawing) {
   }
 }
 
-/** The plot. */
+/** One plot: those of the traces that are in it. */
 export class Plot {
   /**
-   * @param {HTMLElement} element to draw in
+   * @param {HTMLElement} parent of its element
    * @param {import("./state.js").State} state
+   * @param {number} number from 1, the uppermost
    * @param {function(string): string} colourOf tells the colour of a field
    */
-  constructor(element, state, colourOf) {
-    this.element = element;
+  constructor(parent, state, number, colourOf) {
     this.state = state;
+    this.number = number;
     this.colourOf = colourOf;
-    this.auto = { y: new AutoRange(), y2: new AutoRange() };
-    this.listeners = [];
+    this.fields = []; // that are shown here
+    this.rows = []; // used again with each drawing
+    this.element = make("div", { class: "pane" });
+    parent.append(this.element);
+    this.forgetRanges();
     this.shown = null; // what was drawn last
     const axis = (name) => ({
-      ticker: (low, high, pixels) => ticks(low, high, pixels / PIXELS_PER_TICK[name]),
+      ticker: (low, high, pixels) =>
+        (name === "y" && this.onlyRight ? [] : ticks(low, high, pixels / PIXELS_PER_TICK[name])),
       axisLabelWidth: LABEL_WIDTH,
       drawGrid: name !== "y2",
     });
-    this.graph = new Dygraph(element, [[0, null]], {
+    this.graph = new Dygraph(this.element, [[0, null]], {
       labels: ["time", " "],
       axes: { x: { ...axis("x"), axisLabelWidth: 90, ticker: (...ends) => this.timeTicks(...ends) }, y: axis("y"), y2: axis("y2") },
       connectSeparatedPoints: true,
@@ -55,79 +65,96 @@ export class Plot {
       interactionModel: {},
       labelsKMB: false,
       legend: "never",
-      rightGap: 6,
+      rightGap: RIGHT_GAP,
       strokeWidth: 1.5,
       pointSize: 2,
       xLabelHeight: 20,
       yLabelWidth: 20,
     });
-    state.on(["fields", "right"], () => this.forgetRanges());
-    state.on(["theme"], () => this.restyle());
     this.restyle();
-    new ResizeObserver(() => drawQuietly(() => this.graph.resize())).observe(element);
+    this.observer = new ResizeObserver(() => drawQuietly(() => this.graph.resize()));
+    this.observer.observe(this.element);
   }
 
-  /**
-   * Have a function called after each drawing.
-   * @param {function(): void} listener
-   */
-  onDrawn(listener) {
-    this.listeners.push(listener);
+  /** Go away. */
+  remove() {
+    this.observer.disconnect();
+    this.graph.destroy();
+    this.element.remove();
   }
 
+  /** Find the vertical ranges anew, when other traces are here. */
   forgetRanges() {
     this.auto = { y: new AutoRange(), y2: new AutoRange() };
   }
 
+  /** Take the colours of the page. */
   restyle() {
     const style = getComputedStyle(document.documentElement);
     const [grid, axis] = STYLE_NAMES.map((name) => style.getPropertyValue(`--${name}`).trim());
+    this.axisColour = axis;
     this.graph.updateOptions({ gridLineColor: grid, axisLineColor: axis }, true);
   }
 
   /**
-   * Draw.
+   * Find how the vertical axes go, before drawing.
    * @param {{buffer: import("./buffer.js").TraceBuffer, reference: number, from: number,
    *   to: number}} shown
    */
-  draw(shown) {
-    const fields = this.state.shown;
-    const { axes, right } = this.state.values;
-    const onLeft = fields.filter((field) => !right.has(field));
-    const onlyRight = fields.length > 0 && !onLeft.length;
+  prepare(shown) {
+    const { right } = this.state.values;
+    const onLeft = this.fields.filter((field) => !right.has(field));
     this.shown = shown;
-    const ranges = {
+    this.onlyRight = this.fields.length > 0 && !onLeft.length;
+    this.isLowest = this.number === plotCount(this.state.values);
+    this.hasRight = onLeft.length < this.fields.length;
+    this.ranges = {
       y: this.rangeFor("y", onLeft),
-      y2: this.rangeFor("y2", fields.filter((field) => right.has(field))),
+      y2: this.rangeFor("y2", this.fields.filter((field) => right.has(field))),
     };
+    this.widths = { y: this.labelWidth(this.ranges.y), y2: this.labelWidth(this.ranges.y2) };
+  }
+
+  /**
+   * Draw what {@link prepare} was told.
+   * @param {?{y: number, y2: number}} widths of the labels of both axes, for all plots to have the
+   *   same edges; 0 where there is no axis; null for one plot alone
+   */
+  draw(widths) {
+    const { shown, fields, onlyRight, ranges } = this;
+    const { axes } = this.state.values;
+    const own = widths || this.widths;
+    const titleOf = (side) => axisOf(this.state.values, axisName(side, this.number)).title || null;
     const options = {
-      file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference),
+      file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference, this.rows),
       labels: ["time", ...(fields.length ? fields : [" "])],
       series: this.series(fields, shown.buffer),
       // A tick at the very end would be left out.
       dateWindow: [shown.from - shown.reference, shown.to - shown.reference + 1e-9],
       axes: {
-        // An axis without a trace has nothing to say: the grid is that of the other one.
+        // An axis without a trace has no numbers: the grid is that of the other one.
         y: {
           valueRange: ranges.y,
-          drawAxis: !onlyRight,
+          drawAxis: !onlyRight || (widths !== null && widths.y > 0),
           drawGrid: !onlyRight,
-          axisLabelWidth: this.labelWidth(ranges.y),
+          axisLabelWidth: own.y,
+          axisLineColor: onlyRight ? "transparent" : this.axisColour,
         },
         y2: {
           valueRange: ranges.y2,
-          axisLabelWidth: this.labelWidth(ranges.y2),
+          axisLabelWidth: own.y2,
           drawGrid: onlyRight,
           independentTicks: onlyRight,
         },
       },
-      xlabel: this.timeTitle(axes.x),
-      ylabel: axes.y.title || null,
-      y2label: axes.y2.title || null,
+      rightGap: RIGHT_GAP + (widths && widths.y2 && !this.hasRight ? widths.y2 + TICK_PIXELS : 0),
+      xAxisHeight: this.isLowest ? null : BELOW,
+      xlabel: this.isLowest ? this.timeTitle(axes.x) : null,
+      ylabel: titleOf("y"),
+      y2label: titleOf("y2"),
     };
     this.erase();
     drawQuietly(() => this.graph.updateOptions(options));
-    for (const listener of this.listeners) listener();
   }
 
   /**
@@ -149,7 +176,7 @@ export class Plot {
     const most = this.area.w / SPARSE_PIXELS;
     for (const field of fields) {
       series[field] = {
-        axis: this.axisOf(field),
+        axis: this.state.values.right.has(field) ? "y2" : "y",
         color: this.colourOf(field),
         drawPoints: buffer.filled(field) < most,
       };
@@ -157,13 +184,14 @@ export class Plot {
     return series;
   }
 
-  /** Round times, by the clock or from what the axis counts from. */
+  /** Round times, by the clock or from what the axis counts from; written below the lowest plot. */
   timeTicks(low, high, pixels) {
     const most = pixels / PIXELS_PER_TICK.x;
-    if (!this.state.values.axes.x.clock || !this.shown) return ticks(low, high, most);
-    const { reference } = this.shown;
-    return clockTicks(reference + low, reference + high, most)
-      .map(({ v, label }) => ({ v: v - reference, label }));
+    const { reference } = this.shown || { reference: 0 };
+    const places = this.state.values.axes.x.clock && this.shown
+      ? clockTicks(reference + low, reference + high, most).map(({ v, label }) => ({ v: v - reference, label }))
+      : ticks(low, high, most);
+    return this.isLowest ? places : places.map(({ v }) => ({ v }));
   }
 
   timeTitle({ title, clock }) {
@@ -178,7 +206,7 @@ export class Plot {
   }
 
   rangeFor(axis, fields) {
-    const { low, high } = this.state.values.axes[axis];
+    const { low, high } = axisOf(this.state.values, axisName(axis, this.number));
     const { buffer, from, to } = this.shown;
     const extent = buffer.extent(fields, from, to);
     const range = this.auto[axis].update(extent[0], extent[1], performance.now() / 1000);
@@ -186,18 +214,20 @@ export class Plot {
     return chosen[0] < chosen[1] ? chosen : range;
   }
 
-  /**
-   * Tell which vertical axis a field is on.
-   * @param {string} field
-   * @returns {"y"|"y2"}
-   */
-  axisOf(field) {
-    return this.state.values.right.has(field) ? "y2" : "y";
-  }
-
   /** Where the traces are: x, y, w and h in the element, pixels. */
   get area() {
     return this.graph.getArea();
+  }
+
+  /**
+   * Tell where a pointer is.
+   * @param {PointerEvent} event
+   * @returns {{across: number, up: number}} parts of the area, from the left and from below
+   */
+  at(event) {
+    const { left, top } = this.element.getBoundingClientRect();
+    const { x, y, w, h } = this.area;
+    return { across: (event.clientX - left - x) / w, up: 1 - (event.clientY - top - y) / h };
   }
 
   /**

@@ -6,7 +6,7 @@ const EVERY_MS = 50; // between two views while the wheel turns
 export class Requests {
   /**
    * @param {import("./state.js").State} state
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    * @param {import("./connection.js").Connection} connection
    * @param {import("./setup.js").Setup} setup
    */

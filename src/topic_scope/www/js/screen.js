@@ -4,13 +4,13 @@ import { byId, say } from "./dom.js";
 import { FrameRate } from "./frame_rate.js";
 import { figure } from "./numbers.js";
 
-const CHANGES = ["fields", "hidden", "right", "colours", "window", "end", "axes", "theme", "view"];
+const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "theme", "view"];
 
 /**
  * Draw the sweep whenever it or the state changes.
  * @param {import("./state.js").State} state
  * @param {import("./sweep.js").Sweep} sweep
- * @param {import("./plot.js").Plot} plot
+ * @param {import("./plots.js").Plots} plot
  * @returns {{refresh: function(): void}} refresh: draw with the next frame
  */
 export function startScreen(state, sweep, plot) {

@@ -3,12 +3,14 @@
 import { isChart } from "./charts.js";
 import { byId, make } from "./dom.js";
 import { notify } from "./link.js";
+import { isTraces, readTraces, writeTraces } from "./traces.js";
 
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;
 const VIEWS = ["scope", "graph", "robots"];
 const MODES = ["off", "normal", "auto", "single"];
 const EDGES = ["rising", "falling"];
+const VERTICAL = /^y2?(\.[2-8])?$/; // axes of the plots
 
 const isText = (value) => typeof value === "string";
 const isBound = (value) => value === null || Number.isFinite(value);
@@ -24,6 +26,7 @@ const PARTS = {
     write: (map) => Object.fromEntries(map),
     read: (object) => new Map(Object.entries(object)),
   },
+  traces: { ok: isTraces, write: writeTraces, read: readTraces },
   window: { ok: (value) => value > 0 && value <= 3600 },
   baseWindow: { ok: (value) => value > 0 && value <= 3600 },
   trigger: {
@@ -33,8 +36,9 @@ const PARTS = {
     write: ({ number, ...others }) => others,
   },
   axes: {
-    ok: ({ x, y, y2 }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&
-      [y, y2].every(({ title, low, high }) => isText(title) && isBound(low) && isBound(high)),
+    ok: ({ x, ...others }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&
+      others.y && others.y2 && Object.entries(others).every(([name, { title, low, high }]) =>
+      VERTICAL.test(name) && isText(title) && isBound(low) && isBound(high)),
   },
   cursors: { ok: (value) => value === null || (Number.isFinite(value.a) && Number.isFinite(value.b)) },
   chart: { ok: isChart },

@@ -1,5 +1,7 @@
 /** What the user has chosen: one object, and who wants to know of which part. */
 
+import { axisOf } from "./traces.js";
+
 /**
  * @typedef {Object} Axis
  * @property {string} title
@@ -16,6 +18,7 @@ const INITIAL = {
   hidden: new Set(),
   right: new Set(), // fields on the right axis
   colours: new Map(), // field -> colour picked by hand
+  traces: new Map(), // field -> what else is chosen for it, see traces.js
   history: 60,
   baseWindow: 5, // as selected
   window: 5, // as zoomed
@@ -23,7 +26,7 @@ const INITIAL = {
   reference: null, // what the time axis counts from; null follows
   trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising",
     hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the part of the window before it
-  axes: {
+  axes: { // and "y.2", "y2.2" and so on, of further plots
     x: { title: "time, s", clock: false },
     y: { title: "", low: null, high: null },
     y2: { title: "", low: null, high: null },
@@ -72,12 +75,11 @@ export class State {
 
   /**
    * Set a part of one axis.
-   * @param {"x"|"y"|"y2"} name
+   * @param {string} name "x", or of a vertical one as in traces.js
    * @param {Partial<Axis>} changes
    */
   setAxis(name, changes) {
-    const axes = this.values.axes;
-    this.set({ axes: { ...axes, [name]: { ...axes[name], ...changes } } });
+    this.set({ axes: { ...this.values.axes, [name]: { ...axisOf(this.values, name), ...changes } } });
   }
 
   /**

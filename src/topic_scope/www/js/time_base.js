@@ -36,7 +36,7 @@ export function timesOf(available, topic) {
  */
 export function goBy(state, name, time) {
   const next = parted(name)[0] + (time && `@${time}`);
-  const { fields, hidden, right, colours, trigger } = state.values;
+  const { fields, hidden, right, colours, traces, trigger } = state.values;
   if (fields.includes(next)) return;
   const renamed = (other) => (other === name ? next : other);
   state.set({
@@ -44,6 +44,7 @@ export function goBy(state, name, time) {
     hidden: new Set([...hidden].map(renamed)),
     right: new Set([...right].map(renamed)),
     colours: new Map([...colours].map(([field, colour]) => [renamed(field), colour])),
+    traces: new Map([...traces].map(([field, chosen]) => [renamed(field), chosen])),
   });
   if (trigger.field === name) state.setTrigger({ field: next });
 }

@@ -13,7 +13,7 @@ const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${t
  * Make the bar work.
  * @param {import("./state.js").State} state
  * @param {import("./view.js").View} view
- * @param {import("./plot.js").Plot} plot
+ * @param {import("./plots.js").Plots} plot
  * @param {import("./sweep.js").Sweep} sweep
  * @param {{chooser: function(): void, axes: function(): void,
  *   measures: function(): void}} open opens the dialogs

@@ -17,7 +17,7 @@ export class Trigger {
   /**
    * @param {HTMLElement} overlay of the plot
    * @param {import("./state.js").State} state
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    */
   constructor(overlay, state, plot) {
     this.state = state;
@@ -75,8 +75,11 @@ export class Trigger {
   }
 
   moveTo(part) {
-    const [low, high] = this.plot.range(this.plot.axisOf(this.state.values.trigger.field));
-    this.change({ level: rounded(low + part * (high - low), high - low) });
+    const axis = this.plot.axisOf(this.state.values.trigger.field);
+    const [low, high] = this.plot.range(axis);
+    const span = this.plot.spanOf(axis);
+    const inside = Math.min(Math.max((part - span.low) / (span.high - span.low), 0), 1);
+    this.change({ level: rounded(low + inside * (high - low), high - low) });
   }
 
   show() {
@@ -108,13 +111,19 @@ export class Trigger {
   placeLine() {
     const { trigger, hidden } = this.state.values;
     const shown = trigger.mode !== "off" && trigger.field && !hidden.has(trigger.field);
-    const [low, high] = this.plot.range(this.plot.axisOf(trigger.field));
+    const axis = this.plot.axisOf(trigger.field);
+    const [low, high] = this.plot.range(axis);
     const part = shown ? (trigger.level - low) / (high - low) : null;
-    this.line.place(part, trigger.level, figure(trigger.level));
+    const isInside = part >= -1e-6 && part <= 1 + 1e-6;
+    const span = this.plot.spanOf(axis);
+    const place = part === null || !isInside ? null : span.low + part * (span.high - span.low);
+    this.line.place(place, trigger.level, figure(trigger.level));
     // Where the level is outside of the view an arrow says where.
-    this.arrow.hidden = part === null || (part >= 0 && part <= 1);
+    this.arrow.hidden = part === null || isInside;
     if (this.arrow.hidden) return;
     this.arrow.classList.toggle("above", part > 1);
+    this.arrow.style.top = part > 1 ? `calc(${100 * (1 - span.high)}% + 4px)` : "auto";
+    this.arrow.style.bottom = part > 1 ? "auto" : `calc(${100 * span.low}% + 4px)`;
     say(this.arrow, `${part > 1 ? "▲" : "▼"} T ${figure(trigger.level)}`);
   }
 }

@@ -9,7 +9,7 @@ export class View {
   /**
    * @param {import("./state.js").State} state
    * @param {import("./sweep.js").Sweep} sweep
-   * @param {import("./plot.js").Plot} plot
+   * @param {import("./plots.js").Plots} plot
    */
   constructor(state, sweep, plot) {
     this.state = state;
@@ -72,7 +72,7 @@ export class View {
 
   /**
    * Zoom a vertical axis around one of its places.
-   * @param {"y"|"y2"} axis
+   * @param {string} axis its name, see traces.js
    * @param {number} factor below 1: closer
    * @param {number} at 0 at the lower edge, 1 at the upper one
    */
@@ -87,7 +87,7 @@ export class View {
 
   /**
    * Move a vertical axis.
-   * @param {"y"|"y2"} axis
+   * @param {string} axis its name, see traces.js
    * @param {number} part of its length, positive shows what is higher
    */
   panY(axis, part) {
@@ -100,9 +100,9 @@ export class View {
   reset() {
     const { baseWindow, end, reference, trigger } = this.state.values;
     const centred = end !== null && trigger.mode !== "off" && this.sweep.held;
-    this.state.setAxis("y", { low: null, high: null });
-    this.state.setAxis("y2", { low: null, high: null });
-    const change = { window: baseWindow };
+    const axes = { ...this.state.values.axes };
+    for (const name of Object.keys(axes)) if (name !== "x") axes[name] = { ...axes[name], low: null, high: null };
+    const change = { window: baseWindow, axes };
     if (end !== null) change.end = centred ? reference + baseWindow * after(trigger) : reference;
     this.state.set(change);
   }

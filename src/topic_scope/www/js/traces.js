@@ -1,0 +1,116 @@
+/** What is chosen for each trace besides its colour and its axis: which of the plots it is in. */
+
+/** Most plots, one below another. */
+export const PLOTS = 8;
+
+/**
+ * @typedef {Object} Chosen
+ * @property {number} plot that the trace is in, from 1, the uppermost
+ */
+const USUAL = Object.freeze({ plot: 1 });
+
+const FREE = Object.freeze({ title: "", low: null, high: null });
+
+/** Name of a vertical axis of one of the plots: that of the first one is "y" or "y2". */
+export const axisName = (side, plot) => (plot === 1 ? side : `${side}.${plot}`);
+
+/** Side and plot of the name of a vertical axis. */
+export function axisParts(name) {
+  const [side, plot] = name.split(".");
+  return [side, Number(plot || 1)];
+}
+
+/** A vertical axis, as it is set. */
+export const axisOf = ({ axes }, name) => axes[name] || FREE;
+
+/** What is chosen for a trace. */
+export const chosenOf = ({ traces }, field) => traces.get(field) || USUAL;
+
+/** How many plots there are. */
+export const plotCount = ({ fields, traces }) =>
+  Math.max(1, ...fields.map((field) => chosenOf({ traces }, field).plot));
+
+/** Names of the vertical axes that have something to say. */
+export function verticals(values) {
+  const names = [];
+  for (let plot = 1; plot <= plotCount(values); plot += 1) {
+    const inside = values.fields.filter((field) => chosenOf(values, field).plot === plot);
+    const onRight = inside.filter((field) => values.right.has(field));
+    if (onRight.length < inside.length || !inside.length) names.push(axisName("y", plot));
+    if (onRight.length) names.push(axisName("y2", plot));
+  }
+  return names;
+}
+
+/**
+ * Choose something for a trace.
+ * @param {import("./state.js").State} state
+ * @param {string} field
+ * @param {Partial<Chosen>} changes
+ */
+export function choose(state, field, changes) {
+  const { traces } = state.values;
+  state.set({ traces: new Map([...traces, [field, { ...chosenOf({ traces }, field), ...changes }]]) });
+}
+
+/** What is chosen for a trace that is new: that of the topic or part which stood for it before. */
+function inherited(traces, field) {
+  const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));
+  return whole ? whole[1] : USUAL;
+}
+
+/**
+ * Leave no plot empty, and forget traces that are gone; an axis stays with its plot.
+ * @param {Object} values of the state
+ * @returns {{traces: Map<string, Chosen>, axes: Object}} the values in their place
+ */
+export function arranged({ fields, traces, axes }) {
+  const known = new Map(fields.map((field) => [field, traces.get(field) || inherited(traces, field)]));
+  const used = [...new Set([...known.values()].map(({ plot }) => plot))].sort((a, b) => a - b);
+  if (!used.length) return { traces, axes }; // nothing to go by yet
+  const moved = { x: axes.x };
+  used.forEach((before, index) => {
+    for (const side of ["y", "y2"]) {
+      const axis = axes[axisName(side, before)];
+      if (axis || !index) moved[axisName(side, index + 1)] = axis || FREE;
+    }
+  });
+  const place = (one) => ({ ...one, plot: used.indexOf(one.plot) + 1 });
+  return { traces: new Map([...known].map(([field, one]) => [field, place(one)])), axes: moved };
+}
+
+/**
+ * Keep the plots in order, whatever is chosen.
+ * @param {import("./state.js").State} state made anew: what hears of changes later sees them in order
+ */
+export function keepArranged(state) {
+  let isBusy = false;
+  state.on(["fields", "traces"], (values) => {
+    if (isBusy) return;
+    isBusy = true;
+    state.set(arranged(values));
+    isBusy = false;
+  });
+}
+
+// --- In a set-up -----------------------------------------------------------------------------
+
+const CHECKS = {
+  plot: (value) => Number.isInteger(value) && value >= 1 && value <= PLOTS,
+};
+
+/** Tell whether what a set-up says of traces makes sense. */
+export const isTraces = (object) => Object.values(object).every((chosen) =>
+  Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
+
+/** Write what is chosen for traces, as far as it is not what is usual. */
+export function writeTraces(traces) {
+  const unusual = (chosen) => Object.fromEntries(
+    Object.entries(chosen).filter(([name, value]) => value !== USUAL[name]));
+  return Object.fromEntries([...traces].map(([field, chosen]) => [field, unusual(chosen)])
+    .filter(([, chosen]) => Object.keys(chosen).length));
+}
+
+/** Read what {@link writeTraces} has written. */
+export const readTraces = (object) => new Map(
+  Object.entries(object).map(([field, chosen]) => [field, { ...USUAL, ...chosen }]));

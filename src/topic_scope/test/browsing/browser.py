@@ -136,7 +136,7 @@ class Browser:
         """
         return self.driver.execute_async_script(
             "const [path, ...rest] = arguments; const done = rest.pop(); const a = rest;"
-            "import(path).then((module) => done({value: %s}))"
+            "import(path).then(async (module) => done({value: %s}))"
             ".catch((error) => done({error: String(error)}))" % expression,
             "/static/js/" + module,
             *arguments,

@@ -86,7 +86,8 @@ class Modules(unittest.TestCase):
             told = self.browser.call(
                 "traces.js",
                 "(() => { const [fields, plots, axes] = a;"
-                " const traces = new Map(Object.entries(plots).map(([f, plot]) => [f, { plot }]));"
+                " const traces = module.readTraces("
+                "Object.fromEntries(Object.entries(plots).map(([f, plot]) => [f, { plot }])));"
                 " const now = module.arranged({ fields, traces, axes });"
                 " return { plots: [...now.traces.values()].map(({ plot }) => plot),"
                 " fields: [...now.traces.keys()], axes: now.axes }; })()",
@@ -98,15 +99,38 @@ class Modules(unittest.TestCase):
             self.assertEqual(told["axes"], {"x": axes["x"], **axes_then})
 
     def test_what_is_chosen_for_traces_is_read_as_it_was_written(self) -> None:
+        chosen = {"/a": {"plot": 2}, "/b": {"slot": 7, "dash": "dotted"}}
+        wrong = [{"plot": 9}, {"plot": 1.5}, {"slot": -1}, {"dash": "wavy"}, {"other": 1}, None]
         told = self.browser.call(
             "traces.js",
-            "(() => { const traces = module.readTraces(a[0]);"
-            " return [module.writeTraces(traces), module.writeTraces(module.readTraces({ '/b': { plot: 1 } })),"
-            " a[1].map((wrong) => { try { return module.isTraces(wrong); } catch { return false; } })]; })()",
-            {"/a": {"plot": 2}},
-            [{"/a": {"plot": 9}}, {"/a": {"plot": 1.5}}, {"/a": {"other": 1}}, {"/a": None}],
+            "(() => { const written = module.writeTraces(module.readTraces(a[0]));"
+            " const judge = (one) => {"
+            " try { return module.isTraces({'/c': one}); } catch { return false; } };"
+            " return [written, module.isTraces(written), a[1].map(judge)]; })()",
+            chosen,
+            wrong,
         )
-        self.assertEqual(told, [{"/a": {"plot": 2}}, {}, [False] * 4])
+        self.assertEqual(told, [chosen, True, [False] * len(wrong)])
+
+    def test_no_two_of_forty_traces_look_alike_and_a_look_stays(self) -> None:
+        looks, after, written = self.browser.call(
+            "colours.js",
+            "await (async () => { const traces = await import('/static/js/traces.js');"
+            " const axes = { x: {} }, colours = new Map(), theme = 'light';"
+            " const names = Array.from({ length: 40 }, (_, index) => `/t/x${index}`);"
+            " const of = (values) => values.fields.map((field) => [field, JSON.stringify("
+            " [module.colourOf({ values }, field), module.dashOf({ values }, field)])]);"
+            " const shown = (fields, known) => ({ fields, colours, theme,"
+            " ...traces.arranged({ fields, axes, traces: known }) });"
+            " const all = shown(names, new Map());"
+            " const some = shown([...names.slice(5), '/new'], all.traces);"
+            " return [of(all), of(some), traces.writeTraces(all.traces)]; })()",
+        )
+        self.assertEqual(len({look for _, look in looks}), 40)
+        self.assertEqual(written, {})  # nothing of it needs to be said
+        # Those that stay keep theirs, and a new one has one that has become free.
+        self.assertEqual(after[:-1], looks[5:])
+        self.assertEqual(after[-1][1], looks[0][1])
 
     def test_the_clock_is_local(self) -> None:
         moments = [0, 1.7e9, 1.72e9 + 0.25, 1.72e9 + 59.9999]

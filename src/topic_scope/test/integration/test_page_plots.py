@@ -3,6 +3,7 @@
 
 import math
 import re
+from typing import Any
 
 import rospy
 import rostest
@@ -254,6 +255,47 @@ class Plots(PageTest):
         self.assertEqual(choice, "2")
         self.browser.keys("k")  # another kind of plot has them all in one
         self.assertFalse(self.browser.find("#overlay").is_displayed())
+
+    def strokes(self) -> Any:
+        """Return the lines of the next drawing: of each its colour, dashes and points, pixels."""
+        return self.browser.driver.execute_async_script(
+            "const [done] = arguments; const kind = CanvasRenderingContext2D.prototype;"
+            "const { beginPath, moveTo, lineTo, stroke } = kind; const lines = []; let points = [];"
+            "kind.beginPath = function() { points = []; return beginPath.call(this); };"
+            "kind.moveTo = function(x, y) { points.push([x, y, 0]); moveTo.call(this, x, y); };"
+            "kind.lineTo = function(x, y) { points.push([x, y, 1]); lineTo.call(this, x, y); };"
+            "kind.stroke = function() { if (points.length > 4) lines.push("
+            "[this.strokeStyle, this.getLineDash(), points]); return stroke.call(this); };"
+            "const look = () => { if (!lines.length) return requestAnimationFrame(look);"
+            "Object.assign(kind, { beginPath, moveTo, lineTo, stroke }); done(lines); };"
+            "requestAnimationFrame(look);"
+        )
+
+    def test_a_trace_has_a_colour_and_a_dash(self) -> None:
+        wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
+        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
+        self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
+        self.browser.choose("#trace-dash", "dotted")
+        self.browser.keys(Keys.ESCAPE)
+        # The colour is that of the second trace still.
+        expected = ["#c8553d", "#ff8f73"], [2, 3]
+        wait_until(
+            lambda: any(
+                look in expected[0] and dash == expected[1] for look, dash, _ in self.strokes()
+            ),
+            lambda: [line[:2] for line in self.strokes()],
+        )
+        wait_until(
+            lambda: "dotted" in self.browser.driver.current_url,
+            lambda: self.browser.driver.current_url,
+        )
+        self.browser.driver.refresh()
+        wait_until(
+            lambda: any(
+                look in expected[0] and dash == expected[1] for look, dash, _ in self.strokes()
+            ),
+            lambda: [line[:2] for line in self.strokes()],
+        )
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

@@ -33,10 +33,12 @@ export class Chart {
   /**
    * @param {HTMLElement} element to draw in
    * @param {function(string): string} colourOf tells the colour of a field
+   * @param {function(string): number[]} dashOf tells its dashes and gaps
    */
-  constructor(element, colourOf) {
+  constructor(element, colourOf, dashOf) {
     this.element = element;
     this.colourOf = colourOf;
+    this.dashOf = dashOf;
     this.canvas = make("canvas", {});
     this.readout = make("output", { class: "readout", hidden: true });
     element.append(this.canvas, this.readout);
@@ -146,6 +148,7 @@ export class Chart {
 
   drawLine(context, { field, xs, ys }) {
     context.strokeStyle = this.colourOf(field);
+    context.setLineDash(this.dashOf(field));
     context.lineWidth = 1.5;
     context.lineJoin = "round";
     context.beginPath();
@@ -156,6 +159,7 @@ export class Chart {
       isDown = isThere;
     }
     context.stroke();
+    context.setLineDash([]);
   }
 
   drawMarks(context, { field, marks }) {

@@ -1,6 +1,7 @@
 /** The kinds of plot besides that over time: spectra, and one trace over another. */
 
 import { Chart } from "./chart.js";
+import { dashOf } from "./colours.js";
 import { byId, make } from "./dom.js";
 import { figure } from "./numbers.js";
 
@@ -63,7 +64,7 @@ export function spectra(traces, fields, scale) {
  * @returns {{onSpectrum: function(Object): void, onXy: function(Object): void, chart: Chart}}
  */
 export function startCharts(state, requests, colourOf) {
-  const chart = new Chart(byId("chart"), colourOf);
+  const chart = new Chart(byId("chart"), colourOf, (field) => dashOf(state, field));
   const kinds = byId("kind");
   kinds.append(...KINDS.map(([value, text]) => make("option", { value }, text)));
   const controls = make("div", { class: "chart-controls" });
@@ -109,7 +110,7 @@ export function startCharts(state, requests, colourOf) {
     requests.sendChart(wantedChart(state.values));
   }
 
-  state.on(["chart", "fields"], follow);
+  state.on(["chart", "fields", "traces"], follow);
   fill();
   return {
     chart,

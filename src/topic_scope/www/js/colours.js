@@ -1,4 +1,6 @@
-/** Colours of the traces, and light or dark. */
+/** Colours and dashes of the traces, and light or dark. */
+
+import { DASHES, chosenOf } from "./traces.js";
 
 const LIGHT = [
   "#0b66c3", "#c8553d", "#1f8a55", "#b07a00", "#7a4fc0",
@@ -9,15 +11,47 @@ const DARK = [
   "#3fd0dc", "#f783c4", "#c6d45a", "#d9996f", "#a6b6c8",
 ];
 
+const slotOf = ({ values }, field) =>
+  chosenOf(values, field).slot ?? Math.max(0, values.fields.indexOf(field));
+
 /**
- * Tell the colour of a trace, the picked one or one by its place in the list.
+ * Tell the colour of a trace, the picked one or that of its slot. With the dash no two traces look
+ * alike by themselves, before there are forty.
  * @param {import("./state.js").State} state
  * @param {string} field
  * @returns {string} #rrggbb
  */
 export function colourOf(state, field) {
-  const { colours, fields } = state.values;
-  return colours.get(field) || paletteColour(state, Math.max(0, fields.indexOf(field)));
+  return state.values.colours.get(field) || paletteColour(state, slotOf(state, field));
+}
+
+/**
+ * Tell the dash of a trace, the picked one or that of its slot.
+ * @param {import("./state.js").State} state
+ * @param {string} field
+ * @returns {number[]} dashes and gaps in turn, pixels; none for a line without gaps
+ */
+export function dashOf(state, field) {
+  const { dash } = chosenOf(state.values, field);
+  if (dash) return DASHES.get(dash);
+  const patterns = [...DASHES.values()];
+  return patterns[Math.floor(slotOf(state, field) / LIGHT.length) % patterns.length];
+}
+
+/**
+ * Paint a sample of a trace's line.
+ * @param {import("./state.js").State} state
+ * @param {string} field
+ * @returns {string} as CSS has it for a background
+ */
+export function sampleOf(state, field) {
+  const colour = colourOf(state, field);
+  let at = 0;
+  const parts = dashOf(state, field).map((length, index) => {
+    at += length;
+    return `${index % 2 ? "transparent" : colour} ${at - length}px ${at}px`;
+  });
+  return parts.length ? `repeating-linear-gradient(90deg, ${parts.join(", ")})` : colour;
 }
 
 /**

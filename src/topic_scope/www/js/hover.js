@@ -1,6 +1,7 @@
 /** Tells the time and the values under the pointer. */
 
 import { clockText } from "./clock.js";
+import { sampleOf } from "./colours.js";
 import { make } from "./dom.js";
 import { figure } from "./numbers.js";
 
@@ -48,7 +49,7 @@ export class Hover {
     const time = shown.from + this.part * (shown.to - shown.from);
     const value = (field) => figure(shown.buffer.at(field, time), 5, this.spreadOf(field));
     this.box.replaceChildren(make("b", {}, this.timeText(time, shown)), ...fields.flatMap((field) => [
-      make("i", { style: `background: ${this.plot.colourOf(field)}` }),
+      make("i", { style: `background: ${sampleOf(this.state, field)}` }),
       make("span", {}, field), make("span", { class: "figure" }, value(field)),
     ]));
     this.line.style.left = `${100 * this.part}%`;

@@ -1,6 +1,6 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
-import { colourOf } from "./colours.js";
+import { colourOf, dashOf, sampleOf } from "./colours.js";
 import { byId, make, press, say } from "./dom.js";
 import { LEVELS, shownFigures } from "./measures.js";
 import { figure } from "./numbers.js";
@@ -27,9 +27,11 @@ export class Legend {
    * @param {import("./state.js").State} state
    * @param {import("./plots.js").Plots} plot
    * @param {import("./cursors.js").Cursors} cursors
+   * @param {function(string): void} openTrace opens the dialog of a trace
    */
-  constructor(state, plot, cursors) {
+  constructor(state, plot, cursors, openTrace) {
     this.state = state;
+    this.openTrace = openTrace;
     this.cursors = cursors;
     this.rows = new Map();
     this.spreads = new Map(); // field -> from its least to its greatest value
@@ -94,6 +96,14 @@ export class Legend {
     press(axis, right.has(field));
     const time = new TimeChoice(state, field);
     const badge = make("span", { class: "badge", role: "status", hidden: true });
+    const more = make("button", {
+      type: "button",
+      class: "quiet",
+      title: "dash, steps, gain and offset of the trace",
+      "aria-label": `more of ${field}`,
+      "data-control": `more ${field}`,
+      click: () => this.openTrace(field),
+    }, "⋯");
     const remove = make("button", {
       type: "button",
       class: "quiet",
@@ -101,13 +111,16 @@ export class Legend {
       "aria-label": `remove ${field}`,
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
-    const name = make("td", { class: "name", title: `${field}: drag it to another plot` }, field, badge);
+    const name = make("td", { class: "name", title: `${field}: drag it to another plot` },
+      make("i", {
+        class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
+      }), field, badge);
     startDrag(name, state, field);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, shown), make("td", {}, colour), name,
       make("td", { class: "choice" }, plotChoice(state, field)),
-      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, remove),
+      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, more, remove),
     );
     return { element, name, cells, time, badge };
   }

@@ -1,6 +1,7 @@
 /** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
 
 import { clockTicks, zoneText } from "./clock.js";
+import { dashOf } from "./colours.js";
 import { make } from "./dom.js";
 import { AutoRange, ticks } from "./numbers.js";
 import { axisName, axisOf, plotCount } from "./traces.js";
@@ -178,6 +179,7 @@ export class Plot {
       series[field] = {
         axis: this.state.values.right.has(field) ? "y2" : "y",
         color: this.colourOf(field),
+        strokePattern: dashOf(this.state, field),
         drawPoints: buffer.filled(field) < most,
       };
     }

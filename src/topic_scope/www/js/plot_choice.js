@@ -23,6 +23,7 @@ export function plotChoice(state, field) {
   const next = nextPlot(state.values, field);
   const numbers = Array.from({ length: plotCount(state.values) }, (_, index) => [index + 1, index + 1]);
   const select = make("select", {
+    class: "plots",
     "aria-label": `plot of ${field}`,
     "data-control": `plot ${field}`,
     title: "the plot that the trace is in",

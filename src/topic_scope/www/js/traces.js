@@ -1,13 +1,20 @@
-/** What is chosen for each trace besides its colour and its axis: which of the plots it is in. */
+/** What is chosen for each trace besides its axis and the colour that a user has picked. */
 
 /** Most plots, one below another. */
 export const PLOTS = 8;
 
+/** Dashes and gaps of a line by name, pixels; as many slots as there are colours go with each. */
+export const DASHES = new Map([
+  ["solid", []], ["dashed", [9, 4]], ["dotted", [2, 3]], ["dash-dot", [9, 3, 2, 3]],
+]);
+
 /**
  * @typedef {Object} Chosen
  * @property {number} plot that the trace is in, from 1, the uppermost
+ * @property {?number} slot by which it gets a look that no other trace has; null: none yet
+ * @property {string} dash name of a dash, "" for that of its slot
  */
-const USUAL = Object.freeze({ plot: 1 });
+const USUAL = Object.freeze({ plot: 1, slot: null, dash: "" });
 
 const FREE = Object.freeze({ title: "", low: null, high: null });
 
@@ -53,14 +60,26 @@ export function choose(state, field, changes) {
   state.set({ traces: new Map([...traces, [field, { ...chosenOf({ traces }, field), ...changes }]]) });
 }
 
-/** What is chosen for a trace that is new: that of the topic or part which stood for it before. */
+/** What is chosen for a trace that is new: the plot of the topic or part which stood for it before. */
 function inherited(traces, field) {
   const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));
-  return whole ? whole[1] : USUAL;
+  return whole ? { ...USUAL, plot: whole[1].plot } : USUAL;
+}
+
+/** Give each trace the slot that it has, or the first one that is free. */
+function withSlots(known) {
+  const taken = new Set([...known.values()].map(({ slot }) => slot));
+  return new Map([...known].map(([field, one]) => {
+    let slot = one.slot ?? 0;
+    if (one.slot === null) while (taken.has(slot)) slot += 1;
+    taken.add(slot);
+    return [field, { ...one, slot }];
+  }));
 }
 
 /**
- * Leave no plot empty, and forget traces that are gone; an axis stays with its plot.
+ * Leave no plot empty and no trace without a look, and forget traces that are gone; an axis stays
+ * with its plot.
  * @param {Object} values of the state
  * @returns {{traces: Map<string, Chosen>, axes: Object}} the values in their place
  */
@@ -76,7 +95,8 @@ export function arranged({ fields, traces, axes }) {
     }
   });
   const place = (one) => ({ ...one, plot: used.indexOf(one.plot) + 1 });
-  return { traces: new Map([...known].map(([field, one]) => [field, place(one)])), axes: moved };
+  const traceOf = ([field, one]) => [field, place(one)];
+  return { traces: new Map([...withSlots(known)].map(traceOf)), axes: moved };
 }
 
 /**
@@ -95,18 +115,23 @@ export function keepArranged(state) {
 
 // --- In a set-up -----------------------------------------------------------------------------
 
+const isWhole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
+
 const CHECKS = {
-  plot: (value) => Number.isInteger(value) && value >= 1 && value <= PLOTS,
+  plot: (value) => isWhole(value, 1, PLOTS),
+  slot: (value) => isWhole(value, 0, 1000),
+  dash: (value) => value === "" || DASHES.has(value),
 };
 
 /** Tell whether what a set-up says of traces makes sense. */
 export const isTraces = (object) => Object.values(object).every((chosen) =>
   Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
 
-/** Write what is chosen for traces, as far as it is not what is usual. */
+/** Write what is chosen for traces, as far as it is not what it would be by itself. */
 export function writeTraces(traces) {
-  const unusual = (chosen) => Object.fromEntries(
-    Object.entries(chosen).filter(([name, value]) => value !== USUAL[name]));
+  const isPlain = [...traces.values()].every(({ slot }, index) => slot === index);
+  const unusual = (chosen) => Object.fromEntries(Object.entries(chosen).filter(([name, value]) =>
+    value !== USUAL[name] && !(isPlain && name === "slot")));
   return Object.fromEntries([...traces].map(([field, chosen]) => [field, unusual(chosen)])
     .filter(([, chosen]) => Object.keys(chosen).length));
 }

@@ -125,7 +125,7 @@ def system(tool: Tool, up: str, other: str) -> None:
         port = probe.getsockname()[1]
     with composed(tool, up, port):
         wait_for("the page is seen on this machine", lambda: connects("127.0.0.1", port))
-        insist(first_message(port)["readonly"] is True, "who sees it can set nothing")
+        insist(greeting(port)["readonly"] is True, "who sees it can set nothing")
         wait_for(
             "/proc_signal is heard in a container of the network",
             lambda: answers(*tool.typed(other)),
@@ -161,8 +161,8 @@ def own_address() -> str:
         return str(probe.getsockname()[0])
 
 
-def first_message(port: int) -> Dict[str, Any]:
-    """Return what the oscilloscope says first to a page."""
+def greeting(port: int) -> Dict[str, Any]:
+    """Return what the oscilloscope welcomes a page with, once it has found the master."""
     lines = [
         *("GET /ws HTTP/1.1", f"Host: localhost:{port}", f"Origin: http://localhost:{port}"),
         *("Connection: Upgrade", "Upgrade: websocket", "Sec-WebSocket-Version: 13"),
@@ -173,10 +173,12 @@ def first_message(port: int) -> Dict[str, Any]:
         with link.makefile("rb") as stream:
             while stream.readline().strip():
                 pass
-            size = stream.read(2)[1]
-            if size > 125:
-                size = int.from_bytes(stream.read({126: 2, 127: 8}[size]), "big")
-            message: Dict[str, Any] = json.loads(stream.read(size))
+            message: Dict[str, Any] = {}
+            while message.get("type") != "hello":
+                size = stream.read(2)[1]
+                if size > 125:
+                    size = int.from_bytes(stream.read({126: 2, 127: 8}[size]), "big")
+                message = json.loads(stream.read(size))
     return message
 
 

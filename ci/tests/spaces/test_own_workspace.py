@@ -1,62 +1,90 @@
-"""What README says to copy into a workspace of one's own is all that it takes."""
+"""In a workspace of one's own: a clone of all of it builds, and of the packages few are enough."""
 
 import os
-import shutil
+import pathlib
+import re
 import signal
 import subprocess
-import time
-from typing import Dict
+from typing import Dict, Iterator, List, Set
+from xml.etree import ElementTree
 
 import pytest
-from conftest import SOURCES
+from conftest import PACKAGES, SOURCES
 
-COPIED = ("nodekit", "nodekit_msgs", "lifecycle_msgs", "basic_comms")
+WORKSPACE = SOURCES.parent
+PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
+READ = f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/lib/pages.bash'; page_commands \"$@\""
+
+
+def commands(section: str) -> List[str]:
+    """The commands of a section of the page, as they stand there."""
+    page = str(PAGE.relative_to(WORKSPACE))
+    printed = subprocess.check_output(["bash", "-c", READ, "bash", page, section], timeout=30)
+    return printed.decode().splitlines()
 
 
 @pytest.fixture(scope="module")
 def environment(
     tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]
 ) -> Dict[str, str]:
-    """The environment of a workspace with copies of these packages and nothing else."""
-    workspace = tmp_path_factory.mktemp("own")
-    for package in COPIED:
-        shutil.copytree(str(SOURCES / package), str(workspace / "src" / package))
-    # Without the tests' targets and what other languages would generate, which takes longest.
-    subprocess.check_call(
-        [
-            *("catkin_make", "--directory", str(workspace)),
-            "-DPYTHON_EXECUTABLE=/usr/bin/python3",
-            "-DCATKIN_ENABLE_TESTING=OFF",
-        ],
-        env={**underlay, "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs"},
+    """That of a user with a workspace. What languages but Python would generate takes longest."""
+    return {
+        **underlay,
+        "HOME": str(tmp_path_factory.mktemp("own")),
+        "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs",
+    }
+
+
+@pytest.fixture(scope="module")
+def launched(environment: Dict[str, str]) -> Iterator["subprocess.Popen[bytes]"]:
+    """What the page says: one command that builds, one that runs."""
+    build, run = commands("All of it in your own workspace")
+    pathlib.Path(environment["HOME"], "my_ws", "src").mkdir(parents=True)
+    subprocess.check_call(["bash", "-c", build.replace("URL", str(WORKSPACE))], env=environment)
+    # roslaunch and its shell get the Ctrl-C.
+    launch = subprocess.Popen(["bash", "-c", run], env=environment, start_new_session=True)
+    yield launch
+    os.killpg(launch.pid, signal.SIGINT)
+    launch.wait(timeout=60)
+
+
+def test_the_course_runs(launched: "subprocess.Popen[bytes]", environment: Dict[str, str]) -> None:
+    def within(*command: str) -> List[str]:
+        setup = 'source "$HOME/my_ws/devel/setup.bash" && exec "$@"'
+        return ["bash", "-c", setup, "bash", *command]
+
+    while subprocess.call(within("rosnode", "list"), env=environment, timeout=60) != 0:
+        assert launched.poll() is None
+    heard = subprocess.check_output(
+        within("rostopic", "echo", "-n", "1", "/proc_signal"), env=environment, timeout=60
     )
-    setup = 'source "$0/devel/setup.bash"; env -0'
-    listed = subprocess.check_output(["bash", "-c", setup, str(workspace)], env=underlay)
-    return dict(line.split("=", 1) for line in os.fsdecode(listed).split("\0") if line)
+    assert heard.startswith(b"data: ")
+    described = subprocess.check_output(
+        within("rosrun", "nodekit", "describe", "/process"), env=environment, timeout=60
+    )
+    assert b"amplitude_scale" in described
 
 
-def test_the_course_runs(environment: Dict[str, str]) -> None:
-    launch = subprocess.Popen(["roslaunch", "basic_comms", "cw1.launch"], env=environment)
-    try:
-        give_up = time.monotonic() + 60.0
-        while subprocess.call(["rosnode", "list"], env=environment, timeout=60) != 0:
-            assert launch.poll() is None and time.monotonic() < give_up
-        heard = subprocess.check_output(
-            ["rostopic", "echo", "-n", "1", "/proc_signal"], env=environment, timeout=60
-        )
-        assert heard.startswith(b"data: ")
-        described = subprocess.check_output(
-            ["rosrun", "nodekit", "describe", "/process"], env=environment, timeout=60
-        )
-        assert b"amplitude_scale" in described
-    finally:
-        launch.send_signal(signal.SIGINT)
-        launch.wait(timeout=60)
+def needed(package: str) -> Set[str]:
+    """The packages of the workspace that one needs, and itself; not those of its tests."""
+    names = {folder.name for folder in PACKAGES}
+    tags = ElementTree.parse(str(SOURCES / package / "package.xml")).getroot()
+    found = {package}
+    for tag in tags:
+        name = (tag.text or "").strip()
+        if tag.tag.endswith("depend") and tag.tag != "test_depend" and name in names:
+            found |= needed(name)
+    return found
 
 
-def test_no_other_package_is_there(environment: Dict[str, str]) -> None:
-    for package in ("topic_scope", "motor_control"):
-        found = subprocess.run(
-            ["rospack", "find", package], env=environment, stderr=subprocess.DEVNULL
-        )
-        assert found.returncode != 0
+def test_what_the_page_says_to_copy_is_all_that_is_needed() -> None:
+    section = PAGE.read_text("utf-8").partition("\n## Take nodekit")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\|.*\| (nodekit, .*) \|$", section, re.MULTILINE)
+    copied = [row.split(", ") for row in rows]
+    copied += [
+        re.findall(r"src/(\w+)", line)
+        for line in commands("Take nodekit into your own workspace")[:1]
+    ]
+    assert len(copied) == 4
+    for names in copied:
+        assert set().union(*map(needed, names)) == set(names)

@@ -1,0 +1,167 @@
+"""ci/release changes versions and changelogs; nothing where a check in a clone is bad."""
+
+import datetime
+import os
+import pathlib
+import shutil
+import subprocess
+import textwrap
+from typing import List
+
+import pytest
+from conftest import CI
+
+TITLE = "^^^^^\nTitle\n^^^^^\n\n"
+CHECKS = ("test", "clean-room", "deb", "container")
+TODAY = datetime.date.today().isoformat()
+
+
+class Copy:
+    """A small workspace under git, whose checks only note that they were called."""
+
+    def __init__(self, root: pathlib.Path) -> None:
+        self.root = root
+        self.journal = root.parent / "journal"
+        (root / "ci" / "lib").mkdir(parents=True)
+        for name in ("release", "lib/release.py"):
+            shutil.copy(str(CI / name), str(root / "ci" / name))
+        for name in (*CHECKS, "exec"):
+            self.script(name, "")
+        self.script("deb", "mkdir -p dist/bookworm/earlier dist/trixie; : >dist/bookworm/a.deb")
+        self.script("test", "mkdir -p docs/_build/html; : >docs/_build/html/index.html")
+        self.script(
+            "exec", '[ "$1" = rostest ] && [ "$ADD_PROMISES" = 1 ] && echo new >>docs/table'
+        )
+        self.write(".gitignore", "/dist/\n/docs/_build/\n")
+        self.write("docs/table", "old\n")
+        self.write("docs/releases.md", "# Releases\n\n## 1.2.0\n\nGood.\n")
+        for name, log in (("one", "Forthcoming\n-----------\n* Add it.\n\n"), ("two", "")):
+            self.write(
+                f"src/{name}/package.xml", "<package>\n  <version>0.9.0</version>\n</package>\n"
+            )
+            self.write(f"src/{name}/CHANGELOG.rst", f"{TITLE}{log}0.9.0 (2026-01-02)\n-----\n")
+        self.git("init", "--quiet")
+        self.commit()
+
+    def script(self, name: str, body: str) -> None:
+        """Write a program of ci/."""
+        line = f'echo "{name} $(git log -1 --format=%s)" >>"{self.journal}"'
+        self.write(f"ci/{name}", f"#!/bin/sh -e\n{line}\n{body}\n")
+        (self.root / "ci" / name).chmod(0o755)
+
+    def write(self, name: str, text: str) -> None:
+        """Write a file."""
+        (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / name).write_text(text)
+
+    def read(self, name: str) -> str:
+        """Read a file."""
+        return (self.root / name).read_text()
+
+    def git(self, *arguments: str) -> str:
+        """Return what git prints."""
+        return subprocess.check_output(
+            ["git", *arguments], cwd=str(self.root), universal_newlines=True
+        )
+
+    def commit(self) -> None:
+        """Commit everything."""
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--message", "Begin")
+
+    def state(self) -> List[str]:
+        """What a release changes."""
+        return [self.git("log", "--all", "--format=%H"), self.git("status", "--porcelain")]
+
+    def release(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        """Run it."""
+        return subprocess.run(
+            [str(self.root / "ci" / "release"), *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+            timeout=60,
+        )
+
+
+@pytest.fixture
+def copy(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
+    for role in ("AUTHOR", "COMMITTER"):
+        monkeypatch.setenv(f"GIT_{role}_NAME", "somebody")
+        monkeypatch.setenv(f"GIT_{role}_EMAIL", "somebody@example.invalid")
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
+    return Copy(tmp_path / "workspace")
+
+
+def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
+    done = copy.release("1.2.0")
+    assert done.returncode == 0, done.stderr
+    heading = f"1.2.0 ({TODAY})\n------------------\n"
+    assert copy.read("src/one/CHANGELOG.rst").startswith(f"{TITLE}{heading}* Add it.\n\n0.9.0 (")
+    # One that nothing has changed in has a version like all others.
+    assert copy.read("src/two/CHANGELOG.rst").startswith(f"{TITLE}{heading}\n0.9.0 (")
+    for name in ("one", "two"):
+        assert "<version>1.2.0</version>" in copy.read(f"src/{name}/package.xml")
+    assert copy.read("docs/table") == "old\nnew\n"
+    assert copy.git("status", "--porcelain") == ""
+    assert copy.git("log", "-1", "--format=%s %d").startswith("Release 1.2.0  (HEAD -> ")
+    assert copy.git("describe").strip() == "1.2.0"
+    # The checks saw the very commit that was tagged.
+    expected = ["exec Begin", *(f"{name} Release 1.2.0" for name in CHECKS)]
+    assert copy.journal.read_text().splitlines() == expected
+    built = copy.root / "dist" / "1.2.0"
+    assert sorted(str(path.relative_to(built)) for path in built.rglob("*.*")) == [
+        "bookworm/a.deb",
+        "docs/index.html",
+    ]
+    assert not (built / "bookworm" / "earlier").exists()
+
+
+@pytest.mark.parametrize("check", ["exec", "test", "deb", "container"])
+def test_nothing_is_released_where_a_check_is_bad(copy: Copy, check: str) -> None:
+    copy.script(check, "exit 3")
+    copy.commit()
+    before = copy.state()
+    done = copy.release("1.2.0")
+    assert done.returncode == 1
+    assert f"ci/{check}" in done.stderr and "status 3: nothing was released" in done.stderr
+    assert copy.state() == before
+    assert copy.git("tag") == "" and not (copy.root / "dist").exists()
+
+
+def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
+    before = copy.state()
+    done = copy.release("--dry-run", "1.2.0")
+    assert done.returncode == 0, done.stderr
+    assert "+  <version>1.2.0</version>" in done.stdout
+    assert f"-Forthcoming\n------------\n+1.2.0 ({TODAY})" in done.stdout
+    assert all(f"would run ./ci/{name}" in done.stdout for name in CHECKS)
+    assert copy.state() == before and not copy.journal.exists()
+
+
+@pytest.mark.parametrize(
+    "version, said",
+    [
+        ("1.2", "the version is '1.2': must be three numbers"),
+        ("01.2.0", "must be three numbers"),
+        ("0.9.0", "one has the version 0.9.0: must be below 0.9.0"),
+        ("0.10.0", "docs/releases.md has no part '## 0.10.0'"),
+        ("1.2.0", "there is a tag 1.2.0 already"),
+        ("1.3.0", "something is not committed: ?? stray"),
+    ],
+)
+def test_what_cannot_be_released_is_refused(copy: Copy, version: str, said: str) -> None:
+    if "tag" in said:
+        copy.git("tag", version)
+    if "stray" in said:
+        copy.write("stray", "")
+    done = copy.release(version)
+    assert (done.returncode, done.stdout) == (125, "")
+    assert said in done.stderr
+    assert not copy.journal.exists()
+
+
+def test_usage_is_shown() -> None:
+    done = subprocess.run([str(CI / "release")], stdout=subprocess.PIPE, timeout=10)
+    assert done.returncode == 125
+    assert textwrap.dedent(done.stdout.decode()).startswith("Usage: ci/release")

@@ -38,6 +38,10 @@ _TIER = "is a step of ci/test itself"
 NOT_TYPED = {
     "README.md": {"./ci/test": _TIER},
     "docs/benchmark.md": {"./ci/bench": "takes up to ten minutes of a quiet machine"},
+    "docs/container.md": {
+        line: "takes minutes of building, and podman: ci/container types it"
+        for line in ("podman", "./ci/container")
+    },
     "docs/development.md": {"./ci/exec python3 -m": _TIER, "./ci/exec rostest": _TIER},
     "docs/nodes/my_robot_package.md": {
         line: "logs errors on purpose: my_robot_package's nodes.test does it"
@@ -63,8 +67,14 @@ NOT_TYPED = {
         "ssh": _TWO_HOSTS,
     },
     "docs/tutorials/other_packages.md": {
-        line: "builds for a minute: test_own_workspace.py of ci/test does it"
-        for line in ("cp -r", "cd ~/my_ws", "source devel", "roslaunch")
+        **{
+            line: "builds for a while: test_own_workspace.py of ci/test does it"
+            for line in ("git clone", "source ~/my_ws")
+        },
+        **{
+            line: "is the same for some packages: test_own_workspace.py looks at what these need"
+            for line in ("cp -r", "cd ~/my_ws", "source devel", "roslaunch")
+        },
     },
     "docs/tutorials/package_in_python.md": {
         line: _TIER for line in ("catkin_make run_tests", "rostest", "python3 -m pytest")

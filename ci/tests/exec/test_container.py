@@ -1,0 +1,76 @@
+"""ci/container types its page's commands, and README's ways in are those of the pages."""
+
+import re
+import subprocess
+from typing import List
+
+import pytest
+import yaml
+from conftest import CI
+
+WORKSPACE = CI.parent
+README = (WORKSPACE / "README.md").read_text("utf-8")
+
+
+def commands(page: str, section: str) -> List[str]:
+    """The commands of a section of a page."""
+    script = f"workspace='{WORKSPACE}'; source '{CI}/lib/pages.bash'; page_commands \"$@\""
+    printed = subprocess.check_output(["bash", "-c", script, "bash", page, section], timeout=30)
+    return printed.decode().splitlines()
+
+
+def test_the_commands_are_those_that_the_proof_takes() -> None:
+    lines = commands("docs/container.md", "Build and run")
+    assert [line.split()[:2] for line in lines] == [
+        ["podman", "build"],
+        ["podman", "run"],
+        ["podman", "exec"],
+    ]
+    up, other = commands("docs/container.md", "With the oscilloscope")
+    assert up == "podman-compose --file packaging/compose.yaml up"
+    assert other.startswith("podman run --rm --network basic_comms ")
+
+
+@pytest.mark.parametrize(
+    "page, section",
+    [
+        ("docs/packaging.md", "Install"),
+        ("docs/container.md", "Build and run"),
+        ("docs/tutorials/other_packages.md", "All of it in your own workspace"),
+    ],
+)
+def test_a_way_in_that_readme_tells_is_that_of_its_page(page: str, section: str) -> None:
+    (row,) = [line for line in README.splitlines() if line.startswith("|") and f"]({page}" in line]
+    told = re.findall(r"`([^`]* [^`]*)`", row)
+    assert len(told) == 2
+    assert told == commands(page, section)[:2]
+
+
+def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> None:
+    composed = yaml.safe_load((WORKSPACE / "packaging" / "compose.yaml").read_text("utf-8"))
+    services = composed["services"]
+    published = [(name, port) for name in services for port in services[name].get("ports", [])]
+    assert published == [("scope", "127.0.0.1:${SCOPE_PORT:-8080}:8080")]
+    assert services["course"]["networks"] == ["ros"]
+    assert composed["networks"]["ros"] == {"name": "basic_comms", "internal": True}
+    for service in services.values():
+        assert service["read_only"] is True and service["cap_drop"] == ["ALL"]
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        (["--only", "bake"], "no part 'bake'"),
+        (["--base"], "--base takes the name of an image"),
+        (["--other"], "Usage: ci/container"),
+    ],
+)
+def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None:
+    result = subprocess.run(
+        [str(CI / "container"), *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        timeout=10,
+    )
+    assert result.returncode == 125
+    assert said in result.stdout.decode()

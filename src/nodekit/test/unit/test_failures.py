@@ -6,6 +6,8 @@ import pytest
 import rospy
 import rospy.core
 
+from nodekit.execution.groups import Group
+from nodekit.life.callbacks import Callback
 from nodekit.messaging import failures
 
 
@@ -48,3 +50,16 @@ def test_what_fails_when_the_end_has_begun_is_counted_only(
     what: Any = failures.Failures()
     fail(what)
     assert (what.count, logged) == (1, [])
+
+
+@pytest.mark.parametrize("call", [Callback.call, Callback.call_inside])
+def test_what_fails_because_its_node_is_closed_meanwhile_is_counted_only(
+    logged: List[str], call: Any
+) -> None:
+    def publish_to_what_is_closed() -> None:
+        callback.close()
+        raise rospy.ROSException("publish() to a closed publisher")
+
+    callback = Callback(Group(), publish_to_what_is_closed, "/topic")
+    call(callback)
+    assert (callback.failures.count, logged) == (1, [])

@@ -74,7 +74,7 @@ class Callback:
             if not self.closed:
                 self.function(*arguments)
         except BaseException:
-            self.failures.note(self.what)
+            self.failures.note(self.what, self.closed)
         finally:
             group.leave()
 
@@ -87,7 +87,7 @@ class Callback:
             if not self.closed:
                 self.function(*arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
-            self.failures.note(self.what)
+            self.failures.note(self.what, self.closed)
 
     def close(self) -> None:
         """Begin no call any more; one that is under way goes on."""
@@ -139,7 +139,7 @@ class Answering(Callback):
         except rospy.ServiceException:
             raise
         except BaseException as error:  # SystemExit too: the client would wait for its answer
-            self.failures.note(self.what)
+            self.failures.note(self.what, self.closed)
             raise rospy.ServiceException(str(error) or repr(error)) from error
 
     def _answer_waiting(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:

@@ -10,6 +10,8 @@ from roslaunch.config import ROSLaunchConfig
 from roslaunch.core import Node
 from roslaunch.xmlloader import XmlLoader
 
+from nodekit.testing.launch_files import load_launch
+
 #: The folder of the launch files.
 LAUNCH = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch")
 
@@ -21,10 +23,7 @@ def load(command: str, *more: str) -> ROSLaunchConfig:
     :param more: further arguments, not split at blanks
     """
     name, *arguments = shlex.split(command)
-    config = ROSLaunchConfig()
-    loader = XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=arguments + list(more), verbose=False)
+    config = load_launch("basic_comms", name, *arguments, *more)
     config.assign_machines()
     return config
 

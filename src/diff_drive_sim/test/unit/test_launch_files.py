@@ -1,18 +1,20 @@
 """What the launch files hand to the nodes; nothing is started here."""
 
+import functools
 import os
 from typing import Any, Dict
 
 import pytest
 import rospkg
 from roslaunch import RLException
-from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
 
 from diff_drive_sim.nodes.diff_drive_fleet import FleetParameters
 from diff_drive_sim.robot_parameters import RobotParameters
+from nodekit.testing.launch_files import load_launch, private_parameters
 
-LAUNCH = os.path.join(rospkg.RosPack().get_path("diff_drive_sim"), "launch")
+CONFIG = os.path.join(rospkg.RosPack().get_path("diff_drive_sim"), "config")
+
+load = functools.partial(load_launch, "diff_drive_sim")
 
 #: For each argument its parameter, and a value other than the default.
 ROBOT: Dict[str, Any] = {
@@ -38,35 +40,17 @@ FLEET: Dict[str, Any] = {
 }
 
 
-def load(name: str, *arguments: str) -> ROSLaunchConfig:
-    """Load a launch file as roslaunch does with these arguments."""
-    config = ROSLaunchConfig()
-    loader = XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
-    return config
-
-
-def settings(config: ROSLaunchConfig, node: str = "/diff_drive") -> Dict[str, Any]:
-    """Return the private parameters of a node by name, without ``managed``."""
-    prefix = node + "/"
-    values = {key: parameter.value for key, parameter in config.params.items()}
-    values.pop(prefix + "managed", None)
-    return {key[len(prefix) :]: values[key] for key in values if key.startswith(prefix)}
-
-
 @pytest.mark.parametrize("argument", ROBOT)
 def test_each_argument_of_a_robot_reaches_its_parameter(argument: str) -> None:
     name, value = ROBOT[argument]
-    found = settings(load("diff_drive.launch", f"{argument}:={value}"))
+    found = private_parameters(load("diff_drive.launch", f"{argument}:={value}"), "/diff_drive")
     assert RobotParameters(**found) == RobotParameters(**{name: value})
 
 
 @pytest.mark.parametrize("argument", FLEET)
 def test_each_argument_of_a_fleet_reaches_its_parameter(argument: str) -> None:
     name, value = FLEET[argument]
-    found = settings(load("fleet.launch", f"{argument}:={value}"), "/diff_drive_fleet")
+    found = private_parameters(load("fleet.launch", f"{argument}:={value}"), "/diff_drive_fleet")
     assert FleetParameters(**found) == FleetParameters(**{name: value})
 
 
@@ -75,12 +59,12 @@ def test_model_and_world_are_chosen_by_name_or_by_file(name: str) -> None:
     """Course 001-robot-1."""
     config = load(name, "model:=waffle", "world:=arena")
     (node,) = config.nodes
-    found = settings(config, "/" + node.name)
+    found = private_parameters(config, "/" + node.name)
     assert (found["wheel_separation"], len(found["walls"])) == (0.287, 4)
-    world = os.path.join(LAUNCH, "..", "config", "worlds", "arena.yaml")
-    model = os.path.join(LAUNCH, "..", "config", "models", "waffle.yaml")
+    world = os.path.join(CONFIG, "worlds", "arena.yaml")
+    model = os.path.join(CONFIG, "models", "waffle.yaml")
     config = load(name, f"model_file:={model}", f"world_file:={world}")
-    assert settings(config, "/" + node.name) == found
+    assert private_parameters(config, "/" + node.name) == found
 
 
 @pytest.mark.parametrize("name", ["diff_drive.launch", "fleet.launch"])

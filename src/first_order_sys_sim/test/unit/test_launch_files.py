@@ -1,18 +1,20 @@
 """What the launch files hand to the node; nothing is started here."""
 
+import functools
 import os
 from typing import Any, Dict, List, Tuple
 from xml.dom import minidom
 
 import pytest
 import rospkg
-from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
 
 from first_order_sys_sim.system_parameters import SystemParameters
+from nodekit.testing.launch_files import load_launch, node_names, private_parameters
 
 LAUNCH = os.path.join(rospkg.RosPack().get_path("first_order_sys_sim"), "launch")
 NODE = "/first_order_sys"
+
+load = functools.partial(load_launch, "first_order_sys_sim")
 
 #: For each argument of system.launch its parameter, and a value other than the default.
 ARGUMENTS: Dict[str, Tuple[str, Any]] = {
@@ -27,37 +29,13 @@ ARGUMENTS: Dict[str, Tuple[str, Any]] = {
 }
 
 
-def load(name: str, *arguments: str) -> ROSLaunchConfig:
-    """Load a launch file as roslaunch does with these arguments."""
-    config = ROSLaunchConfig()
-    loader = XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
-    return config
-
-
-def settings(config: ROSLaunchConfig, node: str = NODE) -> Dict[str, Any]:
-    """Return the private parameters of a node by name, without ``managed``."""
-    prefix = node + "/"
-    return {
-        key[len(prefix) :]: parameter.value
-        for key, parameter in config.params.items()
-        if key.startswith(prefix) and key != prefix + "managed"
-    }
-
-
 def children(root: minidom.Element, name: str) -> List[minidom.Element]:
     """Return the tags of a kind right below a launch file's own tag."""
     return [tag for tag in root.childNodes if tag.nodeName == name]
 
 
-def nodes(config: ROSLaunchConfig) -> List[str]:
-    return sorted(node.namespace + node.name for node in config.nodes)
-
-
 def test_system_has_the_declared_defaults() -> None:
-    assert settings(load("system.launch")) == SystemParameters().as_dict()
+    assert private_parameters(load("system.launch"), NODE) == SystemParameters().as_dict()
 
 
 def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
@@ -70,7 +48,7 @@ def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
     assert set(docs) == {*ARGUMENTS, "terminals", "managed"}
     for argument, (name, value) in ARGUMENTS.items():
         expected = SystemParameters(**{name: value}).as_dict()
-        assert settings(load("system.launch", f"{argument}:={value}")) == expected
+        assert private_parameters(load("system.launch", f"{argument}:={value}"), NODE) == expected
         declared = SystemParameters.declared[name]
         unit = f" [{declared.unit}]" if declared.unit else ""
         choices = f" {declared.range}" if declared.type_name == "enum" else ""
@@ -87,22 +65,22 @@ def test_tuned_overrides_three_arguments_and_keeps_the_rest() -> None:
     expected = SystemParameters(
         system_param_K=10.0, system_param_T=0.1, system_min_input=0.05
     ).as_dict()
-    assert settings(load("system_tuned.launch")) == expected
+    assert private_parameters(load("system_tuned.launch"), NODE) == expected
 
 
 def test_tuned_hands_its_own_arguments_on() -> None:
     arguments = ["system_gain:=7", "system_tau:=0.7", "min_input:=0.01"]
-    got = settings(load("system_tuned.launch", *arguments))
+    got = private_parameters(load("system_tuned.launch", *arguments), NODE)
     assert (got["system_param_K"], got["system_param_T"], got["system_min_input"]) == (7, 0.7, 0.01)
 
 
 def test_chain_remaps_the_input_of_the_system_only() -> None:
     config = load("cw1_system.launch", "system_gain:=2", "system_tau:=0.5")
-    assert nodes(config) == ["/first_order_sys", "/process", "/signal_generator"]
+    assert node_names(config) == ["/first_order_sys", "/process", "/signal_generator"]
     remaps = {node.name: node.remap_args for node in config.nodes}
     assert remaps["first_order_sys"] == [["input", "proc_signal"]]
     assert remaps["process"] == remaps["signal_generator"] == []
-    got = settings(config)
+    got = private_parameters(config, NODE)
     assert (got["system_param_K"], got["system_param_T"]) == (2.0, 0.5)
 
 

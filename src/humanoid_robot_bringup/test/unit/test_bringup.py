@@ -1,33 +1,24 @@
 """What the launch files start and set; nothing is started here."""
 
+import functools
 import os
 from typing import Any, Dict, Set
 
 import pytest
 import rospkg
 import yaml
-from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
 
 from bot_controller_demo.nodes.proportional_controller import ProportionalControllerParameters
 from diff_drive_sim.robot_parameters import RobotParameters
+from nodekit.testing.launch_files import load_launch
 
 PACKAGE = rospkg.RosPack().get_path("humanoid_robot_bringup")
+load = functools.partial(load_launch, "humanoid_robot_bringup", "robot.launch")
 NAVIGATION, PERCEPTION = {"proportional_controller"}, {
     "camera_demo",
     "lidar_demo",
     "processing_demo",
 }
-
-
-def load(*arguments: str) -> ROSLaunchConfig:
-    """Load robot.launch as roslaunch does with these arguments."""
-    config, loader = ROSLaunchConfig(), XmlLoader()
-    loader.ignore_unset_args = False
-    path = os.path.join(PACKAGE, "launch", "robot.launch")
-    loader.load(path, config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
-    return config
 
 
 @pytest.mark.parametrize(

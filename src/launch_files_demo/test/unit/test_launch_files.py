@@ -5,8 +5,8 @@ from typing import List
 
 import pytest
 import rospkg
-from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
+
+from nodekit.testing.launch_files import load_launch, node_names
 
 LAUNCH = os.path.join(rospkg.RosPack().get_path("launch_files_demo"), "launch")
 NAVIGATION = ["/camera_demo_node", "/lidar_demo_node"]
@@ -14,12 +14,9 @@ NAVIGATION = ["/camera_demo_node", "/lidar_demo_node"]
 
 def nodes(name: str, *arguments: str) -> List[str]:
     """Return the names of the nodes that a launch file starts with these arguments."""
-    config, loader = ROSLaunchConfig(), XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
+    config = load_launch("launch_files_demo", name, *arguments)
     assert all(node.output == "screen" for node in config.nodes)
-    return sorted(node.namespace + node.name for node in config.nodes)
+    return node_names(config)
 
 
 @pytest.mark.parametrize("number", [1, 2, 3])

@@ -1,45 +1,28 @@
 """What the launch files start and set; nothing is started here."""
 
+import functools
 import os
-from typing import Any, Dict, List
+from typing import Dict, List
 from xml.dom import minidom
 
 import pytest
 import rospkg
 import yaml
 from roslaunch.config import ROSLaunchConfig
-from roslaunch.xmlloader import XmlLoader
 
 from motor_control.motor_parameters import MotorParameters
 from motor_control.set_point_parameters import SetPointParameters
+from nodekit.testing.launch_files import load_launch, private_parameters
 
 PACKAGE = rospkg.RosPack().get_path("motor_control")
 LAUNCH = os.path.join(PACKAGE, "launch")
 
-
-def load(name: str, *arguments: str) -> ROSLaunchConfig:
-    """Load a launch file as roslaunch does with these arguments."""
-    config = ROSLaunchConfig()
-    loader = XmlLoader()
-    loader.ignore_unset_args = False
-    loader.load(os.path.join(LAUNCH, name), config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
-    return config
+load = functools.partial(load_launch, "motor_control")
 
 
 def nodes(config: ROSLaunchConfig) -> Dict[str, str]:
     """Return the program of each node by its name."""
     return {node.namespace + node.name: node.type for node in config.nodes}
-
-
-def settings(config: ROSLaunchConfig, node: str) -> Dict[str, Any]:
-    """Return the private parameters of a node by name, without ``managed``."""
-    prefix = node + "/"
-    return {
-        key[len(prefix) :]: parameter.value
-        for key, parameter in config.params.items()
-        if key.startswith(prefix) and key != prefix + "managed"
-    }
 
 
 def pairs(groups: List[str]) -> Dict[str, str]:
@@ -81,16 +64,16 @@ def test_motors(count: int) -> None:
 def test_every_motor_starts_from_the_defaults() -> None:
     config = load("motors.launch", "count:=2")
     for group in ("/group1", "/group2"):
-        assert settings(config, group + "/motor_sys") == MotorParameters().as_dict()
-        set_point = SetPointParameters(**settings(config, group + "/sp_gen"))
+        assert private_parameters(config, group + "/motor_sys") == MotorParameters().as_dict()
+        set_point = SetPointParameters(**private_parameters(config, group + "/sp_gen"))
         assert set_point == SetPointParameters()
 
 
 def test_params_go_over_the_defaults() -> None:
     config = load("motor_2.launch")
     expected = MotorParameters(sys_gain_K=4.0, sys_tau_T=0.9).as_dict()
-    assert settings(config, "/group1/motor_sys_1") == expected
-    assert settings(config, "/group2/motor_sys_2") == MotorParameters().as_dict()
+    assert private_parameters(config, "/group1/motor_sys_1") == expected
+    assert private_parameters(config, "/group2/motor_sys_2") == MotorParameters().as_dict()
 
 
 def test_params_name_nodes_and_parameters_that_exist() -> None:
@@ -106,7 +89,7 @@ def test_own_configuration_can_be_given() -> None:
     params = os.path.join(PACKAGE, "config", "set_point.yaml")
     config = load("motor.launch", "motor:=m", "set_point:=s", "motor_config:=" + params)
     assert set(nodes(config)) == {"/m", "/s"}
-    assert settings(config, "/m") == settings(config, "/s")
+    assert private_parameters(config, "/m") == private_parameters(config, "/s")
 
 
 @pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))

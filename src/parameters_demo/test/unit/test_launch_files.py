@@ -1,22 +1,24 @@
 """What the launch files start and set, and with what; nothing is started here."""
 
+import functools
 import os
-from typing import Any, Dict, List
+from typing import Any, Dict
 
 import pytest
 import rospkg
 import yaml
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.core import RLException
-from roslaunch.xmlloader import XmlLoader
 
 from nodekit import ParameterError
+from nodekit.testing.launch_files import load_launch, node_names
 from parameters_demo.nodes.camera_demo import CameraDemoParameters
 from parameters_demo.nodes.lidar_demo import LidarDemoParameters
 from parameters_demo.nodes.processing_demo import ProcessingDemoParameters
 from parameters_demo.nodes.radar_demo import RadarDemoParameters
 
 PACKAGE = rospkg.RosPack().get_path("parameters_demo")
+load = functools.partial(load_launch, "parameters_demo")
 DECLARED = {
     "camera_demo": CameraDemoParameters,
     "lidar_demo": LidarDemoParameters,
@@ -36,22 +38,8 @@ EXPECTED = {
 }
 
 
-def load(name: str, *arguments: str) -> ROSLaunchConfig:
-    """Load a launch file as roslaunch does with these arguments."""
-    config, loader = ROSLaunchConfig(), XmlLoader()
-    loader.ignore_unset_args = False
-    path = os.path.join(PACKAGE, "launch", name)
-    loader.load(path, config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
-    return config
-
-
 def parameters(config: ROSLaunchConfig) -> Dict[str, Any]:
     return {name: parameter.value for name, parameter in config.params.items()}
-
-
-def nodes(config: ROSLaunchConfig) -> List[str]:
-    return sorted(node.namespace + node.name for node in config.nodes)
 
 
 def in_file(name: str) -> Any:
@@ -64,7 +52,7 @@ def test_demo1_and_demo2_set_the_same(name: str) -> None:
     """Course 001-params-7, 001-params-8."""
     config = load(name)
     assert parameters(config) == EXPECTED
-    assert nodes(config) == sorted("/" + node for node in DECLARED)
+    assert node_names(config) == sorted("/" + node for node in DECLARED)
 
 
 def test_the_file_of_the_demos_is_taken_by_each_node() -> None:
@@ -91,7 +79,7 @@ def test_demo4_starts_two_cameras_on_topics_of_their_own() -> None:
     """Course 001-params-6, 001-params-10."""
     config = load("demo4.launch")
     held = in_file("two_cameras_params.yaml")
-    assert nodes(config) == sorted("/" + node for node in held)
+    assert node_names(config) == sorted("/" + node for node in held)
     for number, name in ((1, "right_side_camera"), (2, "left_side_camera")):
         node = f"camera{number}_demo"
         values = {key: value for key, value in parameters(config).items() if node in key}
@@ -115,12 +103,12 @@ def test_camera_rate_has_the_range_of_both_slides() -> None:
 def test_talker_and_listener_meet_where_the_arguments_say() -> None:
     """Course 004-bridge-5, 004-bridge-8."""
     config = load("talker_listener_launch.launch")
-    assert nodes(config) == ["/robot1/listener", "/robot1/talker"]
+    assert node_names(config) == ["/robot1/listener", "/robot1/talker"]
     assert all(node.remap_args == [["chatter", "messages"]] for node in config.nodes)
     assert parameters(config)["/robot1/talker/publish_rate"] == 2.0
     typed = ["rate:=5.0", "prefix:=r2", "topic_name:=my_topic", "message_prefix:=007"]
     config = load("talker_listener_launch.launch", *typed)
-    assert nodes(config) == ["/r2/listener", "/r2/talker"]
+    assert node_names(config) == ["/r2/listener", "/r2/talker"]
     assert all(node.remap_args == [["chatter", "my_topic"]] for node in config.nodes)
     expected = {"/r2/talker/publish_rate": 5.0, "/r2/talker/message_prefix": "007"}
     assert parameters(config) == expected
@@ -130,9 +118,9 @@ def test_features_simulates_waits_includes_and_groups() -> None:
     """Course 004-bridge-6."""
     config = load("features.launch")
     robot = ["/robot1/controller_node", "/robot1/sensor_node"]
-    assert nodes(config) == ["/late_starter", "/listener", *robot, "/talker"]
+    assert node_names(config) == ["/late_starter", "/listener", *robot, "/talker"]
     config = load("features.launch", "use_sim:=false", "delay:=0.5")
-    assert nodes(config) == ["/late_starter", "/listener", robot[0], "/talker"]
+    assert node_names(config) == ["/late_starter", "/listener", robot[0], "/talker"]
     (late,) = [node for node in config.nodes if node.name == "late_starter"]
     assert late.env_args == [("DELAY", "0.5")] and 'sleep "$DELAY"' in late.launch_prefix
     with pytest.raises(RLException):

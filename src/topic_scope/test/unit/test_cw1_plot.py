@@ -7,10 +7,9 @@ from typing import Dict, List
 
 import pytest
 import rospkg
-from roslaunch.config import ROSLaunchConfig
 from roslaunch.core import Node, local_machine, setup_env
-from roslaunch.xmlloader import XmlLoader
 
+from nodekit.testing.launch_files import load_launch
 from topic_scope.options import parse
 
 CW1 = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", "cw1.launch")
@@ -18,9 +17,7 @@ CW1 = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", "cw1.laun
 
 def programs(*arguments: str) -> Dict[str, Node]:
     """Return the nodes that would be started by the names of their programs."""
-    config = ROSLaunchConfig()
-    XmlLoader().load(CW1, config, argv=list(arguments), verbose=False)
-    assert config.config_errors == []
+    config = load_launch("basic_comms", "cw1.launch", *arguments)
     return {node.type: node for node in config.nodes}
 
 

@@ -72,7 +72,8 @@ ROOMS: Dict[str, List[str]] = {
     ],
     "ros2_bridge": [
         *("definitions", "twins", "comparing", "steps", "codec", "parameter_values", "pairing"),
-        *("settings", "side_by_side", "start", "ros1", "types", "print_pairs", "telling"),
+        *("settings", "side_by_side", "start", "environment", "twin_builder", "ros1", "types"),
+        *("print_pairs", "telling"),
         *("wait_loop", "ros2_side", "ros2_graph", "ros2_client", "ros1_graph", "names_in_ros1"),
         *("rosout", "topics", "topic_bridge", "service_types", "services", "service_bridge"),
         *("parameter_messages", "parameter_sources", "parameters_to_ros2", "parameters_to_ros1"),
@@ -119,8 +120,12 @@ FRONT_DOOR = "nodekit"
 CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load", "full_load"}
 #: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
 MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
-#: Where tests start processes: not input, but what a test's author wrote.
-MAY_START_PROCESSES = ("nodekit.testing",)
+#: Where tests start processes, and pip and a compiler are called: by what an author wrote, not by
+#: input.
+MAY_START_PROCESSES = (
+    "nodekit.testing",
+    *("ros2_bridge.environment", "ros2_bridge.twin_builder"),
+)
 
 
 def modules() -> Iterator[Tuple[str, pathlib.Path]]:

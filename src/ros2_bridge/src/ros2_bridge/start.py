@@ -6,9 +6,12 @@ import pathlib
 import sys
 from typing import List, Mapping, Optional
 
+import rospkg
+
 from nodekit.process.ending import end
 
-#: Where the environment is that ./ci/ros2 has made, unless it is in build/ros2 above this file.
+#: Where the environment is, unless ./ci/ros2 has made it in build/ros2 above this file, or
+#: make_environment in the user's folder.
 VARIABLE = "ROS2_BRIDGE_ENVIRONMENT"
 #: Where Debian has ROS 1's Python packages, which a virtual environment does not see.
 DEBIAN = "/usr/lib/python3/dist-packages"
@@ -22,8 +25,8 @@ def main(module: str) -> None:
     environment = find(os.environ, pathlib.Path(__file__).resolve())
     if environment is None:
         end(
-            f"bridge: there is no ROS 2 here: make it with ./ci/ros2, or name in {VARIABLE} an"
-            " environment that was made so"
+            "bridge: there is no ROS 2 here: make it with 'rosrun ros2_bridge make_environment' (in"
+            f" the workspace, ./ci/ros2), or name in {VARIABLE} an environment that was made so"
         )
     if pathlib.Path(sys.prefix).resolve() != environment.resolve():
         python = str(environment / "bin" / "python")
@@ -42,12 +45,21 @@ def find(environ: Mapping[str, str], here: pathlib.Path) -> Optional[pathlib.Pat
     :param here: path of this file
     """
     places: List[pathlib.Path] = [parent / "build" / "ros2" for parent in here.parents]
+    places.append(home(environ))
     if environ.get(VARIABLE):
         places = [pathlib.Path(environ[VARIABLE])]
     for place in places:
         if (place / "share" / "ros2_bridge" / "names.yaml").exists():
             return place
     return None
+
+
+def home(environ: Mapping[str, str]) -> pathlib.Path:
+    """Return where the environment of a user is who has installed the bridge.
+
+    :param environ: variables
+    """
+    return pathlib.Path(rospkg.get_ros_home(environ)).absolute() / "ros2_bridge"
 
 
 def variables(environ: Mapping[str, str], path: List[str]) -> Mapping[str, str]:

@@ -48,11 +48,14 @@ def test_direction() -> None:
 
 def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
     here = tmp_path / "ws" / "src" / "ros2_bridge" / "start.py"
-    assert find({}, here) is None
-    for place in (tmp_path / "ws" / "build" / "ros2", tmp_path / "other"):
+    user = {"ROS_HOME": str(tmp_path / "user")}
+    assert find(user, here) is None
+    workspace, installed = tmp_path / "ws" / "build" / "ros2", tmp_path / "user" / "ros2_bridge"
+    for place in (installed, workspace, tmp_path / "other"):
         (place / "share" / "ros2_bridge").mkdir(parents=True)
         (place / "share" / "ros2_bridge" / "names.yaml").write_text("{}")
-    assert find({}, here) == tmp_path / "ws" / "build" / "ros2"
+    assert find(user, tmp_path / "usr" / "start.py") == installed
+    assert find(user, here) == workspace
     named = {"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path / "other")}
     assert find(named, here) == tmp_path / "other"
     assert find({"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path)}, here) is None

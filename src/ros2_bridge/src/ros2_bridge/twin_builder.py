@@ -1,7 +1,7 @@
-"""Build the ROS 2 twins of message packages into the environment of ci/ros2, all in one process.
+"""Build the ROS 2 twins of message packages into the environment, all in one process.
 
-Run with the environment's Python: ``ros2_twins.py TWINS PACKAGE[:NEEDED,…]…``. The definitions lie
-in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
+Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
+lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
 called here, and what they write is compiled for rclpy and fastrtps: its CMake files start ten
 programs for each package, and build classes for C++ and introspection too, which nobody uses here.
 """

@@ -1,0 +1,246 @@
+"""Make the Python environment with ROS 2, as far as it is not there.
+
+``rosrun ros2_bridge make_environment`` does it for who has installed the bridge, ``ci/ros2`` for
+the workspace. It ends with status 125 and one sentence where it cannot be had.
+"""
+
+import argparse
+import hashlib
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+from typing import Dict, List, Mapping, Sequence
+from xml.etree import ElementTree
+
+import rospkg
+import yaml
+
+from ros2_bridge.definitions import DefinitionError
+from ros2_bridge.start import home
+from ros2_bridge.twins import RENAMED, Twin, make_twin
+
+#: Versions of Python that the wheels are for.
+PYTHONS = ((3, 11), (3, 12), (3, 13))
+#: ROS 1's own packages that ROS 2 has and PyPI has not: what is bridged of them.
+WITHOUT_WHEEL = {
+    "tf2_msgs": {"msg/TFMessage.msg": "geometry_msgs/TransformStamped[] transforms\n"},
+}
+#: Longest time for what is fetched from PyPI, and for building all packages, s.
+FETCH_LIMIT_S, BUILD_LIMIT_S = 900.0, 600.0
+BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
+
+
+class Unavailable(Exception):
+    """The environment cannot be had; the text says why."""
+
+
+def say(text: str) -> None:
+    print(f"make_environment: {text}", file=sys.stderr, flush=True)
+
+
+class Environment:
+    """A Python environment with ROS 2.
+
+    :param folder: where it is; the sources of the twins go beside it
+    """
+
+    def __init__(self, folder: pathlib.Path) -> None:
+        self._folder = folder
+        self._python = folder / "bin" / "python"
+        self._twins = folder.with_name(f"{folder.name}_twins")
+
+    def run(self, command: Sequence[str], limit: float, what: str) -> None:
+        """Run a command of the environment, without ROS 1, and with its output in a log.
+
+        :param limit: longest time, s
+        :param what: what it does, for the sentence if it fails
+        :raises Unavailable: if it fails
+        """
+        log = self._folder.with_name(f"{self._folder.name}.log")
+        variables = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("ROS", "CMAKE", "CATKIN")) and name != "PYTHONPATH"
+        }
+        variables["PATH"] = f"{self._folder / 'bin'}:{variables['PATH']}"
+        variables["AMENT_PREFIX_PATH"] = variables["CMAKE_PREFIX_PATH"] = str(self._folder)
+        try:
+            with log.open("wb") as output:
+                subprocess.run(
+                    command,
+                    check=True,
+                    env=variables,
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    timeout=limit,
+                )
+        except subprocess.TimeoutExpired:
+            raise Unavailable(f"{what}: not done within {limit:g} s") from None
+        except (OSError, subprocess.CalledProcessError):
+            lines = log.read_text("utf-8", "replace").splitlines() or ["no word why"]
+            errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
+            raise Unavailable(f"{what}: {errors[0].strip()} (see {log})") from None
+
+    def fetch(self, wheels: pathlib.Path) -> None:
+        """Install the wheels, unless just these are installed.
+
+        :param wheels: the list of them
+        :raises Unavailable: if they cannot be had
+        """
+        stamp = self._folder / "wheels"
+        wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
+        if stamp.exists() and stamp.read_text("utf-8") == wanted:
+            return
+        judge_python()
+        say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
+        for place in (self._folder, self._twins):
+            shutil.rmtree(str(place), ignore_errors=True)
+        self._folder.parent.mkdir(parents=True, exist_ok=True)
+        venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
+        self.run(venv, 60.0, "no virtual environment")
+        # Their own lists are incomplete, so ours is complete, and pip need not ask for theirs.
+        # Python compiles what is imported, which is a tenth of all, when it is.
+        pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
+        options = ["--retries", "1", "--disable-pip-version-check", "--requirement", str(wheels)]
+        self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
+        stamp.write_text(wanted, "utf-8")
+
+    def has_wheel(self, package: str) -> bool:
+        """Tell whether a wheel brings the ROS 2 package of this name."""
+        index = self._folder / "share" / "ament_index" / "resource_index" / "rosidl_interfaces"
+        return (index / package).exists() and not (self._twins / package).exists()
+
+    def build_twins(self, packages: Sequence[pathlib.Path]) -> None:
+        """Build and install the twins that are new or changed, and write down their names.
+
+        :param packages: folders of packages, with messages or without
+        :raises Unavailable: if a message has no twin, or does not build
+        """
+        texts = {**definitions(packages), **WITHOUT_WHEEL}
+        try:
+            twins = {
+                name: make_twin(name, files)
+                for name, files in texts.items()
+                if files and not self.has_wheel(name)
+            }
+        except DefinitionError as error:
+            raise Unavailable(f"a message has no twin in ROS 2: {error}") from None
+        self._build(twins)
+        names = dict(RENAMED)
+        for twin in twins.values():
+            names.update(twin.names)
+        target = self._folder / "share" / "ros2_bridge" / "names.yaml"
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(yaml.safe_dump(names), "utf-8")
+
+    def _build(self, twins: Mapping[str, Twin]) -> None:
+        digests: Dict[str, str] = {}
+        stale = []
+        for name in in_order(twins):
+            parts = [f"{path}\0{text}" for path, text in sorted(twins[name].files.items())]
+            parts += [digests.get(needed, "") for needed in sorted(twins[name].needs)]
+            parts += [BUILDER.read_text("utf-8")]
+            digests[name] = hashlib.sha256("\0".join(parts).encode()).hexdigest()
+            stamp = self._twins / name / "stamp"
+            if not stamp.exists() or stamp.read_text("utf-8") != digests[name]:
+                stale.append(name)
+                self._write_source(name, twins[name])
+        if not stale:
+            return
+        began = time.monotonic()
+        given = [f"{name}:{','.join(sorted(twins[name].needs))}" for name in stale]
+        command = [str(self._python), str(BUILDER), str(self._twins), *given]
+        self.run(command, BUILD_LIMIT_S, "the ROS 2 twins do not build")
+        for name in stale:
+            (self._twins / name / "stamp").write_text(digests[name], "utf-8")
+        took = time.monotonic() - began
+        say(f"built the ROS 2 twins of {', '.join(stale)} in {took:.0f} s")
+
+    def _write_source(self, name: str, twin: Twin) -> None:
+        """Write a twin's definitions anew."""
+        shutil.rmtree(str(self._twins / name), ignore_errors=True)
+        for path, text in twin.files.items():
+            target = self._twins / name / "source" / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, "utf-8")
+
+
+def judge_python() -> None:
+    """Refuse a Python that there are no wheels for."""
+    if sys.version_info[:2] not in PYTHONS:
+        known = ", ".join("%d.%d" % version for version in PYTHONS)
+        mine = "%d.%d" % sys.version_info[:2]
+        raise Unavailable(f"PyPI has ROS 2 for Python {known}, and this is {mine}")
+
+
+def definitions(packages: Sequence[pathlib.Path]) -> Dict[str, Dict[str, str]]:
+    """Return the definitions of each package, text by path within it."""
+    return {
+        package.name: {
+            str(path.relative_to(package)): path.read_text("utf-8")
+            for kind in ("msg", "srv")
+            for path in sorted(package.glob(f"{kind}/*.{kind}"))
+        }
+        for package in packages
+    }
+
+
+def companions(package: pathlib.Path) -> List[pathlib.Path]:
+    """Return the packages beside one that have the same maintainer: those it was installed with."""
+
+    def maintainer(folder: pathlib.Path) -> str:
+        return ElementTree.parse(str(folder / "package.xml")).findtext("maintainer", "")
+
+    folders = [manifest.parent for manifest in sorted(package.parent.glob("*/package.xml"))]
+    return [folder for folder in folders if maintainer(folder) == maintainer(package)]
+
+
+def in_order(twins: Mapping[str, Twin]) -> List[str]:
+    """Return the names so that each stands behind those that it needs."""
+    names: List[str] = []
+
+    def add(name: str) -> None:
+        for needed in sorted(twins[name].needs):
+            if needed in twins:
+                add(needed)
+        if name not in names:
+            names.append(name)
+
+    for name in sorted(twins):
+        add(name)
+    return names
+
+
+def main() -> int:
+    """Make what is missing.
+
+    :returns: exit status
+    """
+    package = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"))
+    parser = argparse.ArgumentParser(
+        prog="make_environment",
+        description="Make the Python environment with ROS 2 that the bridge runs in.",
+    )
+    parser.add_argument("--into", metavar="FOLDER", type=pathlib.Path, default=home(os.environ))
+    parser.add_argument(
+        "--sources",
+        metavar="FOLDER",
+        type=pathlib.Path,
+        help="make twins of the messages of all packages there, not of those installed with this",
+    )
+    options = parser.parse_args()
+    packages = companions(package)
+    if options.sources:
+        packages = [manifest.parent for manifest in sorted(options.sources.glob("*/package.xml"))]
+    environment = Environment(options.into.absolute())
+    try:
+        environment.fetch(package / "config" / "wheels.txt")
+        environment.build_twins(packages)
+    except Unavailable as reason:
+        say(str(reason))
+        return 125
+    return 0

@@ -1,0 +1,59 @@
+"""make_environment says in one sentence why there can be none, and builds twins in order."""
+
+import pathlib
+import sys
+
+import pytest
+
+from ros2_bridge import environment
+from ros2_bridge.environment import Environment, Unavailable
+from ros2_bridge.twins import make_twin
+
+
+def test_another_python_is_refused(
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    tmp_path: pathlib.Path,
+) -> None:
+    monkeypatch.setattr(environment, "PYTHONS", ((3, 2),))
+    monkeypatch.setattr(sys, "argv", ["make_environment", "--into", str(tmp_path / "ros2")])
+    assert environment.main() == 125
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2, and this is 3.")
+
+
+def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
+    ours = Environment(tmp_path / "ros2")
+    noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
+    with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
+        ours.run(["sh", "-c", noise], 10.0, "no wheels")
+    with pytest.raises(Unavailable, match="no wheels: no word why"):
+        ours.run(["false"], 10.0, "no wheels")
+    with pytest.raises(Unavailable, match="not done within 0.1 s"):
+        ours.run(["sleep", "10"], 0.1, "no wheels")
+
+
+def test_commands_run_without_ros_1(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", "/somewhere")
+    command = ["sh", "-c", 'test -z "$PYTHONPATH$ROS_DISTRO"']
+    Environment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
+
+
+def test_what_another_package_needs_comes_first() -> None:
+    uses = {"a": "b/X x\n", "b": "c/X x\n", "c": "uint8 x\n"}
+    twins = {name: make_twin(name, {"msg/X.msg": text}) for name, text in uses.items()}
+    assert environment.in_order(twins) == ["c", "b", "a"]
+
+
+def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> None:
+    for name, maintainer in (("bridge", "we"), ("a_msgs", "we"), ("std_msgs", "others")):
+        (tmp_path / name / "msg").mkdir(parents=True)
+        (tmp_path / name / "msg" / "X.msg").write_text("uint8 x\n")
+        (tmp_path / name / "package.xml").write_text(
+            f"<package><maintainer>{maintainer}</maintainer></package>"
+        )
+    found = environment.companions(tmp_path / "bridge")
+    assert [folder.name for folder in found] == ["a_msgs", "bridge"]
+    assert environment.definitions(found)["a_msgs"] == {"msg/X.msg": "uint8 x\n"}

@@ -1,7 +1,7 @@
 """Run the image, and compose.yaml, by the commands of docs/container.md.
 
 ``python3 container_proof.py TOOL COMPOSE``, with the page's commands on its standard input, says
-what it has seen, and ends with a status other than 0 at the first thing that is not as it should be.
+what it has seen, and ends with a status other than 0 at the first thing that is not as it should.
 """
 
 import contextlib

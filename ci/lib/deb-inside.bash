@@ -74,19 +74,39 @@ every_file() { # ROOT
 }
 
 # Run the course from what is installed, as an ordinary user does.
-runs() { # ROOT WHAT
+runs() { # ROOT WHAT [PART]
     say "$2"
-    place='' succeeds "$1" student offline python3 /debs/deb_proof.py || return
+    place='' succeeds "$1" student offline python3 /debs/deb_proof.py "${@:3}" || return
     sed 's/^/    /' "$log" >&2
+}
+
+# By the page's commands, with a network as they need.
+bridge() { # SUITE ROOT
+    local -a command commands
+    built_before "$1" && furnish "$2" && mkdir "$2/debs" && cp "$dist/$1"/*.deb "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
+    mapfile -t commands < <(page_commands docs/packaging.md "The bridge to ROS 2")
+    say "$1: what the bridge needs"
+    read -ra command <<<"${commands[0]#sudo apt }"
+    apt_get "$2" online "${command[@]}" &&
+        succeeds "$2" root online env DEBIAN_FRONTEND=noninteractive sh -ec 'cd /debs
+            apt-get --yes install python3-rostopic rosbash ./ros-ros2-bridge_*.deb \
+                ./ros-basic-comms_*.deb ./ros-lifecycle-msgs_*.deb ./ros-nodekit*.deb' || return
+    say "$1: ${commands[1]}"
+    read -ra command <<<"${commands[1]}"
+    place='' succeeds "$2" student online "${command[@]}" || return
+    runs "$2" "$1: the bridge" bridge && verdict="heard in ROS 2"
+}
+
+built_before() { # SUITE
+    [ -d "$dist/$1/earlier" ] && return
+    verdict="there are no packages in $dist/$1: build them first"
+    return 1
 }
 
 prove() { # SUITE ROOT
     local files=("$dist/$1"/*.deb) twice
     local -a names
-    [ -d "$dist/$1/earlier" ] || {
-        verdict="there are no packages in $dist/$1: build them first"
-        return 1
-    }
+    built_before "$1" || return
     mapfile -t names < <(printf '%s\n' "${files[@]##*/}" | sed 's/_.*//')
     twice=$(overlaps "${files[@]}")
     [ -z "$twice" ] || {

@@ -1,7 +1,8 @@
 """Run the course from installed packages, with the commands that their user types.
 
 ``python3 deb_proof.py``, in a system that ci/deb has made, says what it has seen, and ends with a
-status other than 0 at the first command that does not do what it should.
+status other than 0 at the first command that does not do what it should. ``deb_proof.py bridge``
+does so with the bridge alone, once its environment is made.
 """
 
 import os
@@ -14,6 +15,17 @@ from typing import List
 from proof import PATIENCE, answers, running, said, wait_for
 
 SCOPE = "http://127.0.0.1:8097"
+#: A node of ROS 2 that hears a node of ROS 1.
+ROS2_EAR = """
+import rclpy
+from std_msgs.msg import Float32
+rclpy.init()
+node = rclpy.create_node("ear")
+heard = []
+node.create_subscription(Float32, "/proc_signal", heard.append, 10)
+while not heard:
+    rclpy.spin_once(node)
+"""
 
 
 def fetched(path: str) -> str:
@@ -71,6 +83,20 @@ def managed_system() -> None:
         )
 
 
+def bridge() -> None:
+    """Have a node of ROS 2 hear one of ROS 1."""
+    pairs = said("rosrun", "ros2_bridge", "bridge", "--print-pairs")
+    if "basic_comms/msg/SignalMsg" not in pairs:
+        sys.exit(f"basic_comms/signal_msg has no twin:\n{pairs}")
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    python = str(pathlib.Path("~/.ros/ros2_bridge/bin/python").expanduser())
+    with running("roslaunch", "basic_comms", "cw1.launch"):
+        wait_for("there is a master", lambda: answers("rostopic", "list"))
+        with running("roslaunch", "ros2_bridge", "bridge.launch", log="bridge.log"):
+            said(python, "-c", ROS2_EAR)
+            print("/proc_signal is heard in ROS 2")
+
+
 def put_a_python_first() -> None:
     """Have a python3 on the path that knows nothing of ROS, as pyenv and conda do."""
     own = pathlib.Path("own_python", "python3").absolute()
@@ -88,6 +114,9 @@ def main() -> None:
     if names:
         sys.exit(f"the environment has {names}")
     put_a_python_first()
+    if sys.argv[1:] == ["bridge"]:
+        bridge()
+        return
     course()
     managed_system()
 

@@ -44,21 +44,24 @@ def wait_for(what: str, condition: Callable[[], bool]) -> None:
 
 
 @contextlib.contextmanager
-def running(*command: str) -> Iterator[None]:
-    """Have a command run, and end at Ctrl-C, with status 0."""
-    log = pathlib.Path("proof.log")
-    with log.open("w") as output:
+def running(*command: str, log: str = "proof.log") -> Iterator[None]:
+    """Have a command run, and end at Ctrl-C, with status 0.
+
+    :param log: file for what it prints, not that of another one that runs
+    """
+    file = pathlib.Path(log)
+    with file.open("w") as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT)
     try:
         yield
     except BaseException:
         process.send_signal(signal.SIGINT)
         process.wait(PATIENCE)
-        print(log.read_text())
+        print(file.read_text())
         raise
     process.send_signal(signal.SIGINT)
     if process.wait(PATIENCE) != 0:
-        sys.exit(f"{command} ended with status {process.returncode}:\n{log.read_text()}")
+        sys.exit(f"{command} ended with status {process.returncode}:\n{file.read_text()}")
 
 
 def answers(*command: str) -> bool:

@@ -54,7 +54,10 @@ NOT_TYPED = {
     "docs/packaging.md": {
         "./ci/deb": "takes root, and minutes of building",
         "sudo apt": "takes the packages: ci/deb types it",
-        "roslaunch": "is for who has installed the packages: ci/deb types it",
+        **{
+            line: "is for who has installed the packages: ci/deb types it"
+            for line in ("roslaunch", "rosrun")
+        },
     },
     "docs/ros2_bridge.md": {
         line: "takes an environment with ROS 2: ci/test ros2 does it"

@@ -41,6 +41,7 @@ class BagPlayer:
     :param clock: how it tells how much time has passed, s
 
     :ivar is_loading: whether it reads what came before
+    :ivar lacks_past: whether more is wanted than was read of what came before
     :ivar is_playing: whether its clock goes, or will when it has loaded
     :ivar problems: what could not be read, and why
     """
@@ -61,7 +62,7 @@ class BagPlayer:
         #: The time by which it counts, s, and where it was then, ns.
         self._since, self._from = clock(), bag.begin
         self._speed = 1.0
-        self.is_loading = self.is_playing = False
+        self.is_loading = self.is_playing = self.lacks_past = False
         self.problems: Deque[str] = deque(maxlen=10)
 
     # --- What somebody wants of it -----------------------------------------------------------
@@ -114,7 +115,7 @@ class BagPlayer:
         connections = self._bag.connections.items()
         self._connections = [number for number, one in connections if one.topic in self._wanted]
         self._outlets = {self._bag.connections[one].topic: Outlet() for one in self._connections}
-        self.is_loading = True
+        self.is_loading, self.lacks_past = True, False
 
     # --- What it is as a source of messages --------------------------------------------------
 
@@ -123,15 +124,10 @@ class BagPlayer:
         """What the messages' times are by."""
         return self
 
-    def want(self, topics: Collection[str]) -> None:
-        """Have the messages of these topics: of more than before, after the next :meth:`seek`."""
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics after the next :meth:`seek`; see :class:`.Source`."""
         self._wanted = set(topics)
-
-    @property
-    def lacks(self) -> bool:
-        """Whether there are wanted topics that it does not read yet."""
-        known = {connection.topic for connection in self._bag.connections.values()}
-        return not (self._wanted & known).issubset(self._outlets)
+        self.lacks_past = self.lacks_past or is_more
 
     def open(self) -> Mapping[str, Outlet]:
         """Return what the messages come out of, by topic."""

@@ -65,10 +65,7 @@ class Recorder:
         self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
 
     def set_topics(self, types: Mapping[str, str]) -> None:
-        """Take note of what there is on the graph.
-
-        :param types: type of each published topic
-        """
+        """Take note of the topics that there are, and of the type of each."""
         self._types = types
 
     def choices(self) -> List[Choice]:
@@ -128,18 +125,19 @@ class Recorder:
         :param names: names that :meth:`expand` has returned
         :param now: the time, s
         """
-        for name in names:
-            if name not in self._traces:
-                self._record(name)
-            if name in self._traces:
-                self._traces[name].used_at = now
+        new = [name for name in names if name not in self._traces]
+        for name in new:
+            self._record(name)
+        for name in self._traces.keys() & set(names):
+            self._traces[name].used_at = now
         recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
         self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
         kept = set(self._traces.values())
         for stream in self._streams.values():
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
-        self._source.want([topic for topic, _ in self._streams] + self._unheard())
+        topics = [topic for topic, _ in self._streams] + self._unheard()
+        self._source.want(topics, any(name in self._traces for name in new))
 
     def forget(self) -> None:
         """Forget all samples: those that come next are of another time."""

@@ -51,7 +51,7 @@ class Recording:
 
     def ring(self) -> None:
         """Read again what is shown, where more is wanted of it."""
-        if self.source.lacks:
+        if self.source.lacks_past:
             self._seek(self.source.place)
 
     def _seek(self, time: float) -> None:

@@ -26,8 +26,12 @@ class Source(Protocol):
     def clock(self) -> Times:
         """What the messages' times are by."""
 
-    def want(self, topics: Collection[str]) -> None:
-        """Have the messages of these topics, from now on or a little later."""
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics, from now on or a little later.
+
+        :param topics: their names
+        :param is_more: whether more is read of them than before
+        """
 
     def open(self) -> Mapping[str, Outlet]:
         """Return the outlets that are open now, by topic."""

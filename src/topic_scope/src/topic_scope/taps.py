@@ -97,8 +97,8 @@ class Taps:
         self._wanted: Collection[str] = ()
         self._open: Dict[str, Tap] = {}
 
-    def want(self, topics: Collection[str]) -> None:
-        """Have the messages of these topics taken, after the next :meth:`adjust`."""
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics taken, after the next :meth:`adjust`; see Source."""
         self._wanted = topics
 
     def adjust(self) -> None:

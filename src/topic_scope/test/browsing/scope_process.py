@@ -52,7 +52,7 @@ class ScopeProcess:
 
         wait_until(answers, lambda: f"no answer at {self.url}")
 
-    def stop(self) -> None:
-        """End it."""
+    def stop(self) -> int:
+        """End it, and return its exit status."""
         self._process.terminate()
-        self._process.wait(30.0)
+        return self._process.wait(30.0)

@@ -121,12 +121,13 @@ def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagChunks) -> None
     player.seek(START + 1.05)
     loaded(player)
     assert taken(player) == {"/b": [50, 550]}
-    assert not player.lacks
+    assert not player.lacks_past
+    player.want(["/a", "/b"], True)
     player.want(["/a", "/b"])
-    assert player.lacks
+    assert player.lacks_past
     player.seek(START + 1.05)
     loaded(player)
-    assert not player.lacks
+    assert not player.lacks_past
     assert taken(player)["/a"] == list(range(0, 1001, 100))
 
 

@@ -56,8 +56,8 @@ class FakeTaps:
     def now(self) -> float:
         return self.time
 
-    def want(self, topics: Collection[str]) -> None:
-        self.wanted = sorted(topics)
+    def want(self, topics: Collection[str], is_more: bool) -> None:
+        self.wanted, self.is_more = sorted(topics), is_more
 
     def open(self) -> Dict[str, FakeTap]:
         return self.taps
@@ -84,7 +84,9 @@ def values(made: Recorder, name: str = "/a/data") -> List[float]:
 def test_records_what_is_wanted_and_listens_to_no_more() -> None:
     taps = FakeTaps()
     made = recording(taps, "/a/data", "/d/later")
-    assert taps.wanted == ["/a", "/c"]  # the latter to learn its type
+    assert taps.wanted == ["/a", "/c"] and taps.is_more  # the latter to learn its type
+    made.want(["/a/data", "/d/later"], taps.time)
+    assert not taps.is_more
     taps.send(Float32, 1.0, 2.0)
     assert made.update() == 1001.0
     assert values(made) == [1.0, 2.0]

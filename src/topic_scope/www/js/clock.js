@@ -24,6 +24,16 @@ export function clockText(time, step) {
 }
 
 /**
+ * Write the date.
+ * @param {number} time since the epoch, s
+ * @returns {string}
+ */
+export function dateText(time) {
+  const date = new Date((time + ahead(time)) * 1000);
+  return date.toISOString().slice(0, 10);
+}
+
+/**
  * Name the zone by how far it is ahead of UTC.
  * @param {number} time since the epoch, s
  * @returns {string}

@@ -17,6 +17,7 @@ import { Legend } from "./legend.js";
 import { Managed } from "./managed.js";
 import { Panels } from "./panels.js";
 import { startMeasures } from "./measures.js";
+import { Playback } from "./playback.js";
 import { Plots } from "./plots.js";
 import { Requests } from "./requests.js";
 import { RobotView } from "./robot_view.js";
@@ -59,9 +60,11 @@ const panels = new Panels(state, send);
 const managed = new Managed(state, send);
 const robots = new RobotView(state, send);
 const fleet = new Fleet();
+const playback = new Playback(state, sweep, send);
 
 const handlers = {
   hello: (message) => {
+    playback.onHello(message, !requests.welcome && !setup.chosen);
     requests.onHello(message);
     robots.onHello();
   },
@@ -92,6 +95,7 @@ const handlers = {
   sent: (message) => robots.goals.onSent(message),
   fleet: (message) => fleet.show(message),
   master: showMaster,
+  playback: (message) => playback.onState(message),
   error: ({ text }) => notify(text),
 };
 

@@ -1,6 +1,6 @@
 /** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
 
-import { clockTicks, zoneText } from "./clock.js";
+import { clockTicks, dateText, zoneText } from "./clock.js";
 import { dashOf } from "./colours.js";
 import { make } from "./dom.js";
 import { AutoRange, ticks } from "./numbers.js";
@@ -198,7 +198,9 @@ export class Plot {
 
   timeTitle({ title, clock }) {
     if (!clock) return title || null;
-    return `${title === "time, s" ? "time" : title}, ${zoneText(this.shown.to)}`;
+    const { to } = this.shown;
+    const day = dateText(to) === dateText(Date.now() / 1000) ? "" : ` ${dateText(to)},`;
+    return `${title === "time, s" ? "time" : title},${day} ${zoneText(to)}`;
   }
 
   /** How wide the numbers of an axis are: more than usual where they need many digits. */

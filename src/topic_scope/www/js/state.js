@@ -24,6 +24,7 @@ const INITIAL = {
   window: 5, // as zoomed
   end: null, // right edge, since the epoch; null follows
   reference: null, // what the time axis counts from; null follows
+  playing: true, // whether the scope's clock goes; that of a bag may stand
   trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising",
     hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the part of the window before it
   axes: { // and "y.2", "y2.2" and so on, of further plots
@@ -91,6 +92,11 @@ export class State {
   setTrigger(changes, others = {}) {
     const { trigger } = this.values;
     this.set({ trigger: { ...trigger, ...changes, number: trigger.number + 1 }, ...others });
+  }
+
+  /** Whether what is shown goes with the time. */
+  get isRunning() {
+    return this.values.end === null && this.values.playing;
   }
 
   /** The chosen fields that are shown. */

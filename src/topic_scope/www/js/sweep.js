@@ -58,7 +58,7 @@ export class Sweep {
 
   /** What the server's clock shows, also while no frames come, since the epoch, s. */
   get now() {
-    return performance.now() / 1000 + this.ahead;
+    return this.state.values.playing ? performance.now() / 1000 + this.ahead : this.live.now;
   }
 
   /**

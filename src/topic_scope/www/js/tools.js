@@ -61,9 +61,9 @@ export function startTools(state, view, plot, sweep, open, chart) {
   }
 
   state.on(["window", "history"], showWindows);
-  state.on(["end"], ({ end }) => {
-    press(run, end === null);
-    run.textContent = end === null ? "Pause" : "Run";
+  state.on(["end", "playing"], () => {
+    press(run, state.isRunning);
+    run.textContent = state.isRunning ? "Pause" : "Run";
   });
   state.on(["readonly"], ({ readonly }) => { byId("readonly").hidden = !readonly; });
 }

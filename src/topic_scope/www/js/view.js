@@ -33,7 +33,7 @@ export class View {
 
   /** Pause or go on. */
   toggle() {
-    if (this.state.values.end === null) this.pause();
+    if (this.state.isRunning) this.pause();
     else this.run();
   }
 

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""A bag is shown as a graph is, on the wire and on the page, where no master is."""
+
+import math
+import os
+import re
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, Dict
+from unittest import mock
+
+import genpy
+import rosbag
+import roslib.packages
+import rosunit
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+from browsing.waiting import wait_until
+from selenium.webdriver.common.keys import Keys
+from wire.client import Client, fetch
+
+from basic_comms.msg import signal_msg
+
+#: 2023-11-14, 22:13:20 UTC.
+BEGIN, LENGTH_S, RATE_HZ = 1700000000, 20.0, 100.0
+FIELD = "/signal/signal_y"
+
+
+def record(path: str) -> None:
+    """Record a sine of 1 Hz whose own clock has another begin, and whose amplitude grows."""
+    with rosbag.Bag(path, "w", chunk_threshold=10000) as bag:
+        for index in range(int(LENGTH_S * RATE_HZ) + 1):
+            time = index / RATE_HZ
+            value = time * math.sin(2.0 * math.pi * time)
+            message = signal_msg(2.0, 6.2832, 5.0 + time, value)
+            bag.write("signal", message, genpy.Time(BEGIN, index * round(1e9 / RATE_HZ)))
+
+
+class Bag(unittest.TestCase):
+    """A bag of 20 s, of which the first 5 s are shown at first."""
+
+    scope: ScopeProcess
+    path: str
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.path = str(Path(folder.name, "sine.bag"))
+        record(cls.path)
+        # Nobody is there.
+        patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
+        patch.start()
+        cls.addClassCleanup(patch.stop)
+        cls.scope = ScopeProcess("--bag", cls.path, "--window", "5", FIELD)
+        cls.addClassCleanup(cls.scope.stop)
+        cls.scope.wait_until_served()
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        os.kill(cls.scope.pid, signal.SIGINT)
+        status = cls.scope.stop()
+        assert status == 0, f"after Ctrl-C it ended with {status}"
+
+    def page(self) -> Client:
+        client = Client(self.scope.url)
+        self.addCleanup(client.close)
+        client.wait_for("hello")
+        return client
+
+    def play(self, page: Client, **wanted: Any) -> Dict[str, Any]:
+        """Play otherwise; return what is told when it is so."""
+        page.forget()
+        page.send("playback", **wanted)
+        return page.wait_for("playback", lambda told: not told["loading"])
+
+    def shown(self, page: Client) -> float:
+        """Return up to where it is shown, s since the begin."""
+        return float(page.wait_for("frame", lambda _: True)["now"]) - BEGIN
+
+    def test_pages_play_it_stop_it_and_go_elsewhere(self) -> None:
+        page = self.page()
+        hello = page.messages("hello")[0]
+        self.assertEqual(hello["bag"]["name"], "sine.bag")
+        self.assertAlmostEqual(hello["bag"]["begin"], BEGIN, 5)
+        self.assertAlmostEqual(hello["bag"]["end"], BEGIN + LENGTH_S, 5)
+        self.play(page, time=BEGIN + 15.0)
+        told = self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
+        self.assertEqual((told["playing"], told["speed"]), (False, 1.0))
+        # All that came before is there, and nothing of later: the sine has grown up to 4.75.
+        wait_until(lambda: page.values(FIELD), lambda: page.messages("frame"))
+        self.assertAlmostEqual(self.shown(page), 5.001, 4)
+        self.assertAlmostEqual(min(page.values(FIELD)), -4.75, 2)
+        # Its own clock is that of the signal; received it was at the bag's times.
+        rows = [
+            row.split(",") for row in fetch(f"{self.scope.url}/data.csv?field={FIELD}")[1].split()
+        ]
+        self.assertEqual(rows[0], ["time", "received", FIELD])
+        self.assertEqual(len(rows), 502)
+        self.assertAlmostEqual(float(rows[101][0]), BEGIN + 1.0, 4)
+        self.assertAlmostEqual(float(rows[101][1]), BEGIN + 1.0, 4)
+        self.assertEqual(float(rows[26][2]), 0.25)
+        # To the end, and not further.
+        page.forget()
+        page.send("playback", speed=50.0, playing=True)
+        page.wait_for("playback", lambda told: told["playing"])
+        page.wait_for("playback", lambda told: not told["playing"])
+        wait_until(
+            lambda: page.messages("frame")[-1]["now"] > BEGIN + LENGTH_S - 1e-3,
+            lambda: page.messages("frame")[-1:],
+        )
+        self.assertAlmostEqual(max(page.values(FIELD)), 19.25, 2)
+        # From the begin again; a page that comes meanwhile sees it, too.
+        told = self.play(page, speed=0.01, playing=True)
+        self.assertTrue(told["playing"])
+        other = self.page()
+        self.assertLess(self.shown(other), 5.0)
+        self.assertTrue(other.wait_for("playback")["playing"])
+
+    def test_a_trace_that_is_chosen_later_has_its_past(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False)
+        page.send("select", fields=["/signal/time_x"])
+        wait_until(lambda: page.values("/signal/time_x"), lambda: page.messages("frame"))
+        self.assertAlmostEqual(min(page.values("/signal/time_x")), 5.0, 1)
+        self.assertAlmostEqual(max(page.values("/signal/time_x")), 10.0)
+
+    def test_what_takes_nodes_is_refused_in_words(self) -> None:
+        page = self.page()
+        for kind, content in (
+            ("graph", {"on": True}),
+            ("robots", {"on": True}),
+            ("set", {"node": "/n", "name": "a", "value": 1}),
+            ("steer", {"topic": "/cmd_vel"}),
+        ):
+            page.forget()
+            page.send(kind, **content)
+            self.assertIn("this is a bag", page.wait_for("error")["text"])
+        self.assertEqual(page.messages("panels"), [])
+
+    def test_a_file_that_is_no_bag_is_told_in_a_sentence(self) -> None:
+        node = roslib.packages.find_node("topic_scope", "scope.py")[0]
+        reasons = {__file__: "is no bag", self.path + "x": "No such file"}
+        started = {
+            path: subprocess.Popen(
+                [node, "--next-port", "--bag", path],
+                stderr=subprocess.PIPE,
+                universal_newlines=True,
+            )
+            for path in reasons
+        }
+        for path, process in started.items():
+            text = process.communicate(timeout=30.0)[1]
+            self.assertEqual(process.returncode, 1, text)
+            self.assertRegex(text, rf"\Ascope.py: {path}:? {reasons[path]}.*\n\Z")
+
+    def test_the_page_shows_it_with_its_own_clock(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.driver.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "UTC"})
+        browser.open(self.scope.url)
+        browser.wait_for(f"#legend tr[data-field='{FIELD}']")
+        wait_until(
+            lambda: browser.text(".dygraph-xlabel") == "time, 2023-11-14, UTC",
+            lambda: browser.text("#plot"),
+        )
+        self.assertIn("22:13:23", browser.text(".dygraph-axis-label-x"))
+        place = "2023-11-14 22:13:25.00 UTC, 5.00 of 20.00 s"
+        wait_until(
+            lambda: browser.text("#playback-time") == place,
+            lambda: browser.text("#playback-time"),
+        )
+        self.assertEqual(browser.text("#run"), "Run")
+        self.assertFalse(browser.find("#show-graph").is_displayed())
+        # It plays with a key, and stops with it.
+        first = browser.picture()
+        browser.keys(" ")
+        wait_until(lambda: browser.picture() != first, lambda: "it stands still")
+        wait_until(lambda: browser.text("#run") == "Pause", lambda: browser.text("#run"))
+        browser.keys(" ")
+        wait_until(lambda: browser.text("#run") == "Run", lambda: browser.text("#run"))
+        page.wait_for("playback", lambda told: told["playing"])
+        wait_until(lambda: not page.messages("playback")[-1]["playing"], lambda: "it goes on")
+        # Moved by keys, the slider sends it elsewhere.
+        browser.find("#playback-place").send_keys(Keys.END)
+        wait_until(
+            lambda: "20.00 of 20.00 s" in browser.text("#playback-time")
+            and "22:13:38" in browser.text(".dygraph-axis-label-x"),
+            lambda: browser.text("#playback-time") + browser.text("#plot"),
+        )
+        # From the end it begins anew; the slider has the focus still.
+        browser.keys(" ")
+        wait_until(
+            lambda: page.messages("playback")[-1]["playing"]
+            and re.search(r"UTC, [0-9]\.\d\d of", browser.text("#playback-time")),
+            lambda: browser.text("#playback-time"),
+        )
+        browser.keys("r")
+        wait_until(lambda: "no nodes" in browser.text("#notice"), lambda: browser.text("#notice"))
+        self.assertTrue(browser.find("#scope-view").is_displayed())
+        self.assertEqual(browser.errors(), [])
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("topic_scope", "page_bag", Bag)

@@ -7,6 +7,7 @@ import run_interrupt
 import run_managed
 import run_record
 import run_respawn
+import run_scope
 import run_stalled
 from checks import Check
 from surroundings import Soak
@@ -26,5 +27,6 @@ RUNS = [
     Run("stalled", "a subscriber at 1 kHz that is stopped for a minute", run_stalled.run),
     Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
     Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
+    Run("scope", "ten traces of 1 kHz on the page of the oscilloscope", run_scope.run),
     Run("crowd", "20 subscribers that come and go", run_crowd.run),
 ]

@@ -54,6 +54,25 @@ def extremes(
     return result.ravel()
 
 
+def lasts(
+    times: numpy.ndarray, values: numpy.ndarray, first: int, count: int, width: float
+) -> numpy.ndarray:
+    """Return the last sample in each of some bins: the value that holds until the next one.
+
+    :param times: ascending, s
+    :param values: the samples; what is not finite is left out
+    :param first: index of the first bin
+    :param count: number of bins
+    :param width: width of the bins, s
+    :returns: a value for each bin; NaN for one without
+    """
+    result = numpy.full(count, numpy.nan)
+    bins = numpy.floor(times / width).astype(numpy.int64) - first
+    used = (bins >= 0) & (bins < count) & numpy.isfinite(values)
+    result[bins[used]] = values[used]  # of several in a bin the last one stays
+    return result
+
+
 def as_json(values: numpy.ndarray) -> List[Union[float, bool, None]]:
     """Return extremes as JSON knows them: null for nothing, and false for the end of a line.
 

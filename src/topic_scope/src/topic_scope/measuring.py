@@ -6,6 +6,7 @@ from typing import Any, Dict, Sequence, Tuple
 import rospy
 
 from topic_scope import measurements
+from topic_scope.looks import Source
 from topic_scope.recorder import Recorder
 from topic_scope.statistics import measure
 from topic_scope.view import LiveView
@@ -15,16 +16,19 @@ from topic_scope.wishes import Measure
 SILENT_S = 1.0
 
 
-def statistics_of(recorder: Recorder, view: LiveView, wish: Measure, now: float) -> Dict[str, Any]:
+def statistics_of(
+    recorder: Recorder, source: Source, view: LiveView, wish: Measure, now: float
+) -> Dict[str, Any]:
     """Return the message that tells a page what is measured of its traces.
 
-    :param recorder: has the samples
+    :param recorder: knows the traces
+    :param source: where their samples are
     :param view: what the page shows
     :param wish: what it wants to be measured
     :param now: the time, s
     """
     span = wish.span(now) or view.span(now)
-    traces = {name: _measured(recorder, name, span, wish, now) for name in view.fields}
+    traces = {name: _measured(recorder, source, name, span, wish, now) for name in view.fields}
     return {"type": "stats", "traces": traces}
 
 
@@ -41,19 +45,24 @@ def warn_of(recorder: Recorder, names: Sequence[str]) -> None:
 
 
 def _measured(
-    recorder: Recorder, name: str, span: Tuple[float, float], wish: Measure, now: float
+    recorder: Recorder,
+    source: Source,
+    name: str,
+    span: Tuple[float, float],
+    wish: Measure,
+    now: float,
 ) -> Dict[str, Any]:
     told: Dict[str, Any] = {"problem": recorder.problem(name)}
     trace = recorder.trace(name)
     if trace is None:
         return told
-    samples = trace.samples(*span)
+    samples = source(name, *span)
     told.update({"topic": trace.stream.topic, "time": trace.stream.base})
     told.update(measure(*samples))
     if wish.shapes:
         told.update(measurements.figures(*samples))
     if wish.against:
-        told["phase"] = measurements.phase(samples, recorder.samples(wish.against, *span))
+        told["phase"] = measurements.phase(samples, source(wish.against, *span))
     age, usual = trace.age(now), trace.longest_step
     silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
     told["silent"] = age if silent else None

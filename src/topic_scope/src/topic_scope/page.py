@@ -6,6 +6,7 @@ from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 from topic_scope import protocol
 from topic_scope.charts import ChartFeed
 from topic_scope.checks import RequestError
+from topic_scope.looks import Looks
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
 from topic_scope.wishes import Chart, Measure
@@ -33,6 +34,7 @@ class Page:
         self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
         self.chart = ChartFeed(Chart())
         self.measure = Measure()
+        self.looks = Looks()
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
@@ -44,6 +46,16 @@ class Page:
         """
         self.view.restart()
         self.trigger = TriggerWatch(self.trigger.request, now)
+
+    def want(self, looks: Looks) -> None:
+        """Show its traces in another way.
+
+        :param looks: how it wants them
+        """
+        self.looks = looks
+        self.view.stepped = looks.is_stepped
+        self.view.restart()
+        self.chart = ChartFeed(self.chart.request)
 
     def is_due(self, now: float) -> bool:
         """Tell whether it is the page's turn to get a frame.

@@ -13,6 +13,7 @@ from topic_scope.checks import (
     number_of,
     word_of,
 )
+from topic_scope.looks import Looks, looks_of
 from topic_scope.wishes import Chart, Measure, chart_of, measure_of
 
 #: Longest request that is read, bytes.
@@ -117,6 +118,7 @@ Request = Union[
     Select,
     View,
     Trigger,
+    Looks,
     Measure,
     Chart,
     Set,
@@ -213,6 +215,7 @@ _READERS: Dict[str, Callable[[Dict[str, Any]], Request]] = {
     "select": _select,
     "view": _view,
     "trigger": _trigger,
+    "looks": looks_of,
     "measure": measure_of,
     "chart": chart_of,
     "set": _set,

@@ -11,6 +11,7 @@ from topic_scope.checks import TRACES
 from topic_scope.export import parts
 from topic_scope.fields import FieldError
 from topic_scope.greeting import choices_message, hello
+from topic_scope.looks import Looks
 from topic_scope.measuring import statistics_of, warn_of
 from topic_scope.options import Options
 from topic_scope.origin import Origin
@@ -132,6 +133,8 @@ class Server:
             self._pin()
         elif isinstance(request, protocol.Trigger):
             page.trigger = TriggerWatch(request, self._recorder.update())
+        elif isinstance(request, Looks):
+            page.want(request)
         elif isinstance(request, Measure):
             page.measure = request
         elif isinstance(request, Chart):
@@ -201,7 +204,7 @@ class Server:
         measures = time.monotonic() >= self._statistics_at + STATISTICS_S
         if measures:
             self._statistics_at = time.monotonic()
-        samples = self._recorder.samples
+        recorder = self._recorder
         for connection in list(self.sockets):
             page = connection.page
             if page is None or not self._knows_topics:
@@ -210,6 +213,7 @@ class Server:
                 if connection.is_ready:
                     connection.send(page.take())
                 continue
+            samples = page.looks.scaled(recorder.samples)
             crossing = page.trigger.update(now, page.view.window, samples)
             if crossing is not None:
                 page.put(crossing)
@@ -217,9 +221,8 @@ class Server:
             if not connection.is_ready or not page.is_due(began):
                 continue  # the next frame holds what this one would have
             if measures:
-                page.put(statistics_of(self._recorder, page.view, page.measure, now))
-            recorder = self._recorder
-            chart = page.chart.update(now, recorder, page.view)
+                page.put(statistics_of(recorder, samples, page.view, page.measure, now))
+            chart = page.chart.update(now, samples, recorder.longest_step, page.view)
             if chart is not None:
                 page.put(chart)
             frame = page.view.frame(now, samples, recorder.changed_since, recorder.longest_step)

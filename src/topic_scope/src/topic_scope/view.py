@@ -4,11 +4,9 @@ import math
 from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 
 from topic_scope import protocol
-from topic_scope.decimation import as_json, bin_of, extremes
-from topic_scope.ring import Samples
+from topic_scope.decimation import as_json, bin_of, extremes, lasts
+from topic_scope.looks import Source
 
-#: Returns the samples of a field from one time to another, both in s.
-Source = Callable[[str, float, float], Samples]
 #: Returns how far apart samples of one line of a field may be, s.
 Step = Callable[[str], float]
 
@@ -29,6 +27,8 @@ class LiveView:
         self._open: Optional[int] = None
         self._complete = False
         self._frame_at = 0.0
+        #: Tells whether the value of a field holds until the next one comes.
+        self.stepped: Callable[[str], bool] = lambda _field: False
         #: What was shown since the page stands still, from start to end, s; None while it moves.
         self.pinned: Optional[Tuple[float, float]] = None
         self._pin()
@@ -101,13 +101,15 @@ class LiveView:
         else:
             first = min(first, bin_of(changed, width))
         count = max(last - first + 1, 0)
-        traces = {}
+        traces, ends = {}, {}
         for field in self.fields:
             longest = longest_step(field)
             # A little more than the bins, whose edges are rounded otherwise.
             begin = (first - 0.5) * width - (longest if math.isfinite(longest) else 0.0)
             samples = source(field, begin, (last + 1.5) * width)
             traces[field] = as_json(extremes(*samples, first, count, width, longest))
+            if self.stepped(field):
+                ends[field] = as_json(lasts(*samples, first, count, width))
         self._open = max(last, first)
         self._complete = self._view.end is not None and now > end + LATE_S
         return {
@@ -117,6 +119,7 @@ class LiveView:
             "reset": reset,
             "first": first,
             "traces": traces,
+            **({"lasts": ends} if ends else {}),
         }
 
 

@@ -99,8 +99,12 @@ class Modules(unittest.TestCase):
             self.assertEqual(told["axes"], {"x": axes["x"], **axes_then})
 
     def test_what_is_chosen_for_traces_is_read_as_it_was_written(self) -> None:
-        chosen = {"/a": {"plot": 2}, "/b": {"slot": 7, "dash": "dotted"}}
-        wrong = [{"plot": 9}, {"plot": 1.5}, {"slot": -1}, {"dash": "wavy"}, {"other": 1}, None]
+        chosen = {
+            "/a": {"plot": 2},
+            "/b": {"slot": 7, "dash": "dotted", "drawn": "steps", "gain": 2.5, "offset": -1},
+        }
+        wrong = [{"plot": 9}, {"plot": 1.5}, {"slot": -1}, {"dash": "wavy"}, {"drawn": "dots"}]
+        wrong += [{"gain": "2"}, {"offset": 1e301}, {"other": 1}, {"toString": 1}, None]
         told = self.browser.call(
             "traces.js",
             "(() => { const written = module.writeTraces(module.readTraces(a[0]));"
@@ -250,6 +254,57 @@ class Modules(unittest.TestCase):
         )
         rows = ["1", "2", "NaN", "NaN", "null", "null", "3", "4"]
         self.assertEqual(found, [rows, 2, [1, 4], 1.5])
+
+    def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
+        frames = [
+            {
+                **{"now": 9, "bin": 1, "reset": True, "first": 5},
+                "traces": {"f": [0, 5, None, None, 1, 1, 7, 7], "g": [1, 2, 3, 4, 5, 6, 7, 8]},
+                "lasts": {"f": [3, None, 1, 7]},
+            },
+            {
+                **{"now": 12, "bin": 1, "reset": False, "first": 8},
+                "traces": {"f": [7, 8, None, None, False, False], "g": [7, 8] * 3},
+                "lasts": {"f": [8, None, None]},
+            },
+        ]
+        rows, held, bins = self.browser.call(
+            "buffer.js",
+            "(() => { const buffer = new module.TraceBuffer();"
+            " a[0].forEach((frame) => buffer.apply(frame, 4));"
+            " const rows = buffer.rows(['f', 'g'], 0);"
+            " return [rows.map((row) => row.map(String)),"
+            " [7.5, 8.1, 9.9, 10.5, 4.9].map((time) => buffer.at('f', time)),"
+            " buffer.copy().lasts.get('f')]; })()",
+            frames,
+        )
+        # Of four bins, and two more that are kept: the line covers all, and then holds the last.
+        self.assertEqual([row[1] for row in rows[:3]], ["0", "5", "3"])
+        self.assertEqual([row[1] for row in rows[6:12]], ["1", "1", "1", "7", "8", "8"])
+        self.assertEqual([row[2] for row in rows[:3]], ["1", "2", "null"])
+        self.assertEqual({row[0] for row in rows[:3]}, {"5.5"})
+        self.assertEqual(held, [1, 8, 8, None, None])
+        self.assertEqual(bins, [3, None, 1, 8, None, None])
+
+    def test_what_is_counted_is_drawn_in_steps(self) -> None:
+        types = ["bool", "uint8", "int64", "byte", "char", "float32", "float64", "time", "duration"]
+        names = [f"/{name}" for name in types]
+        more = ["/int64[12]@stamp", "/int64.difference", "/int64.derivative", "/unknown"]
+        stepped, scaled = self.browser.call(
+            "traces.js",
+            "(() => { const [names, more] = a; const available = [...names, '/int64[0]'].map("
+            " (field) => ({ field, datatype: field.match(/\\w+/)[0] }));"
+            " const traces = module.readTraces({ '/bool': { drawn: 'line', gain: -0.5 },"
+            " '/time': { drawn: 'steps', offset: -2e-7 } });"
+            " const values = { available, traces, fields: [...names, ...more] };"
+            " const { traces: looks } = module.looksOf(values);"
+            " return [Object.keys(looks).filter((field) => looks[field].steps),"
+            " ['/bool', '/time', '/int64'].map((field) => module.scaledText(values, field))]; })()",
+            names,
+            more,
+        )
+        self.assertEqual(stepped, [*names[1:5], "/time", *more[:2]])
+        self.assertEqual(scaled, ["scaled × −0.5", "scaled − 2e−7", ""])
 
     def test_frames_are_joined_and_forgotten(self) -> None:
         frames = [

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """The page measures, and plots otherwise than over time."""
 
+import itertools
 import math
 import re
-from typing import Any
+import threading
+from typing import Any, List
+from urllib.request import urlopen
 
 import rospy
 import rostest
@@ -11,7 +14,7 @@ from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Int32
 
 
 class Plots(PageTest):
@@ -296,6 +299,73 @@ class Plots(PageTest):
             ),
             lambda: [line[:2] for line in self.strokes()],
         )
+
+    def test_draws_whole_numbers_in_steps_and_scales_what_is_to_be_scaled(self) -> None:
+        publisher = rospy.Publisher("/steps", Int32, queue_size=10)
+        self.addCleanup(publisher.unregister)
+        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
+        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
+        self.browser.keys("a", "/steps/data")
+        self.browser.wait_for("#chooser-list input")
+        self.browser.keys(Keys.ENTER, Keys.ESCAPE)
+        done = threading.Event()
+
+        def publish() -> None:
+            for number in itertools.count():
+                publisher.publish(number % 4 % 3)  # 0 1 2 0
+                if done.wait(0.11):
+                    return
+
+        thread = threading.Thread(target=publish)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(done.set)
+        field = "/steps/data"
+        wait_until(lambda: self.cell(field, "max") == 2.0, lambda: self.browser.text("#legend"))
+
+        def upright() -> List[bool]:
+            """Return of each part of the line whether it goes along an axis."""
+            [(_, _, points)] = [line for line in self.strokes() if len(line[2]) > 9]
+            return [
+                abs(x - before[0]) < 1e-6 or abs(y - before[1]) < 1e-6
+                for before, (x, y, is_drawn) in zip(points, points[1:])
+                if is_drawn
+            ]
+
+        wait_until(lambda: len(upright()) > 20 and all(upright()), upright)
+        self.browser.find(f"[aria-label='more of {field}']").click()
+        self.browser.choose("#trace-drawn", "line")
+        for name, value in (("gain", "-10"), ("offset", "5.5")):
+            number = self.browser.find(f"#trace-{name}")
+            number.send_keys(Keys.CONTROL + "a")
+            number.send_keys(value, Keys.TAB)
+        number.send_keys(Keys.CONTROL + "a")
+        number.send_keys("many", Keys.TAB)  # is no number
+        self.assertEqual(number.get_property("value"), "5.5")
+        self.browser.keys(Keys.ESCAPE)
+        wait_until(lambda: not all(upright()), upright)
+        label = self.browser.text(f"#legend tr[data-field='{field}'] .scaled")
+        self.assertEqual(label, "scaled × −10 + 5.5")
+        wait_until(
+            lambda: (self.cell(field, "min"), self.cell(field, "max")) == (-14.5, 5.5)
+            and "−10" in self.browser.text(".dygraph-axis-label-y"),
+            lambda: self.browser.text("#legend"),
+        )
+        # The level is on the axis, and so is scaled too; a file has what came.
+        self.browser.choose("#trigger-mode", "normal")
+        self.browser.choose("#trigger-field", field)
+        level = self.browser.find("#trigger-level")
+        level.send_keys(Keys.CONTROL + "a")
+        level.send_keys("-12", Keys.ENTER)
+        wait_until(
+            lambda: self.browser.text("#trigger-state") == "triggered",
+            lambda: self.browser.text("#trigger-state"),
+        )
+        self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
+        with urlopen(str(self.browser.find("#csv").get_property("href"))) as answer:
+            rows = [line.split(",") for line in answer.read().decode().split()]
+        column = rows[0].index(field)
+        self.assertEqual({row[column] for row in rows[1:]} - {""}, {"0.0", "1.0", "2.0"})
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from topic_scope import playback, protocol, robot_requests
 from topic_scope.checks import RequestError
+from topic_scope.looks import Look, Looks
 from topic_scope.wishes import Chart, Measure
 
 JSON = st.recursive(
@@ -40,6 +41,7 @@ GOOD = [
         {**SINGLE, "number": 3},
         protocol.Trigger("single", "/a/x", 0.0, True, 3),
     ),
+    ({"type": "looks", "traces": {"/a/x": {"gain": 2}}}, Looks({"/a/x": Look(2.0)})),
     ({"type": "measure"}, Measure()),
     (
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},

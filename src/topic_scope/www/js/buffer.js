@@ -9,12 +9,13 @@ export class TraceBuffer {
     this.now = 0; // time of the last frame, since the epoch, s
     // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
     this.traces = new Map();
+    this.lasts = new Map(); // field -> the last value of each bin, of traces that are drawn in steps
   }
 
   /**
    * Take what a frame brings.
    * @param {{now: number, bin: number, reset: boolean, first: number,
-   *   traces: Object<string, Array<?number>>}} frame
+   *   traces: Object<string, Array<?number>>, lasts: ?Object<string, Array<?number>>}} frame
    * @param {number} span how much of the past is to be kept, s
    */
   apply(frame, span) {
@@ -22,6 +23,7 @@ export class TraceBuffer {
     this.now = frame.now;
     if (frame.reset || frame.bin !== this.bin || frame.first > this.first + this.count) {
       this.traces.clear();
+      this.lasts.clear();
       this.bin = frame.bin;
       this.first = frame.first;
       this.count = 0;
@@ -35,12 +37,19 @@ export class TraceBuffer {
       for (const value of frame.traces[field]) values.push(value === false ? NaN : value);
       this.traces.set(field, values);
     }
+    for (const [field, values] of Object.entries(frame.lasts || {})) {
+      const before = this.lasts.get(field) || new Array(offset).fill(null);
+      before.length = offset;
+      before.push(...values);
+      this.lasts.set(field, before);
+    }
     this.forget(this.count - Math.ceil(span / this.bin) - 2);
   }
 
   forget(surplus) {
     if (surplus <= 0) return;
     for (const values of this.traces.values()) values.splice(0, 2 * surplus);
+    for (const values of this.lasts.values()) values.splice(0, surplus);
     this.first += surplus;
     this.count -= surplus;
   }
@@ -48,27 +57,31 @@ export class TraceBuffer {
   /** A copy that further frames leave alone. */
   copy() {
     const twin = new TraceBuffer();
-    Object.assign(twin, this, { traces: new Map() });
+    Object.assign(twin, this, { traces: new Map(), lasts: new Map() });
     for (const [field, values] of this.traces) twin.traces.set(field, values.slice());
+    for (const [field, values] of this.lasts) twin.lasts.set(field, values.slice());
     return twin;
   }
 
   /**
    * Tabulate traces for dygraphs: two rows a bin, at its middle, one with the smallest and one
-   * with the largest value, of which the first is the one nearer to the bin before.
+   * with the largest value, of which the first is the one nearer to the bin before; where there are
+   * steps, a third one with the last value of the bin, which holds until the next.
    * @param {string[]} fields
    * @param {number} reference what the times count from, since the epoch, s
    * @param {Array<Array<?number>>} [rows] of an earlier call, to be used again
    * @returns {Array<Array<?number>>} never empty
    */
   rows(fields, reference, rows = []) {
-    rows.length = Math.max(1, 2 * this.count);
+    const each = fields.some((field) => this.lasts.has(field)) ? 3 : 2;
+    rows.length = Math.max(1, each * this.count);
     for (let index = 0; index < rows.length; index += 1) {
       const row = rows[index] || (rows[index] = []);
       row.length = fields.length + 1;
-      row[0] = (this.first + (index >> 1) + 0.5) * this.bin - reference;
+      row[0] = (this.first + Math.floor(index / each) + 0.5) * this.bin - reference;
     }
-    fields.forEach((field, column) => fillColumn(rows, column + 1, this.traces.get(field) || []));
+    fields.forEach((field, column) =>
+      fillColumn(rows, each, column + 1, this.traces.get(field) || [], this.lasts.get(field)));
     return rows;
   }
 
@@ -109,7 +122,8 @@ export class TraceBuffer {
   }
 
   /**
-   * Tell the value of a trace at a time: the middle of the nearest bin that holds something.
+   * Tell the value of a trace at a time: the middle of the nearest bin that holds something; of
+   * steps, the last value before.
    * @param {string} field
    * @param {number} time since the epoch, s
    * @returns {?number}
@@ -118,11 +132,23 @@ export class TraceBuffer {
     const values = this.traces.get(field) || [];
     const middle = Math.floor(time / this.bin) - this.first;
     if (middle < 0 || middle >= this.count) return null;
+    if (this.lasts.has(field)) return this.heldAt(field, middle);
     for (let distance = 0; distance < this.count; distance += 1) {
       for (const index of [middle - distance, middle + distance]) {
         const low = values[2 * index];
         if (isThere(low)) return (low + values[2 * index + 1]) / 2;
       }
+    }
+    return null;
+  }
+
+  /** Tell the value that holds in a bin; null where its line has ended. */
+  heldAt(field, bin) {
+    const values = this.traces.get(field) || [];
+    const lasts = this.lasts.get(field);
+    for (let index = bin; index >= 0; index -= 1) {
+      if (isThere(lasts[index])) return lasts[index];
+      if (Number.isNaN(values[2 * index])) return null;
     }
     return null;
   }
@@ -132,14 +158,18 @@ export class TraceBuffer {
 const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
 
 /** Write a trace into a column of rows, so that its line is as short as can be. */
-function fillColumn(rows, column, values) {
+function fillColumn(rows, each, column, values, lasts) {
   let before = 0;
-  for (let index = 0; index < rows.length; index += 2) {
-    const low = values[index] ?? null;
-    const high = values[index + 1] ?? null;
+  for (let bin = 0; each * bin < rows.length; bin += 1) {
+    const index = each * bin;
+    const low = values[2 * bin] ?? null;
+    const high = values[2 * bin + 1] ?? null;
     const falls = isThere(low) && Math.abs(before - high) < Math.abs(before - low);
     rows[index][column] = falls ? high : low;
     if (index + 1 < rows.length) rows[index + 1][column] = falls ? low : high;
     if (isThere(low)) before = falls ? low : high;
+    if (each < 3 || index + 2 >= rows.length) continue;
+    rows[index + 2][column] = lasts ? lasts[bin] ?? null : null;
+    if (lasts && isThere(lasts[bin])) before = lasts[bin];
   }
 }

@@ -4,6 +4,7 @@ import { clockText } from "./clock.js";
 import { sampleOf } from "./colours.js";
 import { make } from "./dom.js";
 import { figure } from "./numbers.js";
+import { scaledText } from "./traces.js";
 
 const BESIDE = 12; // pixels from the pointer
 
@@ -48,9 +49,13 @@ export class Hover {
     if (!isShown) return;
     const time = shown.from + this.part * (shown.to - shown.from);
     const value = (field) => figure(shown.buffer.at(field, time), 5, this.spreadOf(field));
+    const scaled = (field) => {
+      const text = scaledText(this.state.values, field);
+      return text && make("em", { class: "scaled" }, text);
+    };
     this.box.replaceChildren(make("b", {}, this.timeText(time, shown)), ...fields.flatMap((field) => [
       make("i", { style: `background: ${sampleOf(this.state, field)}` }),
-      make("span", {}, field), make("span", { class: "figure" }, value(field)),
+      make("span", {}, field, scaled(field)), make("span", { class: "figure" }, value(field)),
     ]));
     this.line.style.left = `${100 * this.part}%`;
     const isRight = this.part > 0.5;

@@ -6,6 +6,7 @@ import { LEVELS, shownFigures } from "./measures.js";
 import { figure } from "./numbers.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
 import { TimeChoice } from "./time_base.js";
+import { scaledText } from "./traces.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
 const CURSORS_EVERY_MS = 120;
@@ -111,10 +112,11 @@ export class Legend {
       "aria-label": `remove ${field}`,
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
+    const scaled = scaledText(state.values, field);
     const name = make("td", { class: "name", title: `${field}: drag it to another plot` },
       make("i", {
         class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
-      }), field, badge);
+      }), field, scaled && make("em", { class: "scaled" }, scaled), badge);
     startDrag(name, state, field);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },

@@ -180,6 +180,7 @@ export class Plot {
         axis: this.state.values.right.has(field) ? "y2" : "y",
         color: this.colourOf(field),
         strokePattern: dashOf(this.state, field),
+        stepPlot: buffer.lasts.has(field),
         drawPoints: buffer.filled(field) < most,
       };
     }

@@ -1,5 +1,7 @@
 /** Tells the server what the user has chosen, also after a connection that was lost. */
 
+import { looksOf } from "./traces.js";
+
 const EVERY_MS = 50; // between two views while the wheel turns
 
 /** Keeps the server in step with the state. */
@@ -26,6 +28,7 @@ export class Requests {
       this.sendSelect();
     });
     state.on(["window", "end"], () => this.sendViewSoon());
+    state.on(["fields", "traces", "available"], () => this.sendLooks());
     state.on(["trigger"], () => this.sendTrigger());
     state.on(["view"], () => {
       this.sendGraph();
@@ -52,6 +55,7 @@ export class Requests {
     if (fresh && setup) this.setup.restore(JSON.stringify(setup));
     if (fresh || !this.picked) this.setup.begin();
     this.sendSelect();
+    this.sendLooks();
     this.sendView();
     this.sendTrigger();
     this.sendChart(this.chart);
@@ -68,6 +72,12 @@ export class Requests {
 
   sendSelect() {
     if (this.picked) this.send({ type: "select", fields: this.state.values.fields });
+  }
+
+  sendLooks() {
+    const message = looksOf(this.state.values);
+    const isPlain = !Object.keys(message.traces).length;
+    if (!isPlain || this.sent.looks) this.send(message); // as a server begins
   }
 
   sendViewSoon() {

@@ -1,7 +1,11 @@
 /** The dialog with what else can be chosen for a trace. */
 
 import { byId, make, say } from "./dom.js";
-import { DASHES, choose, chosenOf } from "./traces.js";
+import { readNumber, typed } from "./numbers.js";
+import { DASHES, LARGEST, choose, chosenOf } from "./traces.js";
+
+const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
+const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
 
 /**
  * Make the dialog work.
@@ -9,17 +13,27 @@ import { DASHES, choose, chosenOf } from "./traces.js";
  * @returns {function(string): void} opens it for a field
  */
 export function startTraceDialog(state) {
-  const dash = byId("trace-dash");
   let field = "";
-  dash.append(make("option", { value: "" }, "automatic"),
-    ...[...DASHES.keys()].map((name) => make("option", { value: name }, name)));
 
   function fill() {
+    const chosen = chosenOf(state.values, field);
     say(byId("trace-title"), field);
-    dash.value = chosenOf(state.values, field).dash;
+    for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
+    for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
   }
 
-  dash.addEventListener("change", () => choose(state, field, { dash: dash.value }));
+  WORDS.dash.append(make("option", { value: "" }, "automatic"),
+    ...[...DASHES.keys()].map((name) => make("option", { value: name }, name)));
+  for (const [name, select] of Object.entries(WORDS)) {
+    select.addEventListener("change", () => choose(state, field, { [name]: select.value }));
+  }
+  for (const [name, input] of Object.entries(NUMBERS)) {
+    input.addEventListener("change", () => {
+      const number = readNumber(input.value) ?? NaN;
+      if (Math.abs(number) <= LARGEST) choose(state, field, { [name]: number });
+      fill(); // what is no number goes back to what it was
+    });
+  }
   return (name) => {
     field = name;
     fill();

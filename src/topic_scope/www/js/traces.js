@@ -1,7 +1,15 @@
 /** What is chosen for each trace besides its axis and the colour that a user has picked. */
 
+import { typed } from "./numbers.js";
+
 /** Most plots, one below another. */
 export const PLOTS = 8;
+
+/** Ways to draw a trace, "" for what suits its type. */
+export const DRAWN = ["", "line", "steps"];
+
+/** Largest gain and offset that the scope takes. */
+export const LARGEST = 1e300;
 
 /** Dashes and gaps of a line by name, pixels; as many slots as there are colours go with each. */
 export const DASHES = new Map([
@@ -13,8 +21,11 @@ export const DASHES = new Map([
  * @property {number} plot that the trace is in, from 1, the uppermost
  * @property {?number} slot by which it gets a look that no other trace has; null: none yet
  * @property {string} dash name of a dash, "" for that of its slot
+ * @property {string} drawn "line", "steps", or "" for what suits the type of the field
+ * @property {number} gain what the values are multiplied by
+ * @property {number} offset what is added then
  */
-const USUAL = Object.freeze({ plot: 1, slot: null, dash: "" });
+const USUAL = Object.freeze({ plot: 1, slot: null, dash: "", drawn: "", gain: 1, offset: 0 });
 
 const FREE = Object.freeze({ title: "", low: null, high: null });
 
@@ -58,6 +69,53 @@ export function verticals(values) {
 export function choose(state, field, changes) {
   const { traces } = state.values;
   state.set({ traces: new Map([...traces, [field, { ...chosenOf({ traces }, field), ...changes }]]) });
+}
+
+// --- What becomes of it ----------------------------------------------------------------------
+
+const COUNTED = /^(bool|byte|char|u?int\d+)$/;
+const typesOf = new WeakMap(); // list of fields -> types by field
+
+/** Type of a field, as far as it is listed; of all elements of an array it is that of the first. */
+function typeOf({ available }, field) {
+  if (!typesOf.has(available)) {
+    typesOf.set(available, new Map(available.map(({ field: name, datatype }) => [name, datatype])));
+  }
+  return typesOf.get(available).get(field.replace(/[.@].*/, "").replace(/\[\d+\]/g, "[0]"));
+}
+
+/** Whether the value of a trace holds until the next one: by itself where nothing lies between two. */
+export function isStepped(values, field) {
+  const { drawn } = chosenOf(values, field);
+  const isValue = !/\.(derivative|unwrap|yaw)/.test(field);
+  return drawn ? drawn === "steps" : isValue && COUNTED.test(typeOf(values, field) || "");
+}
+
+/**
+ * Say how the server is to make the traces.
+ * @param {Object} values of the state
+ * @returns {Object} the request
+ */
+export function looksOf(values) {
+  const looks = values.fields.map((field) => {
+    const { gain, offset } = chosenOf(values, field);
+    return [field, { gain, offset, steps: isStepped(values, field) }];
+  });
+  const isOwn = ([, { gain, offset, steps }]) => gain !== 1 || offset !== 0 || steps;
+  return { type: "looks", traces: Object.fromEntries(looks.filter(isOwn)) };
+}
+
+/**
+ * Say that a trace is scaled.
+ * @param {Object} values of the state
+ * @param {string} field
+ * @returns {string} empty where it is not
+ */
+export function scaledText(values, field) {
+  const { gain, offset } = chosenOf(values, field);
+  const times = gain === 1 ? "" : ` × ${typed(gain, 6)}`;
+  const plus = offset === 0 ? "" : ` ${offset < 0 ? "−" : "+"} ${typed(Math.abs(offset), 6)}`;
+  return times || plus ? `scaled${times}${plus}`.replace("-", "−") : "";
 }
 
 /** What is chosen for a trace that is new: the plot of the topic or part which stood for it before. */
@@ -115,12 +173,16 @@ export function keepArranged(state) {
 
 // --- In a set-up -----------------------------------------------------------------------------
 
+const isScale = (value) => Number.isFinite(value) && Math.abs(value) <= LARGEST;
 const isWhole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
 
 const CHECKS = {
   plot: (value) => isWhole(value, 1, PLOTS),
   slot: (value) => isWhole(value, 0, 1000),
   dash: (value) => value === "" || DASHES.has(value),
+  drawn: (value) => DRAWN.includes(value),
+  gain: isScale,
+  offset: isScale,
 };
 
 /** Tell whether what a set-up says of traces makes sense. */

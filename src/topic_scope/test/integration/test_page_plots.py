@@ -2,19 +2,32 @@
 """The page measures, and plots otherwise than over time."""
 
 import itertools
+import json
 import math
+import os
 import re
+import subprocess
+import sys
 import threading
+import time
 from typing import Any, List
+from urllib.parse import parse_qs, quote
 from urllib.request import urlopen
 
+import numpy
 import rospy
 import rostest
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
-from std_msgs.msg import Float64MultiArray, Int32
+from std_msgs.msg import Float64MultiArray, Header, Int32
+
+from geometry_msgs.msg import Point, PointStamped  # isort: skip
+
+SINE = "/sine/point/x"
+#: The place of an element, with the parts of pixels.
+_BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
 
 
 class Plots(PageTest):
@@ -272,6 +285,8 @@ class Plots(PageTest):
             "const look = () => { if (!lines.length) return requestAnimationFrame(look);"
             "Object.assign(kind, { beginPath, moveTo, lineTo, stroke }); done(lines); };"
             "requestAnimationFrame(look);"
+            # Draws anew, whether something comes or not.
+            "for (const _ of [0, 1]) document.getElementById('theme').click();"
         )
 
     def test_a_trace_has_a_colour_and_a_dash(self) -> None:
@@ -366,6 +381,69 @@ class Plots(PageTest):
             rows = [line.split(",") for line in answer.read().decode().split()]
         column = rows[0].index(field)
         self.assertEqual({row[column] for row in rows[1:]} - {""}, {"0.0", "1.0", "2.0"})
+
+    def test_a_sine_is_where_it_is_while_the_machine_is_busy(self) -> None:
+        """Each point of its line is less than a pixel from the true curve."""
+        omega, done = 4.0 * math.pi, threading.Event()
+        publisher = rospy.Publisher("/sine", PointStamped, queue_size=1000)
+        self.addCleanup(publisher.unregister)
+
+        def publish() -> None:
+            begin = time.time()
+            for number in itertools.count():
+                stamp = rospy.Time.from_sec(begin + number / 200.0)
+                message = PointStamped(Header(stamp=stamp), Point())
+                message.point.x = 2.0 * math.sin(omega * stamp.to_sec())
+                publisher.publish(message)
+                if done.wait(max(0.0, begin + (number + 1) / 200.0 - time.time())):
+                    return
+
+        thread = threading.Thread(target=publish)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(done.set)
+        axis = {"title": "", "low": None, "high": None}
+        setup = {
+            **{"fields": [SINE], "window": 1, "baseWindow": 1},
+            "axes": {"x": {"title": ""}, "y": {**axis, "low": -2.5, "high": 2.5}, "y2": axis},
+        }
+        self.browser.driver.get("about:blank")
+        self.browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
+        hogs = [
+            subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            for _ in range(os.cpu_count() or 1)
+        ]
+        for hog in hogs:
+            self.addCleanup(hog.wait)
+            self.addCleanup(hog.kill)
+        began = time.monotonic()
+        wait_until(
+            lambda: self.cell(SINE, "frequency") > 1.9 and time.monotonic() > began + 2.0,
+            lambda: self.browser.text("#legend"),
+        )
+        self.browser.find("#run").click()
+        for hog in hogs:
+            hog.kill()
+        self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
+        query = parse_qs(str(self.browser.find("#csv").get_property("href")).partition("?")[2])
+        start, end = (float(query[name][0]) for name in ("start", "end"))
+        # What was under way has come by then, however late.
+        wait_until(lambda: time.time() > end + 1.0, lambda: f"{end} is not over")
+        plot, canvas = (self.browser.run(_BOX, name) for name in ("#overlay", "#plot canvas"))
+        left, top = plot["x"] - canvas["x"], plot["y"] - canvas["y"]
+        [points] = [line for _, _, line in self.strokes() if len(line) > 50]
+        line = numpy.array([(x, y) for x, y, _ in points if left <= x <= left + plot["width"]])
+        # From edge to edge, but for the time that the last samples needed.
+        self.assertLess(line[0, 0], left + 6.0)
+        self.assertGreater(line[-1, 0], left + 0.5 * plot["width"])
+        middles = (line[1:] + line[:-1]) / 2.0
+        across = numpy.linspace(-4.0, 4.0, 401)
+        far = 0.0
+        for x, y in numpy.concatenate([line, middles]):
+            times = start + (x + across - left) / plot["width"] * (end - start)
+            heights = top + (0.5 - 2.0 * numpy.sin(omega * times) / 5.0) * plot["height"]
+            far = max(far, float(numpy.hypot(across, heights - y).min()))
+        self.assertLess(far, 1.0)
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

@@ -6,7 +6,7 @@ import numpy
 
 from topic_scope.csv_rows import Column, header, rows
 from topic_scope.recorder import Recorder
-from topic_scope.streams import Trace
+from topic_scope.streams import Recorded
 
 #: Length of a part, s; frames are sent in between.
 PART_S = 0.25
@@ -37,7 +37,7 @@ async def parts(
         begin = stop
 
 
-def _column(trace: Optional[Trace], start: float, end: float) -> Column:
+def _column(trace: Optional[Recorded], start: float, end: float) -> Column:
     if trace is None:
         return Column("", (_NOTHING, _NOTHING), _NOTHING)
     received = trace.received(start, end)

@@ -13,7 +13,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 from rosgraph.names import get_ros_namespace, ns_join
 
 from topic_scope.checks import RequestError, check_count, fields_of
-from topic_scope.fields import FieldError, expand
+from topic_scope.differences import expand
+from topic_scope.fields import FieldError
 
 #: Addresses that stand for all of a machine's.
 _ALL = ("", "0.0.0.0", "::")

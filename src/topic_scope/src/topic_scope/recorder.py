@@ -12,7 +12,7 @@ from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
 from topic_scope.ring import Samples
 from topic_scope.source import Source
-from topic_scope.streams import Stream, Trace
+from topic_scope.streams import Recorded, Stream, Trace
 from topic_scope.taps import Batch
 
 #: Most fields that are listed, and most topics that are listened to for their first message alone.
@@ -227,7 +227,7 @@ class Recorder:
             return str(error)
         return None
 
-    def trace(self, name: str) -> Optional[Trace]:
+    def trace(self, name: str) -> Optional[Recorded]:
         """Return what is recorded of a field, None where nothing is."""
         return self._traces.get(name)
 

@@ -9,6 +9,7 @@ from topic_scope import protocol
 from topic_scope.charts import ChartFeed
 from topic_scope.checks import TRACES
 from topic_scope.export import parts
+from topic_scope.differences import DifferenceRecorder
 from topic_scope.fields import FieldError
 from topic_scope.greeting import choices_message, hello
 from topic_scope.looks import Looks
@@ -16,7 +17,7 @@ from topic_scope.measuring import statistics_of, warn_of
 from topic_scope.options import Options
 from topic_scope.origin import Origin
 from topic_scope.page import Page
-from topic_scope.recorder import Choice, Recorder
+from topic_scope.recorder import Choice
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import pinned
 from topic_scope.web import Socket
@@ -39,7 +40,7 @@ class Server:
 
     def __init__(self, options: Options, origin: Origin) -> None:
         self.sockets: List[Socket] = []
-        self._recorder = Recorder(origin.source, origin.layouts, options.history)
+        self._recorder = DifferenceRecorder(origin.source, origin.layouts, options.history)
         self._options, self._origin = options, origin
         self._knows_topics = False
         self._initial: List[str] = list(options.fields)

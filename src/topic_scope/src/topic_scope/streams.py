@@ -1,7 +1,7 @@
 """The samples of fields, by the times of their messages."""
 
 import math
-from typing import List, Optional, Tuple
+from typing import List, Optional, Protocol, Tuple
 
 import numpy
 
@@ -15,6 +15,31 @@ from topic_scope.taps import Batch
 _MORE_S = 1e-5
 #: How many samples tell what is usual between them.
 _USUAL = 200
+
+
+class Recorded(Protocol):
+    """What can be asked of the samples of a field, or of what is made of several; see Trace."""
+
+    @property
+    def stream(self) -> "Stream":
+        ...
+
+    @property
+    def span(self) -> Optional[Tuple[float, float]]:
+        ...
+
+    @property
+    def longest_step(self) -> float:
+        ...
+
+    def samples(self, start: float, end: float) -> Samples:
+        ...
+
+    def received(self, start: float, end: float) -> numpy.ndarray:
+        ...
+
+    def age(self, now: float) -> Optional[float]:
+        ...
 
 
 class Trace:
@@ -32,7 +57,7 @@ class Trace:
     def __init__(
         self, stream: "Stream", path: fields.Path, history: float, function: str = ""
     ) -> None:
-        self.stream = stream
+        self._stream = stream
         self.path = path
         self.ring = Ring(history)
         self.used_at = 0.0
@@ -40,6 +65,11 @@ class Trace:
         self._function = derived.make(function)
         self._paths = [path + part for part in derived.parts(function)]
         self._decoders: List[Optional[Decoder]] = []
+
+    @property
+    def stream(self) -> "Stream":
+        """Where they come from."""
+        return self._stream
 
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""

@@ -118,10 +118,28 @@ class Plots(PageTest):
         self.browser.keys(Keys.ENTER)
         search = self.browser.find("#chooser-search")
         search.clear()
+        search.send_keys(f"{name}@received-/later/x[1]")
+        wait_until(
+            lambda: self.browser.text("#chooser-list") == f"{name}@received-/later/x[1]\nas typed",
+            lambda: self.browser.text("#chooser-list"),
+        )
+        search.clear()
         search.send_keys("signal_y")
         self.browser.wait_for(f"[aria-label='what is computed of {SIGNAL}']")
         self.browser.choose(f"[aria-label='what is computed of {SIGNAL}']", "difference")
         self.browser.keys(Keys.ESCAPE)
+        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.choose("#trace-less", PROCESSED)
+        self.browser.find("#trace-difference").click()
+        self.assertFalse(self.browser.find("#trace").is_displayed())
+        less = f"{SIGNAL}-{PROCESSED}"
+        self.assertFalse(self.browser.find(f"[aria-label='time of {less}']").is_enabled())
+        # Of 2 sin and 1 + cos.
+        wait_until(
+            lambda: abs(self.cell(less, "max") - (math.sqrt(5.0) - 1.0)) < 0.3
+            and abs(self.cell(less, "mean") + 1.0) < 0.1,
+            lambda: self.browser.text("#legend"),
+        )
         # Of a sine of the amplitude 2 and 1 Hz, 100 times a second.
         for field, peak in ((name, 4 * math.pi), (f"{SIGNAL}.difference", 0.04 * math.pi)):
             wait_until(

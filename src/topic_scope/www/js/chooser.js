@@ -8,7 +8,8 @@ const OPEN = 40; // up to so many fields, all topics are open
 const TRACES = 32; // as the server has it
 const TYPED = "as typed";
 const FUNCTIONS = ["derivative", "difference", "unwrap"];
-const NAME = /^\/[\w/[\]-]+(\.[a-z]+)?(@[\w/[\]]+)?$/; // of one field, with what is computed, and its time
+const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is computed, and its time
+const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
 
 /**
  * Make the dialog work.

@@ -1,6 +1,7 @@
 /** The time that a trace goes by: its name stands behind an @ in the name of the field. */
 
 import { make, say } from "./dom.js";
+import { isDifference } from "./traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
 
@@ -57,12 +58,14 @@ export class TimeChoice {
    */
   constructor(state, name) {
     this.state = state;
-    this.chosen = parted(name)[1];
+    this.isFixed = isDifference(name); // its times are those of what it is of
+    this.chosen = this.isFixed ? "" : parted(name)[1];
     this.auto = make("option", { value: "" }, "auto");
     this.element = make("select", {
       "aria-label": `time of ${name}`,
       "data-control": `time ${name}`,
       title: "the time that the trace goes by",
+      disabled: this.isFixed,
       change: () => goBy(state, name, this.element.value),
     }, this.auto, ...(this.chosen ? [make("option", { value: this.chosen }, this.chosen)] : []));
     this.element.value = this.chosen;
@@ -74,6 +77,7 @@ export class TimeChoice {
    */
   show(topic, time) {
     if (!this.chosen) say(this.auto, `auto (${time})`);
+    if (this.isFixed) return;
     const listed = [...this.element.options].map((option) => option.value);
     const missing = timesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));
     this.element.append(...missing.map((one) => make("option", { value: one }, one)));

@@ -2,10 +2,12 @@
 
 import { byId, make, say } from "./dom.js";
 import { readNumber, typed } from "./numbers.js";
-import { DASHES, LARGEST, choose, chosenOf } from "./traces.js";
+import { DASHES, LARGEST, choose, chosenOf, differenceOf, isDifference } from "./traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
 const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
+const less = byId("trace-less");
+const add = byId("trace-difference");
 
 /**
  * Make the dialog work.
@@ -20,8 +22,16 @@ export function startTraceDialog(state) {
     say(byId("trace-title"), field);
     for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
     for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
+    const others = state.values.fields.filter((other) => other !== field && !isDifference(other));
+    less.replaceChildren(...others.map((other) => make("option", { value: other }, other)));
+    add.disabled = !others.length || isDifference(field);
   }
 
+  add.addEventListener("click", () => {
+    const { fields } = state.values;
+    const name = differenceOf(field, less.value);
+    if (!fields.includes(name)) state.set({ fields: [...fields, name] });
+  });
   WORDS.dash.append(make("option", { value: "" }, "automatic"),
     ...[...DASHES.keys()].map((name) => make("option", { value: name }, name)));
   for (const [name, select] of Object.entries(WORDS)) {

@@ -1,0 +1,157 @@
+"""The difference of two traces, however the samples of both come."""
+
+import math
+import struct
+from typing import Dict, List, Sequence
+
+import numpy
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from std_msgs.msg import Float64
+from test_recorder import FakeTap, FakeTaps, header
+
+from topic_scope.checks import RequestError, fields_of
+from topic_scope.differences import DifferenceRecorder, expand, terms
+from topic_scope.fields import FieldError
+from topic_scope.layouts import Layouts
+from topic_scope.protocol import View
+from topic_scope.taps import Batch
+from topic_scope.view import LiveView
+
+TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
+NAME = "/a/data-/b/data"
+
+
+class Taps(FakeTaps):
+    """Topics of this test; what is sent was received at given times."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.taps = {topic: FakeTap() for topic in TYPES}
+
+    def receive(self, topic: str, times: Sequence[float], values: Sequence[float]) -> None:
+        data = [struct.pack("<d", value) for value in values]
+        self.taps[topic].batches.append(Batch(header(Float64), list(times), data))
+
+
+def recording(taps: Taps, *names: str) -> DifferenceRecorder:
+    made = DifferenceRecorder(taps, Layouts(), 60.0)
+    made.set_topics(TYPES)
+    made.want(names, taps.time)
+    return made
+
+
+def test_names() -> None:
+    assert terms("/a/x") == ("/a/x",)
+    assert terms("/a/x.unwrap@stamp-/b[1]/y@t") == ("/a/x.unwrap@stamp", "/b[1]/y@t")
+    assert expand("a/x-/b/y") == ["/a/x-/b/y"]
+    assert expand("/a/x:y") == ["/a/x", "/a/y"]
+    assert fields_of(["/a/x.yaw-/b/y@t"]) == ("/a/x.yaw-/b/y@t",)
+    for wrong in ("/a-b", "/a/x-/b/y-/c/z", "/a/x:y-/b/z", "/a-/", "-/a", "/a/x--/b", "/a-/b.eval"):
+        with pytest.raises(FieldError):
+            expand(wrong)
+        with pytest.raises(RequestError):
+            fields_of([wrong])
+
+
+def test_each_name_is_one_field() -> None:
+    made = recording(Taps(), NAME)
+    assert made.expand(NAME) == [NAME]
+    assert made.expand("/s/signal_y@time_x-/a") == ["/s/signal_y@time_x-/a/data"]
+    assert made.expand("/later/x-/a/data") == ["/later/x-/a/data"]
+    with pytest.raises(FieldError, match="stands for several"):
+        made.expand("/a/data-/s")
+    assert (
+        made.problem("/a/data-/b/nothing") == "/b/nothing: there is no nothing in std_msgs/Float64"
+    )
+    assert made.problem("/later/x-/a/data") == "/later/x: there is no such topic yet"
+    assert made.problem(NAME) is None and made.problem("/a/data") is None
+
+
+def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
+    taps = Taps()
+    made = recording(taps, NAME)
+    assert taps.wanted == ["/a", "/b"]
+    assert made.trace(NAME) is not None and made.samples(NAME, 0.0, 1e9)[0].tolist() == []
+    taps.receive("/a", [999.0, 999.5, 1000.0, 1000.1, 1000.2, 1000.3], [1, 2, 3, 4, 5, 6])
+    taps.receive("/b", [999.4, 999.6, 999.8, 1000.0, 1000.2], [0, 10, 20, 30, 40])
+    taps.time = 1001.0
+    made.update()
+    times, values = made.samples(NAME, 999.2, 1e9)
+    assert times.tolist() == [999.5, 1000.0, 1000.1, 1000.2]
+    assert values == pytest.approx([-3.0, -27.0, -31.0, -35.0])
+    before = made.samples(NAME, 0.0, 999.2)  # where the second one had not begun
+    assert before[0].tolist() == [999.0] and math.isnan(before[1][0])
+    trace = made.trace(NAME)
+    assert trace is not None and trace.span == (999.0, 1000.2)
+    assert trace.received(999.2, 1e9).tolist() == times.tolist()
+    assert trace.age(1001.0) == pytest.approx(0.8)
+    assert trace.stream.topic == "/a" and made.longest_step(NAME) == trace.longest_step
+
+
+def test_what_it_is_made_of_is_kept_while_a_page_stands_still() -> None:
+    taps = Taps()
+    made = recording(taps, NAME, "/b/data")
+    times = [1000.0 + 0.1 * index for index in range(100)]
+    taps.receive("/a", times, times)
+    taps.receive("/b", [time + 0.05 for time in times], [0.0] * 100)
+    taps.time = 1010.0
+    made.update()
+    expected = [part.tolist() for part in made.samples(NAME, 1002.0, 1003.0)]
+    assert len(expected[0]) > 8 and not math.isnan(sum(expected[1]))
+    made.pin({NAME: (1002.0, 1003.0), "/b/data": (1002.5, 1004.0)})
+    late = [time + 100.0 for time in times]
+    for topic in ("/a", "/b"):
+        taps.receive(topic, late, late)
+    taps.time = 1110.0
+    made.update()
+    assert [part.tolist() for part in made.samples(NAME, 1002.0, 1003.0)] == expected
+    assert len(made.samples("/b/data", 1003.5, 1004.0)[0]) > 3
+    assert made.samples(NAME, 1005.0, 1006.0)[0].tolist() == []
+
+
+moments = st.lists(st.floats(0.0, 3.0), max_size=30).map(sorted)
+#: With one period: what is a gap would change with it.
+regular = st.tuples(st.floats(0.0, 1.0), st.floats(0.02, 0.5)).map(
+    lambda pair: [pair[0] + pair[1] * index for index in range(int(3.0 / pair[1]))]
+)
+
+
+@given(moments, regular, st.lists(st.floats(0.0, 3.5), max_size=8), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_frames_add_up_whichever_comes_late(
+    first: List[float], second: List[float], looks: List[float], is_forgotten: bool
+) -> None:
+    taps, times = Taps(), {"/a": first, "/b": second}
+    made = recording(taps, NAME)
+    view, bins = LiveView(View(4.0, 100, None)), {}  # type: ignore[var-annotated]
+    view.select([NAME])
+    sent: Dict[str, int] = {"/a": 0, "/b": 0}
+    for moment in sorted({*looks, 4.0}):
+        taps.time = 1000.0 + moment
+        for topic, delay in (("/a", 0.0), ("/b", 0.7)):
+            there = sum(time + delay <= moment for time in times[topic])
+            new = times[topic][sent[topic] : there]
+            if new:
+                taps.receive(topic, [1000.0 + time for time in new], [3.0 * time for time in new])
+            sent[topic] = there
+        made.update()
+        frame = view.frame(taps.time, made.samples, made.changed_since)
+        if frame is None:
+            continue
+        if frame["reset"]:
+            bins.clear()
+        values = frame["traces"][NAME]
+        for index in range(len(values) // 2):
+            bins[frame["first"] + index] = values[2 * index : 2 * index + 2]
+    whole = LiveView(View(4.0, 100, None))
+    whole.select([NAME])
+    last = whole.frame(taps.time, made.samples, made.changed_since)
+    assert last is not None
+    for index in range(len(last["traces"][NAME]) // 2):
+        expected = last["traces"][NAME][2 * index : 2 * index + 2]
+        assert bins[last["first"] + index] == expected
+    if is_forgotten:
+        made.forget()
+        assert not numpy.size(made.samples(NAME, 0.0, 1e9))

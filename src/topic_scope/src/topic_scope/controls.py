@@ -13,9 +13,11 @@ from nodekit.live import change, describe
 from nodekit.live.following import Following, open_all
 from nodekit.live.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
-from topic_scope import protocol, services
+from topic_scope import protocol, reconfigure, services
 from topic_scope.background import Background
+from topic_scope.lamps import Lamps, topics_of
 from topic_scope.managed import Managed
+from topic_scope.master_watch import GraphState
 from topic_scope.panels import DescriptionError, Panel
 from topic_scope.settings import Answer, Changed, Settings, value_message
 
@@ -24,8 +26,14 @@ PANELS = 64
 #: A node that did not answer is asked again after this time, s.
 RETRY_S = 5.0
 _END = "/" + describe.SERVICE
+#: The same of those that know dynamic_reconfigure alone.
+_FOREIGN = "/" + reconfigure.SERVICE
 #: Services that have no button.
 _INTERNAL = (describe.SERVICE, change.SERVICE)
+
+
+class _NoPanel(Exception):
+    """A node that has none, after all."""
 
 
 class Controls:
@@ -45,22 +53,35 @@ class Controls:
         self._panels: Dict[str, Panel] = {}
         self._followings: Dict[str, Following] = {}
         self._failed: Dict[str, float] = {}
-        self._settings = Settings(self._background, _change, self._tell_values, self._look_again)
+        self._foreign: Collection[str] = ()
+        self._settings = Settings(
+            self._background, self._change, self._tell_values, self._look_again
+        )
         self._managed = Managed(self._background, tell)
+        self._lamps = Lamps(self._background, deliver, tell)
 
     def messages(self) -> List[Dict[str, Any]]:
         """Return what a new page is told."""
-        return [self.message(), self._managed.message()]
+        return [self.message(), self._managed.message(), self._lamps.message()]
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""
         panels = [self._panels[node].message() for node in sorted(self._panels)]
         return {"type": "panels", "panels": panels}
 
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        self.on_services([name for name, nodes in state.services if nodes])
+        self._lamps.follow(topics_of(self._panels, state.publishers, state.types))
+
     def on_services(self, names: Collection[str]) -> None:
         """Take note of the services on the graph."""
         self._managed.on_services(names)
-        nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))[:PANELS]
+        nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))
+        if reconfigure.AVAILABLE:
+            others = {name[: -len(_FOREIGN)] for name in names if name.endswith(_FOREIGN)}
+            self._foreign = others.difference(nodes)
+        nodes = (nodes + sorted(self._foreign))[:PANELS]
         gone = set(self._panels) - set(nodes)
         for node in gone:
             del self._panels[node]
@@ -78,6 +99,8 @@ class Controls:
     def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, Following]:
         own = [name for name in names if name.startswith(node + "/")]
         own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
+        if node in self._foreign and services.type_of(node + _FOREIGN) != reconfigure.TYPE:
+            raise _NoPanel
         kinds = {name: services.kind_of(name) for name in own}
         following = Following(
             node, get_watcher(), lambda raw: self._deliver(partial(self._on_values, node, raw))
@@ -85,7 +108,7 @@ class Controls:
         open_all([following])  # first: no change after the description is missed
         try:
             offered = {name: kind for name, kind in kinds.items() if kind}
-            return Panel(node, _describe(node), offered), following
+            return Panel(node, self._describe(node), offered), following
         except Exception:
             following.close()
             raise
@@ -155,16 +178,18 @@ class Controls:
                 return
         raise ValueError(f"there is no service {service} to call")
 
+    def _describe(self, node: str) -> str:
+        if node in self._foreign:
+            return reconfigure.describe(node)
+        return str(ask(node + _END, Trigger).result().message)
 
-def _change(node: str, values: Mapping[str, Any]) -> Changed:
-    """Have a node change parameters.
+    def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
+        """Have a node change parameters.
 
-    :raises CallError: if it does not answer in good time
-    """
-    text = yaml.safe_dump(dict(values))
-    answer = ask(f"{node}/{change.SERVICE}", SetParameters, text).result()
-    return Changed(answer.success, answer.message, yaml.safe_load(answer.values))
-
-
-def _describe(node: str) -> str:
-    return str(ask(node + _END, Trigger).result().message)
+        :raises CallError: if it does not answer in good time
+        """
+        if node in self._foreign:
+            return reconfigure.change(node, values)
+        text = yaml.safe_dump(dict(values))
+        answer = ask(f"{node}/{change.SERVICE}", SetParameters, text).result()
+        return Changed(answer.success, answer.message, yaml.safe_load(answer.values))

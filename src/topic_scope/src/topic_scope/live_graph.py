@@ -59,7 +59,7 @@ class LiveGraph:
     def _on_state(self, state: GraphState) -> None:
         self._set_trouble("")
         self._host.on_topics(state.published_types)
-        self._controls.on_services([name for name, nodes in state.services if nodes])
+        self._controls.on_state(state)
         self._graph.on_state(state, any(page.wants_graph for page in self._host.pages()))
         self._robots.on_state(state)
 

@@ -13,15 +13,23 @@ _ANSWER_S = 60.0
 _CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
 
 
+def type_of(service: str) -> str:
+    """Return the type of a service, nothing where it does not tell; waits for its node.
+
+    :param service: its name
+    """
+    try:
+        return str(rosservice.get_service_type(service))
+    except rosservice.ROSServiceIOException:
+        return ""
+
+
 def kind_of(service: str) -> str:
     """Return SetBool or Trigger, nothing for a service of another type; waits for its node.
 
     :param service: its name
     """
-    try:
-        package, _, kind = str(rosservice.get_service_type(service)).partition("/")
-    except rosservice.ROSServiceIOException:
-        return ""
+    package, _, kind = type_of(service).partition("/")
     return kind if package == "std_srvs" and kind in _CLASSES else ""
 
 

@@ -123,7 +123,7 @@ class Settings:
         for name, ask in asked.items():
             if name not in self._waiting.get(node, {}):
                 refused[name] = to_wire(ask.value)
-                _refuse(panel, name, ask.value, result.message, ask.answer)
+                _refuse(panel, name, ask.value, result.message, ask.answer, kept=True)
 
 
 def value_message(panel: Panel, name: str) -> Dict[str, Any]:
@@ -131,7 +131,10 @@ def value_message(panel: Panel, name: str) -> Dict[str, Any]:
     return {"type": "value", "node": panel.node, "name": name, "value": panel.shown_value(name)}
 
 
-def _refuse(panel: Panel, name: str, value: Any, text: str, answer: Answer) -> None:
+def _refuse(
+    panel: Panel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
+) -> None:
+    """Tell a page why a value is refused; whether it is kept, to be tried with the next one."""
     refused = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}
-    answer({**refused, "text": text})
+    answer({**refused, "text": text, "kept": kept})
     answer(value_message(panel, name))

@@ -15,6 +15,7 @@ from browsing.page_test import PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
 from sensor_msgs.msg import JointState
+from wire.foreign import Foreign
 
 from basic_comms.msg import signal_msg
 
@@ -84,26 +85,81 @@ class Panels(PageTest):
         self.browser.find(switch).click()
         wait_until(lambda: rospy.get_param("/process/keep_positive"), lambda: "still off")
 
-    def test_a_refused_value_is_told_in_words(self) -> None:
-        field = self.browser.find(_row("amplitude") + " .value")
+    def type_in(self, name: str, text: str) -> str:
+        """Type a value and Enter; return the selector of the control."""
+        control = _row(name) + " .value"
+        self.browser.find(control).send_keys(Keys.CONTROL, "a")
+        self.browser.find(control).send_keys(text, Keys.ENTER)
+        return control
+
+    def wait_refused(self, name: str, *parts: str) -> None:
+        """Wait until the refusal has some words."""
+        refusal = _row(name) + " .refusal"
+        wait_until(
+            lambda: all(part in self.browser.text(refusal) for part in parts),
+            lambda: self.browser.text(_row(name)),
+        )
+
+    def test_a_refused_value_is_told_in_words_and_stays_to_be_mended(self) -> None:
         for nonsense in ("-1", "large"):
-            field.send_keys(Keys.CONTROL, "a")
-            field.send_keys(nonsense, Keys.ENTER)
-            wait_until(
-                lambda: nonsense in self.browser.text(_row("amplitude") + " .refusal"),
-                lambda: self.browser.text(_row("amplitude")),
-            )
-            self.assertIn("must be", self.browser.text(_row("amplitude") + " .refusal"))
-            self.wait_value("amplitude", 2.0)
+            field = self.type_in("amplitude", nonsense)
+            self.wait_refused("amplitude", nonsense, "must be", "In force: 2;")
+            self.assertEqual(self.browser.value(field), nonsense)
+            self.assertEqual(self.slider("amplitude"), 2.0)
             self.assertEqual(rospy.get_param(GENERATOR + "/amplitude"), 2.0)
-        field.send_keys(Keys.CONTROL, "a")
-        field.send_keys("3", Keys.ENTER)
+        self.browser.find(field).send_keys(Keys.BACKSPACE)
+        self.browser.find(field).send_keys(Keys.ESCAPE)
+        self.wait_value("amplitude", 2.0)
+        self.type_in("amplitude", "3")
         self.wait_parameter("amplitude", 3.0)
         self.assertEqual(self.browser.text(_row("amplitude") + " .refusal"), "")
 
+    def test_what_goes_together_only_is_set_together(self) -> None:
+        names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
+        for name in names:
+            key = f"{GENERATOR}/{name}"
+            self.addCleanup(rospy.set_param, key, rospy.get_param(key))
+            field = self.type_in(name, "[1, 2, 3]")
+            if name != names[-1]:
+                self.wait_refused(name, "three lists must have one length", "together with")
+                self.assertEqual(self.browser.value(field), "[1, 2, 3]")
+        for name in names:
+            self.wait_parameter(name, [1.0, 2.0, 3.0])
+            wait_until(
+                lambda: self.browser.value(_row(name) + " .value") == "[1.0, 2.0, 3.0]"
+                and self.browser.text(_row(name) + " .refusal") == "",
+                lambda: self.browser.text(_row(name)),
+            )
+
+    def test_a_foreign_node_with_dynamic_reconfigure_has_a_panel(self) -> None:
+        foreign = Foreign("/foreign")
+        self.addCleanup(foreign.close)
+        row = ".panel[data-node='/foreign'] .parameter[data-name='{}'] ".format
+        self.browser.wait_for(row("gain"))
+        self.assertEqual(self.browser.count(".panel[data-node='/foreign'] .parameter"), 4)
+        self.browser.choose(row("mode") + "select", "fast")
+        wait_until(lambda: foreign.values["mode"] == "fast", lambda: foreign.values)
+        gain = self.browser.find(row("gain") + ".value")
+        for text, told in (("11", "must be"), ("7", "/foreign made of it gain = 5.0")):
+            gain.send_keys(Keys.CONTROL, "a")
+            gain.send_keys(text, Keys.ENTER)
+            wait_until(
+                lambda: told in self.browser.text(row("gain") + ".refusal"),
+                lambda: self.browser.text(row("gain")),
+            )
+        self.assertEqual(foreign.values["gain"], 5.0)
+        rospy.set_param("/foreign/count", 8)
+        wait_until(
+            lambda: self.browser.value(row("count") + ".value") == "8",
+            lambda: self.browser.text(row("count")),
+        )
+
     def test_enable_and_reset(self) -> None:
         panel = f".panel[data-node='{GENERATOR}'] "
+        lamp = panel + "summary .lamp"
+        wait_until(lambda: self.browser.text(lamp) == "running", lambda: self.browser.text(lamp))
         self.browser.find(panel + "[aria-label$='enable: Disable']").click()
+        wait_until(lambda: self.browser.text(lamp) == "idle", lambda: self.browser.text(lamp))
         wait_until(
             lambda: "stopped" in self.browser.text(panel + ".services"),
             lambda: self.browser.text(panel + ".services"),

@@ -84,6 +84,7 @@ const handlers = {
   },
   panels: (message) => panels.show(message.panels),
   managed: (message) => managed.show(message),
+  lamps: (message) => panels.onLamps(message),
   value: (message) => panels.onValue(message),
   refused: (message) => panels.onRefused(message),
   called: (message) => panels.onCalled(message),

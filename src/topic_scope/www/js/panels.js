@@ -1,6 +1,7 @@
 /** A panel for each node that describes its parameters or can be enabled and reset. */
 
 import { byId, make, say } from "./dom.js";
+import { byName } from "./natural.js";
 import { Parameter } from "./parameter.js";
 
 const CALLS = { // what the buttons of a service say, and what they send
@@ -25,6 +26,7 @@ export class Panels {
     this.answers = new Map(); // service -> where its answer is shown
     this.shown = new Map(); // node -> {shape, element}
     this.closed = new Set();
+    this.lamps = {}; // node -> what it says of itself, such as running or idle
     this.filter = byId("filter");
     this.filter.addEventListener("input", () => this.applyFilter());
   }
@@ -34,6 +36,7 @@ export class Panels {
    * @param {Object[]} panels as the server sends them
    */
   show(panels) {
+    panels.sort((a, b) => byName(a.node, b.node));
     const list = byId("panel-list");
     const nodes = panels.map(({ node }) => node);
     for (const [node, { element }] of this.shown) {
@@ -80,9 +83,29 @@ export class Panels {
           else this.closed.add(node);
         },
       },
-      make("summary", {}, node),
+      make("summary", {}, node, this.lamp(node)),
       make("div", { class: "body" }, readonly ? null : this.services(node, services), ...rows),
     );
+  }
+
+  lamp(node) {
+    const state = this.lamps[node];
+    return make("output", { class: "lamp", "data-state": state, hidden: !state }, state);
+  }
+
+  /**
+   * Show whether the nodes run.
+   * @param {{nodes: Object<string, string>}} message
+   */
+  onLamps({ nodes }) {
+    this.lamps = nodes;
+    for (const [node, { element }] of this.shown) {
+      const lamp = element.querySelector("summary .lamp");
+      const state = nodes[node] || "";
+      lamp.dataset.state = state;
+      lamp.hidden = !state;
+      say(lamp, state);
+    }
   }
 
   services(node, services) {
@@ -122,10 +145,10 @@ export class Panels {
   }
 
   /**
-   * @param {{node: string, name: string, text: string}} message
+   * @param {{node: string, name: string, text: string, kept: boolean}} message
    */
-  onRefused({ node, name, text }) {
-    this.parameters.get(`${node} ${name}`)?.refuse(text);
+  onRefused({ node, name, text, kept }) {
+    this.parameters.get(`${node} ${name}`)?.refuse(text, kept);
   }
 
   /**

@@ -22,6 +22,7 @@ export class Parameter {
     this.lastSent = -Infinity;
     this.later = null;
     this.settled = null;
+    this.refused = false; // whether what is typed is none that is in force
     this.numeric = parameter.kind === "float" || parameter.kind === "int";
     this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
     this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
@@ -56,7 +57,7 @@ export class Parameter {
       inputmode: this.numeric ? "decimal" : false,
       change: () => this.wantTyped(this.control.value),
       keydown: (event) => {
-        if (event.key === "Escape") this.show(true);
+        if (event.key === "Escape") this.giveUp();
       },
     });
   }
@@ -100,10 +101,21 @@ export class Parameter {
   send(value) {
     this.sent = value;
     this.lastSent = performance.now();
+    this.clear();
+    this.set(value);
+  }
+
+  clear() {
+    this.refused = false;
     this.refusal.hidden = true;
     say(this.refusal, "");
     this.element.classList.remove("refused");
-    this.set(value);
+  }
+
+  /** Go back to the value in force. */
+  giveUp() {
+    if (this.refused) this.send(this.inForce); // or what was refused is tried again with another one
+    this.show();
   }
 
   /**
@@ -112,22 +124,32 @@ export class Parameter {
    * @param {*} value
    */
   update(value) {
+    const isNews = value !== this.inForce;
     this.inForce = value;
     clearTimeout(this.settled);
+    if (this.refused && (!isNews || document.activeElement === this.control)) return; // to be mended
+    if (isNews) this.clear();
     const wait = value === this.sent ? 0 : this.lastSent + ANSWER_MS - performance.now();
     if (wait > 0) this.settled = setTimeout(() => this.update(this.inForce), wait);
     else if (!this.held) this.show();
   }
 
   /**
-   * Say why a value was refused; the control goes back to the value in force.
+   * Say why a value was refused. What was typed stays to be mended; all else goes back to the value
+   * in force.
    * @param {string} text
+   * @param {boolean} kept whether it is tried once more with the next value of the node
    */
-  refuse(text) {
-    say(this.refusal, text);
+  refuse(text, kept) {
+    const isText = this.control.matches("input[type=text]");
+    const again = kept ? " It is tried again together with the next value that is set here." : "";
+    const back = isText ? ` In force: ${asText(this.inForce)}; Escape goes back to it.` : "";
+    say(this.refusal, `${text}.${again}${back}`);
+    this.refused = isText;
     this.refusal.hidden = false;
     this.element.classList.add("refused");
-    this.show(true);
+    if (!isText) this.show();
+    else if (this.slider && typeof this.inForce === "number") this.showSlider(this.inForce);
   }
 
   show() {

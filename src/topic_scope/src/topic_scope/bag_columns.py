@@ -1,11 +1,12 @@
 """Which numbers of a bag's messages were asked for."""
 
 import difflib
-from typing import Any, List, Mapping, NamedTuple
+from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Tuple, Union
 
 from topic_scope.definitions import layout_of
 from topic_scope.fields import (
     FieldError,
+    Key,
     Path,
     ending,
     expand,
@@ -16,7 +17,10 @@ from topic_scope.fields import (
     to_text,
 )
 from topic_scope.time_base import path_of
-from topic_scope.values import lengths_in
+from topic_scope.values import lengths_in, value_at
+
+#: How alike a name has to be to be named, from 0 to 1; and how many are.
+_ALIKE, _HINTS = 0.7, 3
 
 
 class Column(NamedTuple):
@@ -38,6 +42,53 @@ class Column(NamedTuple):
         """The name of the field, e.g. ``/signal/signal_y``."""
         field = f"{self.topic}/{to_text(self.path)}" if self.path else self.topic
         return field + ending(self.function, self.base)
+
+
+class Elements:
+    """Watches whether the elements of arrays that were asked for are ever there.
+
+    :param columns: what was asked for
+    """
+
+    def __init__(self, columns: Collection[Column]) -> None:
+        #: How many elements the array has had at most, or what they are called.
+        self._missing: Dict[Column, str] = {
+            column: "it is not there"
+            for column in columns
+            if any(isinstance(part, (int, Key)) for part in column.path)
+        }
+        self._longest: Dict[Column, int] = {}
+
+    def look(self, topic: str, message: Any) -> None:
+        """Take note of a message."""
+        for column in [one for one in self._missing if one.topic == topic]:
+            if value_at(message, column.path) is not None:
+                del self._missing[column]
+                continue
+            place, part = _first_missing(message, column.path)
+            text = to_text(place)
+            count = len(value_at(message, place))
+            if isinstance(part, Key):
+                self._missing[column] = f"none of {text} is called {part}"
+            elif count >= self._longest.get(column, 0):
+                self._longest[column] = count
+                self._missing[column] = f"{text} has {count} elements at most"
+
+    def check(self) -> None:
+        """Check that each was there once.
+
+        :raises FieldError: if one was not
+        """
+        for column, text in self._missing.items():
+            raise FieldError(f"{column.name}: {text}")
+
+
+def _first_missing(message: Any, path: Path) -> "Tuple[Path, Union[str, int]]":
+    """Return the array on the way to a place that ends before it, and what it lacks."""
+    for position, part in enumerate(path):
+        if value_at(message, path[: position + 1]) is None:
+            return path[:position], part
+    return path[:-1], path[-1]
 
 
 def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Column]:
@@ -79,7 +130,36 @@ def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
         found = resolve(layout, rest, lengths_in(message), function)
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
-        near = difflib.get_close_matches(name, known, n=3, cutoff=0.5) or known[:3]
-        hint = f"nearest to it: {', '.join(near)}" if near else "there are no numbers at all"
-        raise FieldError(f"{name}: {error}; {hint}") from error
+        raise FieldError(f"{name}: {error}; {_hint(bare, known, first_messages)}") from error
     return [Column(topic, field.path, base, function) for field in found]
+
+
+def _hint(name: str, known: List[str], topics: Collection[str]) -> str:
+    """Return what to ask for in place of a name."""
+    if not known:
+        return "there are no numbers at all"
+    place = split(name, topics)
+    own = [other for other in known if place and _topic(other, topics) == place[0]]
+    near = sorted(
+        (other for other in known if _likeness(name, other) > _ALIKE),
+        key=lambda other: (other not in own, -_likeness(name, other)),
+    )
+    if near or own:
+        return f"nearest to it: {', '.join((near or own)[:_HINTS])}"
+    with_numbers = sorted({_topic(other, topics) for other in known})
+    more = ", …" if len(with_numbers) > _HINTS else ""
+    return f"there are numbers in {', '.join(with_numbers[:_HINTS])}{more}"
+
+
+def _topic(name: str, topics: Collection[str]) -> str:
+    place = split(name, topics)
+    return place[0] if place else name
+
+
+def _likeness(name: str, other: str) -> float:
+    """Return how alike two names are, or their last parts: one may have lost its topic."""
+    last = [one.rpartition("/")[2] for one in (name, other)]
+    return max(
+        difflib.SequenceMatcher(None, name, other).ratio(),
+        difflib.SequenceMatcher(None, *last).ratio() - 0.1,
+    )

@@ -149,10 +149,10 @@ def save(figure: Figure, path: str, format: str) -> None:
 
     :param figure: the drawing
     :param path: the file
-    :param format: ``png`` or ``svg``
+    :param format: ``png``, ``svg`` or ``pdf``
     """
     # Without a date, the same drawing gives the same file.
-    metadata = {"Date": None} if format == "svg" else None
+    metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(format)
     with matplotlib.rc_context(_STYLE):
         figure.savefig(path, format=format, metadata=metadata)
 

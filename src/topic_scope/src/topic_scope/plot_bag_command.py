@@ -8,20 +8,25 @@ from typing import Iterator, List, Optional
 
 from tqdm import tqdm
 
-from topic_scope.bag_columns import choose
+from topic_scope.bag_columns import Column, Elements, choose
 from topic_scope.bag_csv import write_csv
 from topic_scope.bag_reading import BagError, BagReader, Sample
 from topic_scope.fields import FieldError
 
+#: As many lines as :mod:`.bag_plot` has styles and colours for.
+LINES = 40
 #: From how many messages on it takes long enough for a progress bar.
 LONG = 20000
 _BAR = "{percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
-_FORMATS = ("png", "svg", "csv")
+_FORMATS = ("png", "svg", "pdf", "csv")
 
 
 def main() -> None:
     """Plot fields of a bag, or write them to a CSV file."""
     arguments = _parser().parse_args()
+    if arguments.end is not None and arguments.start > arguments.end:
+        start, end = arguments.start / 1e9, arguments.end / 1e9
+        _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
     try:
         with BagReader(arguments.bag) as bag:
             _plot(bag, arguments)
@@ -50,7 +55,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
     parser.add_argument(
-        "-o", "--output", required=True, type=_output, help="file to write: .png, .svg or .csv"
+        "-o",
+        "--output",
+        required=True,
+        type=_output,
+        help="file to write: .png, .svg, .pdf or .csv",
     )
     parser.add_argument(
         "--start",
@@ -70,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _output(text: str) -> str:
     if _format(text) not in _FORMATS:
-        raise argparse.ArgumentTypeError(f"{text!r} does not end in .png, .svg or .csv")
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .png, .svg, .pdf or .csv")
     return text
 
 
@@ -90,8 +99,12 @@ def _nanoseconds(text: str) -> int:
 
 def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
     columns = choose(arguments.fields, {topic: bag.first_message(topic) for topic in bag.topics})
-    topics = sorted({column.topic for column in columns})
-    samples = _in_range(bag, topics, arguments.start, arguments.end)
+    if len(columns) > LINES and _format(arguments.output) != "csv":
+        raise FieldError(
+            f"these are {len(columns)} lines, and {LINES} at most can be told apart: "
+            "name fewer fields, or write a .csv"
+        )
+    samples = _in_range(bag, columns, arguments.start, arguments.end)
     # The file appears when it is complete.
     partial = arguments.output + ".part"
     try:
@@ -110,9 +123,10 @@ def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
 
 
 def _in_range(
-    bag: BagReader, topics: List[str], start: int, end: Optional[int]
+    bag: BagReader, columns: List[Column], start: int, end: Optional[int]
 ) -> Iterator[Sample]:
     """Read the messages of a range of time, and show how far it has got."""
+    topics, elements = sorted({column.topic for column in columns}), Elements(columns)
     until = bag.length if end is None else min(end, bag.length)
     # A bar for what is done at once only flickers, and in a file it is of no use.
     silent = None if bag.count(topics) >= LONG else True
@@ -121,8 +135,10 @@ def _in_range(
     with tqdm(total=total, bar_format=_BAR, disable=silent, leave=False) as done:
         for count, sample in enumerate(bag.samples(topics, start, end), 1):
             yield sample
+            elements.look(sample.topic, sample.message)
             done.update(sample.time - at)
             at = sample.time
     if not count:
         text = "nothing of %s was recorded in this time; the bag is %.3f s long"
         raise BagError(text % (", ".join(topics), bag.length / 1e9))
+    elements.check()

@@ -59,12 +59,24 @@ def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -
     [
         (
             "/signal/signal_z",
-            "there is no signal_z in basic_comms/signal_msg; nearest to it: "
-            "/signal/signal_y, /signal/time_x",
+            "there is no signal_z in basic_comms/signal_msg; nearest to it: " "/signal/signal_y",
         ),
         ("/sginal/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
-        ("/words", "there is no number in std_msgs/String; nearest to it: "),
-        ("/words/data", "there is no number in data; nearest to it: "),
+        ("/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
+        (
+            "/robot/arm/dat",
+            "there is no dat in std_msgs/Float64MultiArray; nearest to it: /robot/arm/d",
+        ),
+        (
+            "/robot/arm/xyz",
+            "there is no xyz in std_msgs/Float64MultiArray; nearest to it: /robot/arm/",
+        ),
+        (
+            "/words",
+            "there is no number in std_msgs/String; "
+            "there are numbers in /robot/arm, /robot/header, /signal, …",
+        ),
+        ("/qqq/zzz", "there is no such topic; there are numbers in /robot/arm, /robot/header, /s"),
     ],
 )
 def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) -> None:

@@ -4,11 +4,12 @@ import io
 import os
 import sys
 from pathlib import Path
-from typing import List
+from typing import Any, List
 
 import pytest
 from bags import write_bag
-from std_msgs.msg import Float64, Int32
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray, Int32
 
 from topic_scope import plot_bag_command
 from topic_scope.bag_reading import BagReader
@@ -18,7 +19,11 @@ from topic_scope.bag_reading import BagReader
 def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
     """A bag of 3 s, in the folder that the command is called in."""
     monkeypatch.chdir(tmp_path)
-    messages = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
+    messages: List[Any] = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
+    messages += [
+        ("/a", Float64MultiArray(data=[0.5] * n), n * 10**9 - 10**9) for n in (1, 2, 3)
+    ]
+    messages += [("/j", JointState(name=["arm", "leg"], position=[1.0, 2.0]), 10**9)]
     return write_bag(tmp_path / "x.bag", messages + [("/y", Int32(7), 10**9)])
 
 
@@ -58,7 +63,9 @@ def test_csv(
     assert sorted(os.listdir(".")) == ["out.csv", "x.bag"]
 
 
-@pytest.mark.parametrize("name, begin", [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml")])
+@pytest.mark.parametrize(
+    "name, begin", [("a.png", b"\x89PNG"), ("a.SVG", b"<?xml"), ("a.pdf", b"%PDF")]
+)
 def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin: bytes) -> None:
     call(monkeypatch, bag, "/x/data", "/y", "-o", name)
     assert Path(name).read_bytes().startswith(begin)
@@ -68,7 +75,7 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
 @pytest.mark.parametrize(
     "arguments, text",
     [
-        (["/x/data", "-o", "out.pdf"], "'out.pdf' does not end in .png, .svg or .csv"),
+        (["/x/data", "-o", "out.gif"], "'out.gif' does not end in .png, .svg, .pdf or .csv"),
         (["/x/data", "-o", "out"], "'out' does not end in"),
         (["/x/data"], "required: -o"),
         (["-o", "out.csv"], "required: FIELD"),
@@ -85,7 +92,15 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
             ["/x/data", "-o", "out.csv", "--start", "4"],
             "plot_bag: nothing of /x was recorded in " "this time; the bag is 3.000 s long",
         ),
-        (["/x/data", "-o", "out.png", "--start", "2", "--end", "1"], "nothing of /x"),
+        (
+            ["/x/data", "-o", "out.png", "--start", "2", "--end", "1"],
+            "plot_bag: --start 2 is after --end 1: nothing lies between",
+        ),
+        (["/a/data[3]", "-o", "out.csv"], "plot_bag: /a/data[3]: data has 3 elements at most"),
+        (["/a/data[3]", "-o", "out.csv", "--end", "1"], "data has 2 elements at most"),
+        (["/a/layout/dim[0]/size", "-o", "out.png"], "layout/dim has 0 elements at most"),
+        (["/a/data[x]", "-o", "out.csv"], "the elements of data have no names"),
+        (["/j/position[tail]", "-o", "out.csv"], "none of position is called tail"),
     ],
 )
 def test_refusals(
@@ -96,6 +111,27 @@ def test_refusals(
     text: str,
 ) -> None:
     assert text in failure(monkeypatch, capsys, bag, *arguments)
+
+
+def test_elements_that_are_there_at_times_are_written(
+    bag: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    call(monkeypatch, bag, "/a/data[2]", "/j/position[leg]", "-o", "out.csv")
+    rows = sorted(Path("out.csv").read_text().splitlines()[1:])
+    assert rows == ["0.000000000,,", "1.000000000,,", "1.000000000,,2.0", "2.000000000,0.5,"]
+
+
+def test_more_lines_than_can_be_told_apart_are_refused(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    message = Float64MultiArray(data=[1.0] * 41)
+    path = write_bag(tmp_path / "x.bag", [("/a", message, 0), ("/a", message, 10**9)])
+    names = [f"/a/data[{index}]" for index in range(41)]
+    error = failure(monkeypatch, capsys, path, *names, "-o", "out.png")
+    assert error.startswith("plot_bag: these are 41 lines, and 40 at most can be told apart")
+    call(monkeypatch, path, *names, "-o", "out.csv")
+    call(monkeypatch, path, *names[:40], "-o", "out.png")
 
 
 def test_missing_bag(

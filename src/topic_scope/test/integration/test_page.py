@@ -6,6 +6,7 @@ import io
 import json
 import math
 import re
+import struct
 import subprocess
 import threading
 from pathlib import Path
@@ -354,11 +355,36 @@ class Page(PageTest):
         """
         return int(self.browser.driver.execute_async_script(code, ratio))
 
-    def test_saves_a_picture(self) -> None:
+    def test_saves_a_picture_for_a_report(self) -> None:
+        self.browser.run(
+            "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
+            "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
+            " window.written.push(text); return write.call(this, text, ...place); };"
+        )
+        self.browser.keys("c")
+        wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
+        size = self.browser.find("#plot").size
         self.browser.find("#png").click()
         path = self.browser.downloads / "scope.png"
         wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
-        self.assertEqual(path.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        head = path.read_bytes()[:24]
+        self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
+        width, height = struct.unpack(">II", head[16:])
+        self.assertEqual(width, 2 * size["width"])
+        self.assertGreater(height, 2 * size["height"] + 100)
+        written = self.browser.run("return window.written")
+        for text in (SIGNAL, PROCESSED, "A", "B", "RMS", "time, s"):
+            self.assertIn(text, written)
+        self.assertTrue(any("Δt 1.5000 s" in text for text in written), written)
+        self.assertTrue(any(re.match(r"2\.000\d\Z|1\.99\d\d\Z", text) for text in written), written)
+        date = r"\d{4}-\d\d-\d\d, \d\d:\d\d:\d\d\.\d, UTC"
+        self.assertTrue(any(re.match(date, text) for text in written), written)
+        # The page is as it was: as many pixels as the screen has, and it goes on.
+        self.assertEqual(
+            self.browser.run("return [document.querySelector('#plot canvas').width]"),
+            [size["width"]],
+        )
+        self.wait_moving()
 
     def test_theme_is_remembered(self) -> None:
         theme = "return document.documentElement.dataset.theme"

@@ -417,6 +417,23 @@ class Modules(unittest.TestCase):
         )
         self.assertEqual(places, ["4", "3", "3", "3"])
 
+    def test_long_names_are_broken_behind_their_parts(self) -> None:
+        wrapped = self.browser.call(
+            "picture.js",
+            "a.map(([name, most]) => module.wrapped(name, most, (text) => text.length))",
+            ["/robot/joint_states/position", 14],
+            ["/robot/x", 30],
+            ["/" + "y" * 20, 8],
+        )
+        self.assertEqual(
+            wrapped,
+            [
+                ["/robot", "/joint_states", "/position"],
+                ["/robot/x"],
+                ["/yyyyyyy", "y" * 8, "y" * 5],
+            ],
+        )
+
     def test_names_are_in_the_order_that_people_count_in(self) -> None:
         names = ["/group10/a", "/group2/b", "/group2/a", "/group2", "/group2_b/a", "/a/10", "/a/9"]
         order = ["/a/9", "/a/10", "/group2", "/group2/a", "/group2/b", "/group2_b/a", "/group10/a"]

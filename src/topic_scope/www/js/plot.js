@@ -23,7 +23,7 @@ const OUTSIDE = /^\d+ points out of [XY] bounds:/;
  * Debian 13 says so with each drawing, but it is what a plot is moved and magnified for.
  * @param {function(): void} drawing
  */
-function drawQuietly(drawing) {
+export function drawQuietly(drawing) {
   const { warn } = console;
   console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
   try {

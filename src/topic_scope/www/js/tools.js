@@ -2,8 +2,9 @@
 
 import { colourOf } from "./colours.js";
 import { byId, make, press } from "./dom.js";
-import { csvAddress, picture, save } from "./export.js";
+import { csvAddress, save } from "./export.js";
 import { typed } from "./numbers.js";
+import { picture } from "./picture.js";
 
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 
@@ -34,7 +35,8 @@ export function startTools(state, view, plot, sweep, open, chart) {
     "show-graph": () => state.set({ view: "graph" }),
     png: () => {
       const drawn = state.values.chart.kind === "time" ? plot : chart;
-      save(picture(drawn, state.shown, (field) => colourOf(state, field)), "scope.png");
+      const until = sweep.shown.to || Date.now() / 1000;
+      save(picture(drawn, state.shown, (field) => colourOf(state, field), until), "scope.png");
     },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);

@@ -250,6 +250,42 @@ class Page(PageTest):
         ActionChains(self.browser.driver).double_click(stage).perform()
         self.assertEqual(float(self.browser.value("#window")), 5.0)
 
+    def touch(self, kind: str, *points: Tuple[float, float]) -> None:
+        """Put fingers somewhere."""
+        self.browser.driver.execute_cdp_cmd(
+            "Input.dispatchTouchEvent",
+            {
+                "type": kind,
+                "touchPoints": [{"x": x, "y": y, "id": n} for n, (x, y) in enumerate(points)],
+            },
+        )
+
+    def test_two_fingers_zoom_and_a_phone_on_its_side_has_room_for_the_plot(self) -> None:
+        self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
+        self.browser.resize(844, 390)
+        wait_until(
+            lambda: self.browser.find("#plot").size["height"] > 300,
+            lambda: self.browser.find("#plot").size,
+        )
+        shown = self.browser.run(
+            "const { left, right, top, bottom } = document.querySelector('#stage')"
+            ".getBoundingClientRect(); return [left, right, top, bottom,"
+            " document.scrollingElement.scrollWidth];"
+        )
+        self.assertEqual([shown[0], shown[1], shown[4]], [0, 844, 844])
+        self.assertTrue(0 < shown[2] < 60 and shown[3] <= 391, shown)
+        self.touch("touchStart", (400, 200))
+        self.touch("touchStart", (400, 200), (500, 200))
+        for apart in range(110, 210, 20):
+            self.touch("touchMove", (450 - apart / 2, 200), (450 + apart / 2, 200))
+        self.touch("touchEnd")
+        # Almost twice as far apart, and it goes on all the while.
+        wait_until(
+            lambda: 2.4 < float(self.browser.value("#window")) < 3.0,
+            lambda: self.browser.value("#window"),
+        )
+        self.assertEqual(self.browser.text("#run"), "Pause")
+
     def test_cursors_by_keyboard(self) -> None:
         self.browser.keys("c")
         handle = self.browser.wait_for(".cursor[aria-label^='cursor A']")

@@ -11,6 +11,7 @@ from urllib.parse import quote
 import roslib.packages
 import rospy
 import rostest
+from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
@@ -260,8 +261,36 @@ class Panels(PageTest):
             talker.terminate()
             talker.wait(30.0)
         wait_until(lambda: not self.browser.count("#graph .group"), lambda: "it is still shown")
+        self.look_around_the_graph()
         self.browser.keys("g")
         self.assertTrue(self.browser.find("#plot").is_displayed())
+
+    def look_around_the_graph(self) -> None:
+        """Zoom, find, and plot a topic by the keyboard."""
+        frame, sheet = "document.querySelector('.sheet')", "document.querySelector('#graph')"
+        size = f"return [{sheet}.getBoundingClientRect().width, {frame}.clientWidth]"
+        width, room = self.browser.run(size)
+        self.assertLessEqual(width, room + 1)
+        self.browser.find("#graph-closer").click()
+        self.assertAlmostEqual(self.browser.run(size)[0], 1.25 * width, delta=1.0)
+        self.browser.keys("0")
+        self.assertAlmostEqual(self.browser.run(size)[0], width, delta=1.0)
+        self.browser.keys("/", "proc_signal")
+        wait_until(
+            lambda: self.browser.count("#graph .found") == 1
+            and self.browser.count("#graph .topic.found[data-name='/proc_signal']") == 1,
+            lambda: self.browser.text("#graph-found"),
+        )
+        self.assertRegex(self.browser.text("#graph-found"), r"1 of \d+")
+        self.browser.find("#graph-search").clear()
+        self.browser.resize(390, 700)  # a phone
+        wait_until(lambda: self.browser.run(size)[0] <= 391, lambda: self.browser.run(size))
+        self.browser.resize(WIDTH, HEIGHT)
+        topic = self.browser.find("#graph .topic[data-name='/signal']")
+        topic.send_keys(Keys.ENTER)
+        self.browser.wait_for("#legend tr[data-field='/signal/frequency']")
+        self.assertTrue(self.browser.find("#plot").is_displayed())
+        self.browser.keys("g")
 
     def edges(self) -> List[str]:
         """Return the edges from and to the node process."""

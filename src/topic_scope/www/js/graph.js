@@ -1,24 +1,25 @@
 /** The graph of nodes and topics, drawn anew when it changes. */
 
 import { byId, draw, say } from "./dom.js";
+import { GraphZoom } from "./graph_zoom.js";
 import { BACK, layOut, namespaceOf } from "./layout.js";
+import { byName } from "./natural.js";
 import { figure } from "./numbers.js";
 
 const CHARACTER = 7.4; // width, pixels
-const LARGEST = 1.4; // times its size, where there is room
 
 const shortName = (name) => name.slice(namespaceOf(name).length + 1) || name;
 
 /** What is to be placed: nodes and topics, and the ways of the messages between them. */
 function itemsOf(graph, all) {
   const heard = new Set(graph.edges.filter(({ to }) => to).map(({ topic }) => topic));
-  const nodes = graph.nodes.map((name) => ({
+  const nodes = [...graph.nodes].sort(byName).map((name) => ({
     id: `n${name}`, kind: "node", name, group: namespaceOf(name), text: shortName(name),
     width: 44 + CHARACTER * shortName(name).length, height: 42,
   }));
   const ownerOf = (topic) => nodes.find(({ name }) => topic.startsWith(`${name}/`));
   const topics = graph.topics.filter(({ name }) => all || heard.has(name) || !ownerOf(name))
-    .map(({ name, datatype }) => {
+    .sort((a, b) => byName(a.name, b.name)).map(({ name, datatype }) => {
       const owner = ownerOf(name);
       const group = owner?.group ?? namespaceOf(name); // private ones are beside their node
       const text = owner ? `~${name.slice(owner.name.length + 1)}` : name.slice(group.length + 1);
@@ -69,13 +70,27 @@ function pathBack(a, b, others) {
   return `M${a.x} ${y1} C${a.x} ${low} ${b.x} ${low} ${b.x} ${y2}`;
 }
 
-function nodeShape({ name, text }, { x, y, width, height }) {
-  return draw("g", { class: "node", "data-name": name }, draw("title", {}, name),
+function nodeShape({ name, text }, { x, y, width, height }, { edges }) {
+  const list = (topics) => [...new Set(topics)].sort(byName).join(", ") || "nothing";
+  const published = list(edges.filter(({ from }) => from === name).map(({ topic }) => topic));
+  const heard = list(edges.filter(({ to }) => to === name).map(({ topic }) => topic));
+  const label = `node ${name}, publishes ${published}, hears ${heard}`;
+  return draw("g", { class: "node", "data-name": name, role: "img", "aria-label": label }, draw("title", {}, name),
     draw("ellipse", { cx: x, cy: y, rx: width / 2, ry: height / 2 }), draw("text", { x, y }, text));
 }
 
-function topicShape({ name, text, datatype }, { x, y, width, height }) {
-  return draw("g", { class: "topic", "data-name": name }, draw("title", {}, `${name}, ${datatype}`),
+function topicShape({ name, text, datatype }, { x, y, width, height }, { plot }) {
+  const isKey = ({ key }) => key === "Enter" || key === " ";
+  return draw("g", {
+    class: "topic", "data-name": name, role: "button", tabindex: 0, "aria-label": `plot ${name}, ${datatype}`,
+    click: () => plot(name),
+    keydown: (event) => {
+      if (!isKey(event)) return;
+      event.preventDefault();
+      event.stopPropagation();
+      plot(name);
+    },
+  }, draw("title", {}, `${name}, ${datatype}`),
     draw("rect", { x: x - width / 2, y: y - height / 2, width, height, rx: 4 }),
     draw("text", { x, y: y - 7 }, text), draw("text", { class: "type", x, y: y + 9 }, datatype));
 }
@@ -87,8 +102,14 @@ function groupShape({ name, x, y, width, height }) {
 
 /** Shows the graph. */
 export class Graph {
-  constructor() {
+  /**
+   * @param {import("./state.js").State} state
+   * @param {function(string): void} plot plots a topic
+   */
+  constructor(state, plot) {
+    this.plot = plot;
     this.sheet = byId("graph");
+    this.zoom = new GraphZoom(this.sheet, state);
     this.all = byId("graph-all");
     this.latest = { nodes: [], topics: [], edges: [] };
     this.drawn = "";
@@ -129,15 +150,16 @@ export class Graph {
       const middle = { x: (a.x + a.column / 2 + next.x - next.column / 2) / 2, y: (a.y + next.y) / 2 - 8 };
       const text = draw("text", forward ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
       this.rates.set(`${from} ${to}`, text);
-      return draw("g", { class: "edge", "data-from": from.slice(1), "data-to": to.slice(1) },
+      return draw("g", { class: "edge", "aria-hidden": "true", "data-from": from.slice(1), "data-to": to.slice(1) },
         draw("path", { d: forward ? pathForward(stops) : pathBack(a, b, others), "marker-end": "url(#arrow)" }), text);
     });
+    const focused = document.activeElement?.dataset?.name;
+    const others = { edges: this.latest.edges, plot: this.plot };
     this.sheet.replaceChildren(
       draw("defs", {}, arrow), ...groups.map(groupShape), ...edges,
-      ...items.map((item) => (item.kind === "node" ? nodeShape : topicShape)(item, places.get(item.id))),
+      ...items.map((item) => (item.kind === "node" ? nodeShape : topicShape)(item, places.get(item.id), others)),
     );
-    this.sheet.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.sheet.style.minWidth = `${width}px`;
-    this.sheet.style.width = `min(100%, ${LARGEST * width}px)`;
+    this.zoom.resize(width, height);
+    if (focused) this.sheet.querySelector(`.topic[data-name="${CSS.escape(focused)}"]`)?.focus();
   }
 }

@@ -1,5 +1,7 @@
 /** Where the parts of the graph go: layers from left to right, a band for each namespace. */
 
+import { byName } from "./natural.js";
+
 const GAP_X = 74; // between layers, room for a rate
 const GAP_Y = 18;
 const PADDING = 16; // in the frame of a namespace
@@ -143,7 +145,7 @@ export function layOut(items, edges) {
     groupOf.get(from) === name && layers.get(to) <= layers.get(from);
   const places = new Map();
   const groups = [];
-  const names = [...new Set(items.map(({ group }) => group))].sort();
+  const names = [...new Set(items.map(({ group }) => group))].sort(byName);
   let y = MARGIN;
   const open = []; // frames that the band is in, outermost first
   const close = (name) => {

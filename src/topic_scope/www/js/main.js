@@ -17,6 +17,7 @@ import { Legend } from "./legend.js";
 import { Managed } from "./managed.js";
 import { Panels } from "./panels.js";
 import { startMeasures } from "./measures.js";
+import { startPinch } from "./pinch.js";
 import { Playback } from "./playback.js";
 import { Plots } from "./plots.js";
 import { Requests } from "./requests.js";
@@ -26,6 +27,7 @@ import { Setup } from "./setup.js";
 import { State } from "./state.js";
 import { Sweep } from "./sweep.js";
 import { startTools } from "./tools.js";
+import { startTopicPlot } from "./topic_plot.js";
 import { startTraceDialog } from "./trace_dialog.js";
 import { keepArranged } from "./traces.js";
 import { Trigger } from "./trigger.js";
@@ -44,7 +46,7 @@ const cursors = new Cursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
 const legend = new Legend(state, plot, cursors, startTraceDialog(state));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
-const graph = new Graph();
+const graph = new Graph(state, (topic) => plotTopic(topic));
 const screen = startScreen(state, sweep, plot);
 
 const connection = new Connection(
@@ -105,7 +107,9 @@ const open = {
   axes: startAxes(state),
   measures: startMeasures(state, sweep, plot, requests),
 };
+const plotTopic = startTopicPlot(state, open.chooser);
 startGestures(byId("stage"), plot, view);
+startPinch(byId("stage"), plot, view);
 startTools(state, view, plot, sweep, open, charts.chart);
 startTriggerMore(state, trigger);
 startKeys(keyList({ state, view, cursors, trigger, open }));

@@ -1,0 +1,42 @@
+/** Two fingers on a part of the page: they stretch it, and move it. */
+
+/**
+ * Have a function called while two fingers are on an element; meanwhile nobody else learns of them.
+ * @param {HTMLElement} element
+ * @param {function({factor: number, x: number, y: number, across: number, upright: boolean}): void}
+ *   stretch factor: how much farther the fingers are apart than before; x, y: the middle between
+ *   them on the screen; across: how far that has moved to the right, pixels; upright: whether they
+ *   began one above the other
+ */
+export function startTwoFingers(element, stretch) {
+  const fingers = new Map(); // id of the pointer -> where it is
+  let upright = false;
+
+  /** The middle between both, and how far they are apart. */
+  function pair() {
+    const [a, b] = [...fingers.values()];
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, wide: Math.abs(a.x - b.x), high: Math.abs(a.y - b.y) };
+  }
+
+  element.addEventListener("pointerdown", (event) => {
+    if (event.pointerType !== "touch") return;
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (fingers.size !== 2) return;
+    event.stopPropagation();
+    const { wide, high } = pair();
+    upright = high > wide;
+  }, true);
+  element.addEventListener("pointermove", (event) => {
+    if (!fingers.has(event.pointerId)) return;
+    const before = fingers.size === 2 ? pair() : null;
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (!before) return;
+    event.stopPropagation();
+    const { x, y, wide, high } = pair();
+    const factor = upright ? high / before.high : wide / before.wide;
+    if (Number.isFinite(factor) && factor > 0) stretch({ factor, x, y, across: x - before.x, upright });
+  }, true);
+  for (const end of ["pointerup", "pointercancel"]) {
+    element.addEventListener(end, (event) => fingers.delete(event.pointerId), true);
+  }
+}

@@ -158,8 +158,8 @@ def _topic(name: str, topics: Collection[str]) -> str:
 
 def _likeness(name: str, other: str) -> float:
     """Return how alike two names are, or their last parts: one may have lost its topic."""
-    last = [one.rpartition("/")[2] for one in (name, other)]
+    last, other_last = (one.rpartition("/")[2] for one in (name, other))
     return max(
         difflib.SequenceMatcher(None, name, other).ratio(),
-        difflib.SequenceMatcher(None, *last).ratio() - 0.1,
+        difflib.SequenceMatcher(None, last, other_last).ratio() - 0.1,
     )

@@ -1,6 +1,7 @@
 """The web server, in a thread of its own: it is there before the graph is, and stays."""
 
 import asyncio
+import contextlib
 import socket
 import threading
 from typing import Callable, List, Optional
@@ -9,14 +10,12 @@ import rosgraph
 import rospy
 import tornado.ioloop
 
+from nodekit.live.master import MasterClient, MasterUnreachable
 from topic_scope import web
 from topic_scope.options import Options
 from topic_scope.server import Server
 from topic_scope.serving import serve
 from topic_scope.waiting import Waiting
-
-#: How long the master may take to answer before it is said that the page is there already, s.
-_PATIENCE_S = 0.5
 
 
 class Site:
@@ -36,6 +35,7 @@ class Site:
         self._running.wait()
         if self._error is not None:
             raise self._error
+        threading.Thread(target=self._say_waiting, daemon=True).start()
 
     def show(self, make: Callable[[], Server]) -> None:
         """Show something from now on.
@@ -69,9 +69,13 @@ class Site:
             self._running.set()
             return
         self._loop.add_callback(self._running.set)
-        self._loop.call_later(_PATIENCE_S, self._say_waiting)
         self._loop.start()
 
     def _say_waiting(self) -> None:
-        if self._front.scope is self._waiting:
+        """Say where the page is, if that will not be said soon."""
+        client = MasterClient(rosgraph.get_master_uri(), "/scope", "", timeout=1.0)
+        try:
+            with contextlib.closing(client):
+                client.read([])
+        except MasterUnreachable:
             rospy.logwarn("the scope is at %s already", self._options.url)

@@ -6,7 +6,7 @@ import { drawQuietly } from "./plot.js";
 
 const RATIO = 2; // pixels of the picture for one of the page, at least
 const LINE = 17; // height of a line of text, pixels
-const COLUMN = 76; // width of a figure
+const COLUMN = 70; // width of a figure
 const EDGE = 12;
 const SWATCH = 22;
 
@@ -109,7 +109,7 @@ function tableOf(fields) {
 function below(context, fields, width, notes) {
   const { heads, rows } = tableOf(fields);
   const right = width - EDGE;
-  const shown = Math.max(0, Math.min(heads.length, Math.floor((right - 260) / COLUMN)));
+  const shown = Math.max(0, Math.min(heads.length, Math.floor((right - 190) / COLUMN)));
   const room = right - shown * COLUMN - EDGE - SWATCH - 8;
   const lines = rows.map(({ field, figures }) => ({
     field,

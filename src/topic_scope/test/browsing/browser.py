@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any, List
+from typing import Any, List, Tuple
 
 from browsing.waiting import wait_until
 from selenium import webdriver
@@ -141,6 +141,19 @@ class Browser:
             "/static/js/" + module,
             *arguments,
         )["value"]
+
+    def accessible(self) -> List[Tuple[str, str, str]]:
+        """Return role, name and description of all that those learn of who do not see the page."""
+        nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
+        return [
+            (
+                node["role"]["value"],
+                node.get("name", {}).get("value", "").strip(),
+                node.get("description", {}).get("value", ""),
+            )
+            for node in nodes
+            if not node["ignored"]
+        ]
 
     def picture(self) -> str:
         """Return what is painted in the plot, to be compared."""

@@ -26,6 +26,16 @@ GENERATOR = "/signal_generator"
 def _row(name: str) -> str:
     return f".panel[data-node='{GENERATOR}'] .parameter[data-name='{name}']"
 
+#: All that can be used on the page as it is.
+_CONTROLS = (
+    "[...document.querySelectorAll('button, input, select, a[href], summary, [tabindex=\"0\"]')]"
+    ".filter((one) => one.checkVisibility() && !one.matches(':disabled'))"
+)
+_ROLES = (
+    *("button", "checkbox", "combobox", "textbox", "searchbox", "slider", "spinbutton", "link"),
+    *("ColorWell", "DisclosureTriangle", "dialog", "table", "region", "image", "group"),
+)
+
 
 class Panels(PageTest):
     """What a user does beside the plot."""
@@ -299,6 +309,54 @@ class Panels(PageTest):
             ".map((edge) => edge.dataset.from + ' > ' + edge.dataset.to)"
         )
         return sorted(edge for edge in found if "/process" in edge.split(" > "))
+
+    def test_all_is_reached_by_keys_and_has_a_name(self) -> None:
+        self.browser.keys("t", "c", "l")  # a trigger and cursors: all that can be on the plot
+        self.browser.wait_for(".handle.cursor")
+        self.all_have_names("the scope")
+        words = r"5.00 s until now\. /signal/signal_y: from −[12]\.\d{4} to [12]\.\d{4}, mean"
+        wait_until(
+            lambda: any(
+                (role, name) == ("image", "plot over time") and re.match(words, text)
+                for role, name, text in self.browser.accessible()
+            ),
+            lambda: self.browser.text("#plot-text"),
+        )
+        self.browser.run(
+            "window.reached = new Set(); document.body.focus();"
+            "document.addEventListener('focusin', (event) => window.reached.add(event.target));"
+        )
+        count = self.browser.run(f"return {_CONTROLS}.length")
+        self.browser.keys(*[Keys.TAB] * (count + 5))
+        missed = self.browser.run(
+            f"return {_CONTROLS}.filter((one) => !window.reached.has(one))"
+            ".map((one) => one.outerHTML.slice(0, 120))"
+        )
+        self.assertEqual(missed, [])
+        self.assertGreater(count, 60)
+        self.browser.run("document.activeElement.blur()")
+        for key, dialog in (("a", "chooser"), ("x", "axes"), ("m", "measures"), ("s", "setup")):
+            self.browser.keys(key)
+            self.browser.wait_for(f"#{dialog}")
+            self.all_have_names(dialog)
+            self.browser.keys(Keys.ESCAPE)
+        self.browser.keys("?")
+        self.browser.wait_for("#help")
+        self.browser.keys(Keys.ENTER)  # its button has the focus
+        wait_until(
+            lambda: not self.browser.find("#help").is_displayed(), lambda: "help is still open"
+        )
+        for key, view in (("g", "graph"), ("r", "robots")):
+            self.browser.keys(key)
+            self.browser.wait_for(f"#{view}-view")
+            self.all_have_names(view)
+        names = [name for _, name, _ in self.browser.accessible()]
+        self.assertIn("take the wheel", " ".join(names).lower())
+
+    def all_have_names(self, what: str) -> None:
+        """Check that all that can be used has a name."""
+        nameless = [row for row in self.browser.accessible() if row[0] in _ROLES and not row[1]]
+        self.assertEqual(nameless, [], what)
 
     def test_reading_only_there_is_nothing_to_set(self) -> None:
         # As from a scope that is open to a network, which a test had better not be.

@@ -55,7 +55,7 @@ export function startChooser(state) {
 
   function group({ topic, datatype, fields }, isOpen) {
     const chosen = fields.some(({ field }) => state.values.fields.includes(field));
-    return make("details", { "data-topic": topic, open: isOpen || chosen },
+    return make("details", { "data-topic": topic, "aria-label": topic, open: isOpen || chosen },
       make("summary", {}, make("span", {}, topic), make("span", { class: "type" }, datatype)),
       ...fields.map(row));
   }

@@ -1,5 +1,6 @@
 /** Puts the page together. */
 
+import { startAlternative } from "./alternative.js";
 import { startAxes } from "./axes.js";
 import { startCharts } from "./charts.js";
 import { startChooser } from "./chooser.js";
@@ -48,6 +49,7 @@ const legend = new Legend(state, plot, cursors, startTraceDialog(state));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
 const graph = new Graph(state, (topic) => plotTopic(topic));
 const screen = startScreen(state, sweep, plot);
+const describe = startAlternative(state);
 
 const connection = new Connection(
   `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`,
@@ -78,7 +80,10 @@ const handlers = {
   },
   spectrum: (message) => charts.onSpectrum(message),
   xy: (message) => charts.onXy(message),
-  stats: ({ traces }) => legend.showStats(traces),
+  stats: ({ traces }) => {
+    legend.showStats(traces);
+    describe(traces);
+  },
   trigger: (message) => {
     if (message.number !== state.values.trigger.number) return; // of before the latest change
     trigger.showLamp(message.state);

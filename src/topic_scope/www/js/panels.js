@@ -77,6 +77,7 @@ export class Panels {
       "details", {
         class: "panel",
         "data-node": node,
+        "aria-label": `parameters of ${node}`,
         open: !this.closed.has(node),
         toggle: (event) => {
           if (event.target.open) this.closed.delete(node);

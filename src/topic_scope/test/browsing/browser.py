@@ -46,6 +46,7 @@ class Browser:
             "--disable-dev-shm-usage",  # in a container that is small
             "--remote-debugging-pipe",  # it ends with chromedriver, however that ends
             "--hide-scrollbars",
+            "--host-resolver-rules=MAP *.local 127.0.0.1",  # as a network's own names would be
             "--user-data-dir=" + str(Path(self._profile, "profile")),
         ):
             options.add_argument(argument)

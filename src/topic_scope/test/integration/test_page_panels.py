@@ -26,6 +26,7 @@ GENERATOR = "/signal_generator"
 def _row(name: str) -> str:
     return f".panel[data-node='{GENERATOR}'] .parameter[data-name='{name}']"
 
+
 #: All that can be used on the page as it is.
 _CONTROLS = (
     "[...document.querySelectorAll('button, input, select, a[href], summary, [tabindex=\"0\"]')]"
@@ -252,7 +253,7 @@ class Panels(PageTest):
         self.assertEqual(self.browser.count("#legend tr"), 32)
         self.browser.keys(Keys.ESCAPE)
 
-    def test_graph_follows_the_nodes(self) -> None:
+    def test_graph_follows_the_nodes_and_managed_ones_have_states(self) -> None:
         self.browser.keys("g")
         self.browser.wait_for("#graph .node[data-name='/process']")
         self.assertEqual(self.edges(), ["/process > /proc_signal", "/signal > /process"])
@@ -262,11 +263,19 @@ class Panels(PageTest):
             lambda: self.browser.text(rate),
         )
         talker = subprocess.Popen(
-            [roslib.packages.find_node("basic_comms", "talker.py")[0], "__ns:=/lab/desk"]
+            [
+                roslib.packages.find_node("basic_comms", "talker.py")[0],
+                *("__ns:=/lab/desk", "_managed:=true"),
+            ]
         )
         try:
             self.browser.wait_for("#graph .node[data-name='/lab/desk/talker']")
             self.assertEqual(self.browser.text("#graph .group"), "/lab/desk")
+            self.browser.keys("g")
+            row = ".managed-node[data-node='/lab/desk/talker'] "
+            self.browser.wait_for(row + "[aria-label='/lab/desk/talker: configure']").click()
+            self.browser.wait_for(row + "[data-state='inactive']")
+            self.browser.keys("g")
         finally:
             talker.terminate()
             talker.wait(30.0)

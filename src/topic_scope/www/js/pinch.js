@@ -1,22 +1,24 @@
 /** Two fingers on the plot zoom it: in time, or vertically where they are one above the other. */
 
+import { axisParts, verticals } from "./traces.js";
 import { startTwoFingers } from "./two_fingers.js";
 
 /**
  * @param {HTMLElement} stage
- * @param {{element: HTMLElement, area: Object}} plot
+ * @param {import("./plots.js").Plots} plots
  * @param {import("./view.js").View} view
  */
-export function startPinch(stage, plot, view) {
+export function startPinch(stage, plots, view) {
   startTwoFingers(stage, ({ factor, x, y, across, upright }) => {
-    const { left, top } = plot.element.getBoundingClientRect();
-    const { area } = plot;
+    const middle = { clientX: x, clientY: y };
+    const plot = plots.under(middle);
+    const place = plot.at(middle);
     if (!upright) {
-      view.zoomX(1 / factor, (x - left - area.x) / area.w);
-      if (view.state.values.end !== null) view.panX(-across / area.w);
+      view.zoomX(1 / factor, place.across);
+      if (view.state.values.end !== null) view.panX(-across / plot.area.w);
       return;
     }
-    const axes = view.state.values.right.size ? ["y", "y2"] : ["y"];
-    for (const axis of axes) view.zoomY(axis, 1 / factor, 1 - (y - top - area.y) / area.h);
+    const axes = verticals(view.state.values).filter((axis) => axisParts(axis)[1] === plot.number);
+    for (const axis of axes) view.zoomY(axis, 1 / factor, place.up);
   });
 }

@@ -20,6 +20,8 @@ from topic_scope.fields import FieldError
 _ALL = ("", "0.0.0.0", "::")
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
+#: Most plots of a page.
+PLOTS = 8
 #: How many ports are tried where the next one will do.
 PORTS = 100
 
@@ -88,29 +90,41 @@ def parse(arguments: Sequence[str]) -> Options:
     parser = _parser()
     read = parser.parse_intermixed_args(_as_options(arguments))
     namespace = get_ros_namespace(argv=arguments)
-    names: List[str] = []
-    for argument in read.fields:
-        for word in argument.split():  # a launch file hands them over in one
+    plots: Dict[str, int] = {}  # by name of the field
+    for number, group in enumerate([read.fields, *read.below], 1):
+        for word in " ".join(group).split():  # a launch file hands them over in one
             try:
-                expanded = expand(ns_join(namespace, word))
-                names += [name for name in expanded if name not in names]
+                for name in expand(ns_join(namespace, word)):
+                    plots.setdefault(name, number)
             except FieldError as error:
                 parser.error(str(error))
     try:
-        check_count(len(names))
+        check_count(len(plots))
     except RequestError as error:
         parser.error(str(error))
+    if len(read.below) >= PLOTS:
+        parser.error(f"{len(read.below)} times --below: there are at most {PLOTS} plots")
     return Options(
-        tuple(names),
+        tuple(plots),
         read.address,
         read.port,
         read.next_port,
         read.history,
         read.window,
         read.open_browser,
-        read.setup,
+        _with_plots(read.setup, plots),
         read.bag,
     )
+
+
+def _with_plots(setup: Optional[Dict[str, Any]], plots: Dict[str, int]) -> Optional[Dict[str, Any]]:
+    """Return a set-up with the fields in their plots, as a page would have saved it."""
+    lower = {name: plot for name, plot in plots.items() if plot > 1}
+    if not lower:
+        return setup
+    traces = dict((setup or {}).get("traces", {}))
+    traces.update({name: {**traces.get(name, {}), "plot": plot} for name, plot in lower.items()})
+    return {**(setup or {}), "traces": traces}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -124,6 +138,14 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FIELD",
         help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], or a topic for all"
         " of its fields; any other can be chosen on the page",
+    )
+    parser.add_argument(
+        "--below",
+        nargs="+",
+        action="append",
+        default=[],
+        metavar="FIELD",
+        help="show these in a plot of their own, below the others; may be there several times",
     )
     parser.add_argument(
         "--port", type=_port, default=DEFAULT_PORT, help="where to serve the page (%(default)s)"
@@ -197,6 +219,8 @@ def _setup(path: str) -> Dict[str, Any]:
         with open(path, encoding="utf-8") as file:
             setup = json.load(file)
         fields_of(setup.get("fields", []))
+        for chosen in setup.get("traces", {}).values():
+            chosen.items()
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{path}: {error.strerror}") from None
     except (ValueError, AttributeError, RecursionError) as error:

@@ -24,6 +24,24 @@ def test_relative_names_are_in_the_namespace() -> None:
     assert parse(["a/x", "/b/x", "__ns:=lab"]).fields == ("/lab/a/x", "/b/x")
 
 
+def test_plots_below_others() -> None:
+    options = parse(["/a", "/b", "--below", "/c/x:y", "/a", "--below", "/d", "--port", "8091"])
+    assert options.fields == ("/a", "/b", "/c/x", "/c/y", "/d") and options.port == 8091
+    plots = {"/c/x": {"plot": 2}, "/c/y": {"plot": 2}, "/d": {"plot": 3}}
+    assert options.setup == {"traces": plots}
+    assert parse(["/a"]).setup is None
+
+
+def test_plots_are_put_into_a_set_up(tmp_path: Path) -> None:
+    path = tmp_path / "setup.json"
+    path.write_text('{"window": 2, "traces": {"/a": {"gain": 3}, "/b": {"gain": 4}}}')
+    options = parse(["--setup", str(path), "/a", "--below", "/b"])
+    assert options.setup == {
+        "window": 2,
+        "traces": {"/a": {"gain": 3}, "/b": {"gain": 4, "plot": 2}},
+    }
+
+
 def test_the_next_port_will_do_only_when_asked_for() -> None:
     assert list(parse([]).ports) == [8080]
     assert list(parse(["--next-port", "--port", "9000"]).ports) == list(range(9000, 9100))
@@ -49,6 +67,9 @@ def test_an_address_with_colons_is_put_in_brackets() -> None:
     "arguments",
     [
         ["--port", "0"],
+        ["--below"],
+        ["--below", "../x"],
+        ["--below", "/a"] * 8,
         ["--port", "65536"],
         ["--port", "web"],
         ["--port", "80.5"],
@@ -85,7 +106,11 @@ def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [(None, "No such file"), ("{", "no set-up"), ("[1]", "no set-up"), ('{"fields": 3}', "list")],
+    [
+        *[(None, "No such file"), ("{", "no set-up"), ("[1]", "no set-up")],
+        *[('{"fields": 3}', "list"), ('{"traces": []}', "no set-up")],
+        ('{"traces": {"/a": 2}}', "no set-up"),
+    ],
 )
 def test_what_is_no_setup_is_refused_in_words(
     tmp_path: Path, capsys: "pytest.CaptureFixture[str]", text: Optional[str], said: str

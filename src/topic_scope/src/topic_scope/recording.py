@@ -68,6 +68,8 @@ class Recording:
         if self._is_loading and not self.source.is_loading:
             self._is_loading = False
             self._host.resume()
+            self._host.on_topics(self._types)  # messages may have told names of their elements
+            self.ring()
         while self.source.problems:
             text = self.source.problems.popleft()
             rospy.logwarn(text)

@@ -20,6 +20,7 @@ from browsing.browser import Browser
 from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
+from sensor_msgs.msg import JointState
 from wire.client import Client, fetch
 
 from basic_comms.msg import signal_msg
@@ -36,7 +37,10 @@ def record(path: str) -> None:
             time = index / RATE_HZ
             value = time * math.sin(2.0 * math.pi * time)
             message = signal_msg(2.0, 6.2832, 5.0 + time, value)
-            bag.write("signal", message, genpy.Time(BEGIN, index * round(1e9 / RATE_HZ)))
+            received = genpy.Time(BEGIN, index * round(1e9 / RATE_HZ))
+            bag.write("signal", message, received)
+            if index % RATE_HZ == 50:
+                bag.write("joints", JointState(name=["wheel"], position=[time]), received)
 
 
 class Bag(unittest.TestCase):
@@ -127,6 +131,14 @@ class Bag(unittest.TestCase):
         wait_until(lambda: page.values("/signal/time_x"), lambda: page.messages("frame"))
         self.assertAlmostEqual(min(page.values("/signal/time_x")), 5.0, 1)
         self.assertAlmostEqual(max(page.values("/signal/time_x")), 10.0)
+        # What its messages name is known from them.
+        name = "/joints/position[wheel]"
+        self.page().wait_for(
+            "fields", lambda told: name in [one["field"] for one in told["fields"]]
+        )
+        page.send("select", fields=[name])
+        wait_until(lambda: page.values(name), lambda: page.messages("frame"))
+        self.assertEqual(sorted(set(page.values(name))), [0.5, 1.5, 2.5, 3.5, 4.5])
 
     def test_what_takes_nodes_is_refused_in_words(self) -> None:
         page = self.page()

@@ -249,7 +249,7 @@ class Panels(PageTest):
         self.browser.keys("a")
         self.browser.find("#chooser-search").send_keys("/many/data[99]", Keys.ENTER)
         sentence = "A page shows at most 32 traces: remove one first."
-        self.assertEqual(self.browser.text("#chooser-count"), sentence)
+        self.assertEqual(self.browser.text("#chooser-note"), sentence)
         self.assertEqual(self.browser.count("#legend tr"), 32)
         self.browser.keys(Keys.ESCAPE)
 

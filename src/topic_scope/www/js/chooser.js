@@ -21,15 +21,16 @@ export function startChooser(state) {
   const search = byId("chooser-search");
   const list = byId("chooser-list");
   const all = byId("chooser-all");
-  const count = byId("chooser-count");
+  const note = byId("chooser-note");
 
   /** Choose a field, or no longer; tells whether that was possible. */
   function choose(field, wanted) {
     const others = state.values.fields.filter((other) => other !== field);
     if (wanted && others.length >= TRACES) {
-      say(count, `A page shows at most ${TRACES} traces: remove one first.`);
+      say(note, `A page shows at most ${TRACES} traces: remove one first.`);
       return false;
     }
+    say(note, "");
     state.set({ fields: wanted ? [...others, field] : others });
     return true;
   }
@@ -74,7 +75,7 @@ export function startChooser(state) {
     }
     if (NAME.test(typed) && !isListed) rows.push(row({ field: typed, datatype: TYPED, topic: "" }));
     list.replaceChildren(...rows);
-    say(count, `${total} numeric fields of ${groups.length} topics` +
+    say(byId("chooser-count"), `${total} numeric fields of ${groups.length} topics` +
       (left < 0 ? `, the first ${MOST} are listed` : "") + (aside ? `, ${aside} more with the tick` : ""));
   }
 
@@ -108,6 +109,7 @@ export function startChooser(state) {
 
   return (text = "") => {
     search.value = text;
+    say(note, "");
     fill();
     dialog.showModal();
     search.focus();

@@ -51,7 +51,7 @@ export function keyList({ state, view, cursors, trigger, open }) {
       state.set({ chart: { ...chart, kind: KINDS[(place + 1) % KINDS.length][0] } });
     }),
     key(["p"], "p", "panels", click("show-panels")),
-    key(["g"], "g", "scope or graph", () =>
+    key(["g"], "g", "scope or graph; there, / finds, + − 0 zoom", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),
     key(["r"], "r", "scope or robots; there, arrow keys move, f follows a robot", () =>
       state.set({ view: state.values.view === "robots" ? "scope" : "robots" })),

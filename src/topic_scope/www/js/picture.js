@@ -8,7 +8,7 @@ const RATIO = 2; // pixels of the picture for one of the page, at least
 const LINE = 17; // height of a line of text, pixels
 const COLUMN = 70; // width of a figure
 const EDGE = 12;
-const SWATCH = 22;
+const SWATCH = 30; // width of the sample of a line, and the space behind it
 
 /** Have all that is drawn drawn anew. */
 function redraw(drawn) {
@@ -120,7 +120,18 @@ function below(context, fields, width, notes) {
   return { heads: heads.slice(0, shown), lines, height: count * LINE + 10 };
 }
 
-function drawBelow(context, { heads, lines }, top, width, notes, colourOf, styleOf) {
+function drawSample(context, y, colour, dash) {
+  context.save();
+  Object.assign(context, { strokeStyle: colour, lineWidth: 2.5 });
+  context.setLineDash(dash);
+  context.beginPath();
+  context.moveTo(EDGE, y);
+  context.lineTo(EDGE + SWATCH - 6, y);
+  context.stroke();
+  context.restore();
+}
+
+function drawBelow(context, { heads, lines }, top, width, notes, { colourOf, dashOf, styleOf }) {
   const right = width - EDGE;
   const writeFigures = (texts, y) => texts.forEach((text, place) => {
     context.textAlign = "right";
@@ -132,8 +143,7 @@ function drawBelow(context, { heads, lines }, top, width, notes, colourOf, style
   writeFigures(heads, y);
   for (const { field, names, figures } of lines) {
     y += LINE;
-    context.fillStyle = colourOf(field);
-    context.fillRect(EDGE, y - 2, 14, 4);
+    drawSample(context, y, colourOf(field), dashOf(field));
     context.fillStyle = styleOf("text");
     writeFigures(figures, y);
     context.textAlign = "left";
@@ -152,11 +162,11 @@ function drawBelow(context, { heads, lines }, top, width, notes, colourOf, style
  * Make a picture of the plot with its axes, cursors, legend, measurements and date.
  * @param {{element: HTMLElement, canvases: HTMLCanvasElement[]}} drawn a plot, or several
  * @param {string[]} fields that are shown
- * @param {function(string): string} colourOf
+ * @param {{colourOf: function(string): string, dashOf: function(string): number[]}} looks of fields
  * @param {number} until the right edge of what is shown, since the epoch, s
  * @returns {HTMLCanvasElement}
  */
-export function picture(drawn, fields, colourOf, until) {
+export function picture(drawn, fields, looks, until) {
   const ratio = Math.max(RATIO, window.devicePixelRatio || 1);
   const box = drawn.element.getBoundingClientRect();
   const style = getComputedStyle(document.documentElement);
@@ -182,7 +192,7 @@ export function picture(drawn, fields, colourOf, until) {
     drawLabels(context, box, drawn.element);
     context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     if (!overlay.hidden) drawHandles(context, box, overlay, styleOf);
-    drawBelow(context, table, box.height, box.width, notes, colourOf, styleOf);
+    drawBelow(context, table, box.height, box.width, notes, { ...looks, styleOf });
   });
   return canvas;
 }

@@ -1,6 +1,6 @@
 /** The bar above the plot. */
 
-import { colourOf } from "./colours.js";
+import { colourOf, dashOf } from "./colours.js";
 import { byId, make, press } from "./dom.js";
 import { csvAddress, save } from "./export.js";
 import { typed } from "./numbers.js";
@@ -36,7 +36,8 @@ export function startTools(state, view, plot, sweep, open, chart) {
     png: () => {
       const drawn = state.values.chart.kind === "time" ? plot : chart;
       const until = sweep.shown.to || Date.now() / 1000;
-      save(picture(drawn, state.shown, (field) => colourOf(state, field), until), "scope.png");
+      const looks = { colourOf: (field) => colourOf(state, field), dashOf: (field) => dashOf(state, field) };
+      save(picture(drawn, state.shown, looks, until), "scope.png");
     },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);

@@ -31,9 +31,9 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
     headers = workspace.root / "devel" / "include" / "tiny"
     assert not headers.exists()
     assert "building" in workspace.run("true", ROS_LANG_DISABLE="genlisp").stderr
+    assert workspace.run("true").stderr == ""
     assert workspace.shows("tiny.Bar")
     assert (headers / "Bar.h").exists()
-    assert workspace.run("true").stderr == ""
 
     (workspace.root / "src/tiny/msg/Beat.msg").unlink()
     shutil.rmtree(str(workspace.root / "src/spare"))

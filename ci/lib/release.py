@@ -22,7 +22,7 @@ PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]
 ]
-CHECKS = [["./ci/test"], ["./ci/clean-room"], ["./ci/deb"], ["./ci/container"]]
+CHECKS = [["./ci/test", "all"], ["./ci/clean-room"], ["./ci/deb"], ["./ci/container"]]
 #: Built by these, and what it is called in dist/VERSION.
 PRODUCTS = {"dist/bookworm": "bookworm", "dist/trixie": "trixie", "docs/_build/html": "docs"}
 NOTES = "docs/releases.md"

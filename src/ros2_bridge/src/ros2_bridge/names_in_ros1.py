@@ -1,19 +1,26 @@
 """The names of ROS 2's nodes in ROS 1's list of nodes.
 
 The master lists whoever has registered something. Each node of ROS 2 is registered as a subscriber
-of /parameter_events, which it has there too; what the master then tells it, the bridge gets, and
-has no use for. To be registered as publishers would have subscribers connect to the bridge twice.
+of /parameter_events, which it has there too; what the master then tells it has no use. To be
+registered as publishers would have subscribers connect to the bridge twice.
+
+They do not have the bridge's own address: the master ends whoever is at the address of a name that
+another node takes, and a node of ROS 1 may have the name of one of ROS 2.
 """
 
 import contextlib
-from typing import Set
+import os
+import threading
+from typing import Any, List, Set
 
 import rosgraph
-import rospy
+import rosgraph.xmlrpc
 
 from nodekit.live.master import MasterClient
 
 _TOPIC, _TYPE = "/parameter_events", "rcl_interfaces/ParameterEvent"
+#: Longest wait for the address, and for the master, s.
+_TIMEOUT_S = 1.0
 
 
 class NamesInRos1:
@@ -24,6 +31,9 @@ class NamesInRos1:
 
     def __init__(self) -> None:
         self.names: Set[str] = set()
+        self._address = _Address()
+        self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
+        self._server.start()
 
     def look(self, nodes: Set[str], is_restarted: bool) -> None:
         """Register who has come, and take back who has gone.
@@ -34,19 +44,70 @@ class NamesInRos1:
         """
         if is_restarted:
             self.names = set()
+        if self._address.is_taken.is_set():
+            self._address.is_taken.clear()
+            self.names = {name for name in self.names if self._is_at(name, self._address.uri)}
         for name in self.names - nodes:
             self._ask(name, "unregisterSubscriber", _TOPIC)
         self.names &= nodes
         for name in nodes - self.names:
-            self.names.add(name)
-            self._ask(name, "registerSubscriber", _TOPIC, _TYPE)
+            if self._is_at(name, ""):  # nobody of ROS 1 has come meanwhile, whom that would end
+                self.names.add(name)
+                self._ask(name, "registerSubscriber", _TOPIC, _TYPE)
 
     def close(self) -> None:
         """Take all of them back, if the master answers."""
         with contextlib.suppress(ConnectionError):
             self.look(set(), False)
+        self._server.shutdown("")
+
+    def _is_at(self, name: str, uri: str) -> bool:
+        """Tell whether the node of a name has an address; an empty one: whether there is none."""
+        return str(self._request(name, "lookupNode", name)[2] or "") == uri
 
     def _ask(self, name: str, *call: str) -> None:
-        uri = rospy.get_node_uri()
-        with contextlib.closing(MasterClient(rosgraph.get_master_uri(), name, uri, 1.0)) as client:
-            client.request([(*call, uri)])
+        self._request(name, *call, self._address.uri)
+
+    def _request(self, name: str, *call: str) -> Any:
+        uri, own = rosgraph.get_master_uri(), self._address.uri
+        with contextlib.closing(MasterClient(uri, name, own, _TIMEOUT_S)) as client:
+            return client.request([call])[0]
+
+
+class _Address(rosgraph.xmlrpc.XmlRpcHandler):  # type: ignore[misc]
+    """Answers for all these nodes what a node of ROS 1 may be asked.
+
+    :ivar is_taken: set once the master has ended one of them, as another has its name
+    """
+
+    def __init__(self) -> None:
+        self.is_taken, self._is_ready = threading.Event(), threading.Event()
+        self._uri = ""
+
+    def _ready(self, uri: str) -> None:
+        self._uri = uri
+        self._is_ready.set()
+
+    @property
+    def uri(self) -> str:
+        """Where it is."""
+        if not self._is_ready.wait(_TIMEOUT_S):
+            raise ConnectionError("the names of ROS 2's nodes have no address in ROS 1")
+        return self._uri
+
+    def shutdown(self, _caller: str, _why: str = "") -> List[Any]:
+        """Take note that a name may be another's now; ``rosnode kill`` asks for this as well."""
+        self.is_taken.set()
+        return [1, "", 0]
+
+    def getPid(self, _caller: str) -> List[Any]:  # noqa: N802  (named by ROS 1)
+        """Answer ``rosnode ping``."""
+        return [1, "", os.getpid()]
+
+    def getBusInfo(self, _caller: str) -> List[Any]:  # noqa: N802
+        """Answer ``rosnode info``: there are no connections."""
+        return [1, "", []]
+
+    def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
+        """Hear who publishes /parameter_events in ROS 1: it is of no use."""
+        return [1, "", 0]

@@ -53,6 +53,29 @@ def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) 
     wait_until(lambda: not in_ros1(), lambda: "/front/lidar stays in rosnode list")
 
 
+def test_a_node_of_ros1_may_have_the_name_of_one_of_ros2(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    node = Node("twice")
+    ros.executor.add_node(node)
+
+    def uri() -> Any:
+        return rospy.get_master().lookupNode("/twice")[2]
+
+    wait_until(uri, lambda: "/twice is not in rosnode list")
+    of_bridge = uri()
+    with both.Running("basic_comms", "talker.py", "__name:=twice") as talker:
+        ear = ros.hear2("/chatter", String)
+        ear.wait(3)  # what it publishes is not taken for the bridge's own
+        assert uri() != of_bridge  # the master had the one before it shut down
+        ear.end()
+        talker.interrupt()
+    wait_until(lambda: uri() == of_bridge, lambda: "that of ROS 2 does not come back")
+    ros.executor.remove_node(node)
+    node.destroy_node()
+    assert bridge.popen.poll() is None
+
+
 def test_tf_and_clock(ros: both.Both, bridge: both.Bridge) -> None:
     static = publisher1(ros, "/tf_static", "tf2_msgs/TFMessage", latch=True)
     name = struct.pack("<I4s", 4, b"odom")

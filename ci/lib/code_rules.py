@@ -71,9 +71,9 @@ ROOMS: Dict[str, List[str]] = {
         *("go_to_server", "nodes"),
     ],
     "ros2_bridge": [
-        *("definitions", "twins", "comparing", "steps", "codec", "parameter_values", "pairing"),
-        *("settings", "side_by_side", "start", "environment", "twin_builder", "ros1", "types"),
-        *("print_pairs", "telling"),
+        *("definitions", "twins", "comparing", "steps", "codec", "parameter_values", "renaming"),
+        *("pairing", "settings", "side_by_side", "start", "environment", "twin_builder", "ros1"),
+        *("types", "print_pairs", "telling"),
         *("wait_loop", "ros2_side", "ros2_graph", "ros2_client", "ros1_graph", "names_in_ros1"),
         *("rosout", "topics", "topic_bridge", "service_types", "services", "service_bridge"),
         *("parameter_messages", "parameter_sources", "parameters_to_ros2", "parameters_to_ros1"),
@@ -105,7 +105,7 @@ PURE = (
     *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
     *("ros2_bridge.definitions", "ros2_bridge.twins", "ros2_bridge.comparing"),
     *("ros2_bridge.steps", "ros2_bridge.codec", "ros2_bridge.parameter_values"),
-    "ros2_bridge.pairing",
+    *("ros2_bridge.renaming", "ros2_bridge.pairing"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 

@@ -2,7 +2,7 @@
 
 import threading
 import traceback
-from typing import Any, Dict
+from typing import Any, Dict, Set
 
 import rosgraph
 import rospy
@@ -44,14 +44,15 @@ class Looking:
         self._master = get_watcher().client
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
-        self._side = Ros2(node.name)
-        self._graph, self._telling, types = Ros2Graph(self._side), Telling(), Types()
+        self._renaming = names = parameters.values.names()
+        self._side = Ros2(names.in_ros2(node.name) or node.name)
+        self._graph, self._telling, types = Ros2Graph(self._side, names), Telling(), Types()
         self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
-        self._nodes = NodeBridge(node, self._side, self._master, self._telling)
+        self._nodes = NodeBridge(node, self._side, self._master, names, self._telling)
         self._services = ServiceBridge(
             node, self._side, types, self._telling, lambda: parameters.values.service_timeout
         )
-        self._rosout, self._names = Rosout(node, self._side), NamesInRos1()
+        self._rosout, self._names = Rosout(node, self._side, names), NamesInRos1()
         # Of its own: it remembers the latest answers.
         self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
         self._master_pid = 0
@@ -77,7 +78,7 @@ class Looking:
         is_restarted = self._master_pid not in (0, ros1.master_pid)
         self._master_pid = ros1.master_pid
         values, in_ros2, topics = self._parameters.values, self._graph.nodes(), self._graph.topics()
-        rules = values.openings()
+        rules = values.openings(self._renaming)
         self._names.look(in_ros2 - ros1.nodes(), is_restarted)
         self._rosout.look(rosout.TOPIC in topics and bool(topics[rosout.TOPIC].subscribers))
         self._topics.look(rules, ros1, topics)
@@ -85,7 +86,16 @@ class Looking:
         parameters, most = values.parameters, values.max_nodes
         self._nodes.look(ros1, in_ros2, services, parameters, most, is_restarted)
         self._services.look(rules, ros1, services, self._nodes.homes())
+        self._tell_of_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})
         self._telling.look()
+
+    def _tell_of_nameless(self, in_ros1: Set[str]) -> None:
+        for name in in_ros1:
+            if self._renaming.in_ros2(name) is None:
+                self._telling.say(f"{name} of ROS 1, as its name in ROS 2 is another's")
+        for name in self._graph.nameless:
+            self._telling.say(f"{name} of ROS 2, as its name in ROS 1 is another's")
+        self._graph.nameless.clear()
 
     def statistics(self) -> Dict[str, Any]:
         """Return what has gone through each pair of topics, and what was lost."""

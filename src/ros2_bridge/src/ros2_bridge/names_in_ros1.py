@@ -74,7 +74,7 @@ class NamesInRos1:
             return client.request([call])[0]
 
 
-class _Address(rosgraph.xmlrpc.XmlRpcHandler):  # type: ignore[misc]
+class _Address(rosgraph.xmlrpc.XmlRpcHandler):
     """Answers for all these nodes what a node of ROS 1 may be asked.
 
     :ivar is_taken: set once the master has ended one of them, as another has its name

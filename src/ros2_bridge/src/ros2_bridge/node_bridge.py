@@ -13,6 +13,7 @@ from ros2_bridge.pairing import Patience
 from ros2_bridge.parameter_sources import Described, Plain
 from ros2_bridge.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.renaming import Renaming
 from ros2_bridge.ros1_graph import Ros1Graph
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.service_bridge import described
@@ -38,15 +39,19 @@ class NodeTwin:
 
 
 class NodeBridge:
-    """Keeps the nodes as both graphs have them.
+    """Keeps the nodes as both graphs have them; all of them are known by their names in ROS 1.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param client: asks the master
+    :param names: what has another name in ROS 2
     """
 
-    def __init__(self, node: Node, side: Ros2, client: MasterClient, telling: Telling) -> None:
+    def __init__(
+        self, node: Node, side: Ros2, client: MasterClient, names: Renaming, telling: Telling
+    ) -> None:
         self._node, self._side, self._client, self._telling = node, side, client, telling
+        self._names = names
         self.twins: Dict[str, NodeTwin] = {}
         self.mirrors: Dict[str, ParametersToRos1] = {}
         self._patience: Patience[str] = Patience(LOOKS)
@@ -92,7 +97,7 @@ class NodeBridge:
         """Return the nodes that appear: those that do already, then nodes, then parts of nodes."""
         order = [name for name in self.twins if name in nodes | describing]
         order += sorted(nodes - set(order)) + sorted(describing - nodes - set(order))
-        legal = [name for name in order if _LEGAL.match(name)]
+        legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
         if len(legal) > most:
             left = len(legal) - most
             self._telling.say(
@@ -103,14 +108,16 @@ class NodeBridge:
         return legal[:most]
 
     def _begin_twin(self, name: str, style: str) -> None:
-        home = self._side.make_node(name)
+        other = self._names.in_ros2(name) or name
+        home = self._side.make_node(other)
         made = self._node.lifetime()
         source: Union[Described, Plain] = Plain(self._client, name)
         if style == "described":
             source = Described(made, name)
         twin = None
         if style != "none":
-            twin = ParametersToRos2(self._node, self._side, home, name, source, self._tell.publish)
+            tell = self._tell.publish
+            twin = ParametersToRos2(self._node, self._side, home, name, other, source, tell)
         self.twins[name] = NodeTwin(home, style, twin, made)
 
     def _end_twin(self, name: str) -> None:
@@ -118,7 +125,7 @@ class NodeBridge:
         if twin.parameters is not None:
             twin.parameters.close()
         twin.made.close()
-        self._side.destroy_node(name, twin.home)
+        self._side.destroy_node(self._names.in_ros2(name) or name, twin.home)
 
     def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
         wanted = sorted(nodes)[:most]
@@ -126,8 +133,9 @@ class NodeBridge:
             self.mirrors.pop(name).close()
         for name in wanted:
             if name not in self.mirrors:
+                other = self._names.in_ros2(name) or name
                 self.mirrors[name] = ParametersToRos1(
-                    self._node, self._side, self._client, name, self._telling
+                    self._node, self._side, self._client, name, other, self._telling
                 )
             elif is_restarted:
                 self.mirrors[name].read()
@@ -138,7 +146,7 @@ class NodeBridge:
         for data, info in arrived:
             if not self._side.is_ours(info["publisher_gid"]["data"]):
                 event = deserialize_message(data, ParameterEvent)
-                mirror = self.mirrors.get(event.node)
+                mirror = self.mirrors.get(self._names.in_ros1(event.node) or "")
                 if mirror is not None:
                     mirror.take_event(event)
 

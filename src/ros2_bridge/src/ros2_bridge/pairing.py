@@ -5,6 +5,8 @@ import functools
 import re
 from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence, Set, Tuple, TypeVar
 
+from ros2_bridge.renaming import Renaming
+
 #: Names that each side has for itself, or that are bridged in a way of their own.
 NEVER = (
     *(
@@ -27,18 +29,29 @@ class Rules(NamedTuple):
     """What the user allows.
 
     :param to_ros2, to_ros1: the ways that are open
-    :param allow, deny: patterns of names, such as ``/robot/*``; what is denied is not allowed
+    :param allow, deny: patterns of names in ROS 1, such as ``/robot/*``; what is denied is not
+        allowed
+    :param names: what has another name in ROS 2
     """
 
     to_ros2: bool
     to_ros1: bool
     allow: Sequence[str]
     deny: Sequence[str]
+    names: Renaming = Renaming()
 
     def allows(self, name: str) -> bool:
-        """Tell whether a topic or service of this name may be bridged."""
-        denied, allowed = _compiled((*NEVER, *self.deny)), _compiled(tuple(self.allow))
-        return allowed.match(name) is not None and denied.match(name) is None
+        """Tell whether a topic or service that has this name in ROS 1 may be bridged."""
+        denied, allowed = _compiled(tuple(self.deny)), _compiled(tuple(self.allow))
+        if is_never_bridged(name) or denied.match(name) or not allowed.match(name):
+            return False
+        other = self.names.in_ros2(name)
+        return other is not None and not is_never_bridged(other)
+
+
+def is_never_bridged(name: str) -> bool:
+    """Tell whether each side has topics and services of this name for itself."""
+    return _compiled(NEVER).match(name) is not None
 
 
 @functools.lru_cache(maxsize=16)
@@ -50,7 +63,7 @@ def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
 class Way(NamedTuple):
     """Something to be bridged one way.
 
-    :param name: of the topic or service, on both sides
+    :param name: of the topic or service in ROS 1
     :param to_ros2: whether from ROS 1 to ROS 2
     """
 
@@ -63,7 +76,7 @@ def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
 
     :param rules: what the user allows
     :param in_ros1: topics that others publish in ROS 1, or services that they offer
-    :param in_ros2: the same of ROS 2
+    :param in_ros2: the same of ROS 2, by their names in ROS 1
     """
     ways = [Way(name, True) for name in in_ros1 if rules.to_ros2 and rules.allows(name)]
     ways += [Way(name, False) for name in in_ros2 if rules.to_ros1 and rules.allows(name)]

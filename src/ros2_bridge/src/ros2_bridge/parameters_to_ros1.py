@@ -30,16 +30,16 @@ class ParametersToRos1:
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param client: asks the master
-    :param name: global name of the node
+    :param name, other: global name of the node in ROS 1 and in ROS 2
     """
 
     def __init__(
-        self, node: Node, side: Ros2, client: MasterClient, name: str, telling: Telling
+        self, node: Node, side: Ros2, client: MasterClient, name: str, other: str, telling: Telling
     ) -> None:
         self._name, self._master, self._telling = name, client, telling
-        self._list = Ros2Client(side, ListParameters, f"{name}/list_parameters")
-        self._get = Ros2Client(side, GetParameters, f"{name}/get_parameters")
-        self._set = Ros2Client(side, SetParameters, f"{name}/set_parameters")
+        self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
+        self._get = Ros2Client(side, GetParameters, f"{other}/get_parameters")
+        self._set = Ros2Client(side, SetParameters, f"{other}/set_parameters")
         #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}

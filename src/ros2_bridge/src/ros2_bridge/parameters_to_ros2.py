@@ -34,7 +34,7 @@ class ParametersToRos2:
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param home: the node of ROS 2 that stands for it
-    :param name: its global name
+    :param other: the global name that it has in ROS 2
     :param source: where its parameters are
     :param tell: publishes an event
     """
@@ -45,17 +45,18 @@ class ParametersToRos2:
         side: Ros2,
         home: Ros2Node,
         name: str,
+        other: str,
         source: Union[Described, Plain],
         tell: Callable[[Any], None],
     ) -> None:
-        self._name, self._source, self._tell = name, source, tell
+        self._name, self._other, self._source, self._tell = name, other, source, tell
         self._clock = home.get_clock()
         self._lock = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
         self._server: Dict[str, Any] = {}
         self._is_known = self._is_looking = self._again = False
         self._ends = [
-            side.serve(home, cls, f"{name}/{verb}", self._beside(answer))
+            side.serve(home, cls, f"{other}/{verb}", self._beside(answer))
             for cls, verb, answer in (
                 (ListParameters, "list_parameters", self._list),
                 (GetParameters, "get_parameters", self._get),
@@ -166,7 +167,7 @@ class ParametersToRos2:
             is_first, self._known, self._is_known = not self._is_known, now, True
         if any(parts) and not is_first:
             stamp = self._clock.now().to_msg()
-            self._tell(messages.event(self._name, stamp, *parts))
+            self._tell(messages.event(self._other, stamp, *parts))
         return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:

@@ -1,9 +1,11 @@
 """What others have in ROS 2: nodes, topics and services."""
 
-from typing import Any, Dict, List, NamedTuple, Set, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
+from ros2_bridge.pairing import is_never_bridged
+from ros2_bridge.renaming import Renaming
 from ros2_bridge.ros2_side import Ros2
 
 
@@ -25,13 +27,26 @@ class Topic(NamedTuple):
 
 
 class Ros2Graph:
-    """Looks at the graph.
+    """Looks at the graph, and tells of everything by its name in ROS 1.
 
     :param side: the bridge in ROS 2, which is left out of all answers
+    :param names: what has another name in ROS 2
+
+    :ivar nameless: what has no name in ROS 1, as it would have another's
     """
 
-    def __init__(self, side: Ros2) -> None:
-        self._side = side
+    def __init__(self, side: Ros2, names: Renaming) -> None:
+        self._side, self._names = side, names
+        self.nameless: Set[str] = set()
+
+    def _named(self, name: str) -> Optional[str]:
+        """Return the name in ROS 1; what each side has for itself keeps the one it has."""
+        if is_never_bridged(name):
+            return name
+        found = self._names.in_ros1(name)
+        if found is None:
+            self.nameless.add(name)
+        return found
 
     def topics(self) -> Dict[str, Topic]:
         """Return the topics that others use."""
@@ -45,7 +60,10 @@ class Ros2Graph:
                 continue
             durabilities = {each.qos_profile.durability for each in publishers}
             reliabilities = {each.qos_profile.reliability for each in publishers}
-            found[name] = Topic(
+            name_in_ros1 = self._named(name)
+            if name_in_ros1 is None:
+                continue
+            found[name_in_ros1] = Topic(
                 {each.topic_type for each in publishers or subscribers},
                 set(map(_full_name, publishers)),
                 set(map(_full_name, subscribers)),
@@ -61,13 +79,14 @@ class Ros2Graph:
         """Return the names of the nodes that are not ours."""
         names = self._side.node.get_node_names_and_namespaces()
         found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
-        return {name for name in found if not _is_hidden(name)} - self._side.own_names
+        theirs = {name for name in found if not _is_hidden(name)} - self._side.own_names
+        return {name for name in map(self._named, theirs) if name is not None}
 
     def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:
-        """Return type and node of each service that some nodes offer."""
+        """Return type and node of each service that some nodes of ROS 2 offer."""
         found = {}
         for node in nodes:
-            namespace, _, base = node.rpartition("/")
+            namespace, _, base = (self._names.in_ros2(node) or node).rpartition("/")
             try:
                 offered = self._side.node.get_service_names_and_types_by_node(
                     base, namespace or "/"
@@ -75,7 +94,9 @@ class Ros2Graph:
             except Exception:  # rclpy's own, where the node has just gone
                 continue
             for name, types in offered:
-                found[name] = (types[0], node)
+                name_in_ros1 = self._named(name)
+                if name_in_ros1 is not None:
+                    found[name_in_ros1] = (types[0], node)
         return found
 
 

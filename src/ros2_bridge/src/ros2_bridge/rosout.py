@@ -7,6 +7,7 @@ from rcl_interfaces.msg import Log
 from nodekit import Node
 from nodekit.execution.groups import Outside
 from ros2_bridge import ros1
+from ros2_bridge.renaming import Renaming
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.settings import Quality
 
@@ -20,10 +21,11 @@ class Rosout:
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
+    :param names: what has another name in ROS 2
     """
 
-    def __init__(self, node: Node, side: Ros2) -> None:
-        self._node = node
+    def __init__(self, node: Node, side: Ros2, names: Renaming) -> None:
+        self._node, self._names = node, names
         self._publisher = side.publisher(Log, TOPIC, Quality(1000, latched=True))
         self._hearing: Any = None
 
@@ -43,7 +45,7 @@ class Rosout:
         log = Log(
             level=_LEVELS.get(line.level, Log.INFO),
             # ROS 2 writes names of loggers with dots.
-            name=line.name.strip("/").replace("/", "."),
+            name=(self._names.in_ros2(line.name) or line.name).strip("/").replace("/", "."),
             msg=line.msg,
             file=line.file,
             function=line.function,

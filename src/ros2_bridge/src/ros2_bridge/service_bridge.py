@@ -41,7 +41,7 @@ class ServiceBridge:
     ) -> None:
         """Begin and end what this look at both graphs asks for.
 
-        :param ros2: type and node of each service of ROS 2
+        :param ros2: type and node of each service of ROS 2, by its name in ROS 1
         :param homes: the nodes of ROS 1 that appear in ROS 2
         """
         in_ros1 = set(ros1.services) - described(set(ros1.services))
@@ -57,21 +57,24 @@ class ServiceBridge:
             if isinstance(pair, ServiceToRos2) and pair.home is not home:
                 self.pairs.pop(way).close()  # its node appears in ROS 2 only now, or no longer
             if way not in self.pairs:
-                self._begin(way, home, ros2)
+                self._begin(way, rules, home, ros2)
 
-    def _begin(self, way: Way, home: Ros2Node, ros2: Dict[str, Tuple[str, str]]) -> None:
+    def _begin(
+        self, way: Way, rules: Rules, home: Ros2Node, ros2: Dict[str, Tuple[str, str]]
+    ) -> None:
+        names = (way.name, rules.names.in_ros2(way.name) or way.name)
         try:
             if way.to_ros2:
                 kind = self._asked.of(way.name)
                 if kind is not None and not kind.startswith(OWN_WAYS):
                     found = self._types.service(kind)
                     self.pairs[way] = ServiceToRos2(
-                        self._node, self._side, home, way.name, found, self._timeout
+                        self._node, self._side, home, *names, found, self._timeout
                     )
             else:
                 found = self._types.service(self._types.ros1_name(ros2[way.name][0]))
                 self.pairs[way] = ServiceToRos1(
-                    self._node, self._side, way.name, found, self._timeout
+                    self._node, self._side, *names, found, self._timeout
                 )
         except Unbridgeable as reason:
             self._telling.say(str(reason))

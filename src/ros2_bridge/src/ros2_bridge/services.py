@@ -27,6 +27,7 @@ class ServiceToRos2:
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param home: node of ROS 2 that offers it
+    :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
     """
 
@@ -36,14 +37,15 @@ class ServiceToRos2:
         side: Ros2,
         home: Ros2Node,
         name: str,
+        other: str,
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
         self.home = home
-        self._name, self._kind, self._timeout = name, kind, timeout
+        self._kind, self._timeout = kind, timeout
         self._made = node.lifetime()
         self._client = self._made.client(name, kind.raw, group=Outside())
-        self._end = side.serve(home, kind.cls, name, self._answer)
+        self._end = side.serve(home, kind.cls, other, self._answer)
 
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
         """Have the service called in a thread of its own: this one is everybody's."""
@@ -85,14 +87,21 @@ class ServiceToRos1:
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
+    :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
     """
 
     def __init__(
-        self, node: Node, side: Ros2, name: str, kind: ServiceType, timeout: Callable[[], float]
+        self,
+        node: Node,
+        side: Ros2,
+        name: str,
+        other: str,
+        kind: ServiceType,
+        timeout: Callable[[], float],
     ) -> None:
         self._kind, self._timeout = kind, timeout
-        self._client = Ros2Client(side, kind.cls, name)
+        self._client = Ros2Client(side, kind.cls, other)
         self._made = node.lifetime()
         self._made.service(name, kind.raw, self._answer, group=Outside())
 

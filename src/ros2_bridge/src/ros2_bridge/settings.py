@@ -12,8 +12,11 @@ from nodekit import (
     ParameterError,
     ParameterSet,
     StringParameter,
+    read_once,
+    rule,
 )
 from ros2_bridge.pairing import Rules
+from ros2_bridge.renaming import Renaming
 
 
 class BridgeParameters(ParameterSet):
@@ -32,6 +35,13 @@ class BridgeParameters(ParameterSet):
         element=StringParameter("", help="a pattern"),
         help="patterns of topics and services that are not",
     )
+    remap = read_once(
+        ListParameter(
+            (),
+            element=StringParameter("", help="a rule"),
+            help="rules NAME=NAME for what has another name in ROS 2, and all below it",
+        )
+    )
     parameters = BoolParameter(True, help="whether parameters are bridged")
     depth = IntParameter(
         1000, minimum=1, maximum=100_000, help="how many messages of a topic ROS 2 keeps in a burst"
@@ -43,10 +53,22 @@ class BridgeParameters(ParameterSet):
         5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for the answer of a service"
     )
 
-    def openings(self) -> Rules:
-        """Return what may be bridged."""
+    @rule("remap")
+    def remap_makes_sense(self) -> None:
+        """Refuse what are no rules, or more than one for a name."""
+        self.names()
+
+    def names(self) -> Renaming:
+        """Return what has another name in ROS 2."""
+        return Renaming(self.remap)
+
+    def openings(self, names: Renaming) -> Rules:
+        """Return what may be bridged.
+
+        :param names: what has another name in ROS 2
+        """
         to_ros2, to_ros1 = self.direction != "to_ros1", self.direction != "to_ros2"
-        return Rules(to_ros2, to_ros1, self.allow, self.deny)
+        return Rules(to_ros2, to_ros1, self.allow, self.deny, names)
 
 
 class Quality(NamedTuple):

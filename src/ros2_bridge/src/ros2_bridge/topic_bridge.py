@@ -44,7 +44,7 @@ class TopicBridge:
                 self.pairs.pop(way).close()
                 pair = None
             if pair is None:
-                self._begin(way, ros1.types.get(way.name), found)
+                self._begin(way, rules, ros1.types.get(way.name), found)
         for way, pair in self.pairs.items():
             if isinstance(pair, ToRos2):
                 found = ros2.get(way.name)
@@ -52,7 +52,7 @@ class TopicBridge:
             else:
                 pair.look()
 
-    def _begin(self, way: Way, type1: Optional[str], found: Optional[Topic]) -> None:
+    def _begin(self, way: Way, rules: Rules, type1: Optional[str], found: Optional[Topic]) -> None:
         try:
             kind = self._kind(way, type1, found)
         except Unbridgeable as reason:
@@ -60,10 +60,11 @@ class TopicBridge:
             return
         if kind is None:
             return
+        names = (way.name, rules.names.in_ros2(way.name) or way.name)
         if way.to_ros2:
-            self.pairs[way] = ToRos2(self._node, self._side, way.name, kind, self._qualities)
+            self.pairs[way] = ToRos2(self._node, self._side, *names, kind, self._qualities)
         elif found is not None:
-            self.pairs[way] = ToRos1(self._node, self._side, way.name, kind, self._qualities, found)
+            self.pairs[way] = ToRos1(self._node, self._side, *names, kind, self._qualities, found)
 
     def _kind(
         self, way: Way, type1: Optional[str], found: Optional[Topic]

@@ -29,20 +29,26 @@ class ToRos2:
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
-    :param topic: name on both sides
+    :param topic, other: name in ROS 1 and in ROS 2
     """
 
     def __init__(
-        self, node: Node, side: Ros2, topic: str, kind: MessageType, qualities: Qualities
+        self,
+        node: Node,
+        side: Ros2,
+        topic: str,
+        other: str,
+        kind: MessageType,
+        qualities: Qualities,
     ) -> None:
         self._node, self._side, self.topic, self.kind = node, side, topic, kind
-        self._qualities = qualities
+        self._other, self._qualities = other, qualities
         self.count = Count()
         self._lock = threading.Lock()
         self._latched = False
         self._latches: Dict[str, bytes] = {}
         self._hearing: Any = None
-        self._publisher = side.publisher(kind.cls, topic, qualities.of(topic))
+        self._publisher = side.publisher(kind.cls, other, qualities.of(topic))
 
     def look(self, listeners: bool) -> None:
         """Hear the topic, or no longer.
@@ -87,7 +93,7 @@ class ToRos2:
                 return
             old = self._publisher
             qos = self._qualities.of(self.topic, latched=True, at_least=len(self._latches))
-            self._publisher = self._side.publisher(self.kind.cls, self.topic, qos)
+            self._publisher = self._side.publisher(self.kind.cls, self._other, qos)
             for last in self._latches.values():
                 self._publisher.publish(last)
             self._side.destroy_publisher(old)
@@ -107,7 +113,7 @@ class ToRos1:
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
-    :param topic: name on both sides
+    :param topic, other: name in ROS 1 and in ROS 2
     :param found: how others publish it
     """
 
@@ -116,11 +122,12 @@ class ToRos1:
         node: Node,
         side: Ros2,
         topic: str,
+        other: str,
         kind: MessageType,
         qualities: Qualities,
         found: Topic,
     ) -> None:
-        self._side, self.topic, self.kind = side, topic, kind
+        self._side, self.topic, self._other, self.kind = side, topic, other, kind
         self._qualities, self.found = qualities, found
         self.count = Count()
         self._seq = 0
@@ -136,7 +143,7 @@ class ToRos1:
         if listeners and self._end is None:
             qos = self._qualities.of(self.topic, self.found.latched, self.found.best_effort)
             self._last.clear()
-            self._end = self._side.subscribe(self.kind.cls, self.topic, qos, self._forward)
+            self._end = self._side.subscribe(self.kind.cls, self._other, qos, self._forward)
         elif not listeners and self._end is not None:
             self._end()
             self._end = None

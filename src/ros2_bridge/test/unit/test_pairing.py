@@ -1,6 +1,7 @@
 """What is bridged, which way, and until when."""
 
 from ros2_bridge.pairing import Patience, Rules, Way, wanted
+from ros2_bridge.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
 
@@ -32,6 +33,14 @@ def test_what_each_ros_has_for_itself_is_left_alone() -> None:
     for name in ("/rosout", "/parameter_events", "/n/get_loggers", "/a/_action/status"):
         assert not ALL.allows(name)
     assert ALL.allows("/tf_static") and ALL.allows("/clock")
+
+
+def test_patterns_are_of_names_in_ros1() -> None:
+    rules = Rules(True, True, ["/robot1/*"], ["/robot1/secret"], Renaming(["/robot1=/"]))
+    assert rules.allows("/robot1/scan")
+    assert not rules.allows("/scan") and not rules.allows("/robot1/secret")
+    assert not rules.allows("/robot1/rosout")  # ROS 2 has that for itself
+    assert not rules._replace(allow=["*"]).allows("/scan")  # /robot1/scan is called so there
 
 
 def test_gone_is_what_is_missing_look_after_look() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from nodekit import ParameterError
+from ros2_bridge.renaming import Renaming
 from ros2_bridge.settings import BridgeParameters, Qualities, Quality
 from ros2_bridge.start import find, variables
 
@@ -40,10 +41,16 @@ def test_nonsense_is_refused(chosen: Any, words: str) -> None:
 
 
 def test_direction() -> None:
-    rules = BridgeParameters(direction="to_ros2").openings()
+    rules = BridgeParameters(direction="to_ros2").openings(Renaming())
     assert (rules.to_ros2, rules.to_ros1) == (True, False)
-    rules = BridgeParameters(direction="to_ros1").openings()
+    rules = BridgeParameters(direction="to_ros1").openings(Renaming())
     assert (rules.to_ros2, rules.to_ros1) == (False, True)
+
+
+def test_rules_for_names_are_judged() -> None:
+    assert BridgeParameters(remap=["/robot1=/"]).names().in_ros2("/robot1/scan") == "/scan"
+    with pytest.raises(ParameterError, match="each rule must be NAME=NAME"):
+        BridgeParameters(remap=["/robot1:/"])
 
 
 def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:

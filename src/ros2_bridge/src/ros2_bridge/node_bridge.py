@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message
 from nodekit import Node
 from nodekit.live.master import MasterClient
 from ros2_bridge.pairing import Patience
-from ros2_bridge.parameter_sources import Described, Plain
+from ros2_bridge.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters_to_ros2 import ParametersToRos2
 from ros2_bridge.renaming import Renaming
@@ -117,7 +117,8 @@ class NodeBridge:
         twin = None
         if style != "none":
             tell = self._tell.publish
-            twin = ParametersToRos2(self._node, self._side, home, name, other, source, tell)
+            whole = WithSimTime(source, self._client)
+            twin = ParametersToRos2(self._node, self._side, home, name, other, whole, tell)
         self.twins[name] = NodeTwin(home, style, twin, made)
 
     def _end_twin(self, name: str) -> None:

@@ -1,6 +1,6 @@
 """Where the parameters of a node of ROS 1 are, and who judges a change of them."""
 
-from typing import Any, Dict, Mapping, NamedTuple, Optional
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Union
 
 import yaml
 
@@ -8,7 +8,15 @@ from nodekit import CallError, Lifetime, MasterUnreachable
 from nodekit.execution.groups import Outside
 from nodekit.live.master import MasterClient
 from nodekit.parameters.no_value import MISSING, UNREADABLE
-from ros2_bridge.parameter_values import HIGHEST, LOWEST, declared_kind, flat, kind_of, ros1_key
+from ros2_bridge.parameter_values import (
+    BOOL,
+    HIGHEST,
+    LOWEST,
+    declared_kind,
+    flat,
+    kind_of,
+    ros1_key,
+)
 from ros2_bridge.ros1 import SetParameters, Trigger
 
 #: How long a node may take to describe its parameters, or to judge a change, s.
@@ -112,6 +120,42 @@ class Plain:
         except MasterUnreachable as error:
             return f"the master does not answer ({error})"
         return ""
+
+
+class WithSimTime:
+    """The parameters of a node, and whether it goes by simulated time, which each has in ROS 2.
+
+    In ROS 1 that is one parameter for all nodes, so it is not set here.
+
+    :param source: of the node's own
+    :param client: asks the master
+    """
+
+    NAME, ROS1_NAME = "use_sim_time", "/use_sim_time"
+
+    def __init__(self, source: Union[Described, Plain], client: MasterClient) -> None:
+        self._source, self._client = source, client
+
+    def read(self) -> Dict[str, Parameter]:
+        """Return the parameters in force.
+
+        :raises Unreadable: if the node or the master does not tell
+        """
+        own = self._source.read()
+        try:
+            value = self._client.read([self.ROS1_NAME]).values[self.ROS1_NAME]
+        except MasterUnreachable as error:
+            raise Unreadable(str(error)) from None
+        return {**own, self.NAME: Parameter(value is True, BOOL, None)}
+
+    def change(self, values: Mapping[str, Any]) -> str:
+        """Change all of some parameters, or none.
+
+        :returns: why not; empty where they are in force
+        """
+        if self.NAME in values:
+            return f"{self.NAME} is one for all nodes of ROS 1: rosparam set {self.ROS1_NAME}"
+        return self._source.change(values)
 
 
 def unfit(name: str, value: Any) -> str:

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from typing import Any, Callable, Dict, List, Union
+from typing import Any, Callable, Dict, List
 
 import rospy
 from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, ParameterValue
@@ -20,7 +20,7 @@ from rclpy.node import Node as Ros2Node
 from nodekit import Node
 from nodekit.execution.groups import Outside
 from ros2_bridge import parameter_messages as messages
-from ros2_bridge.parameter_sources import Described, Parameter, Plain, Unreadable, unfit
+from ros2_bridge.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
 from ros2_bridge.parameter_values import changes, differs, flat, listed
 from ros2_bridge.ros2_side import Ros2
 
@@ -46,7 +46,7 @@ class ParametersToRos2:
         home: Ros2Node,
         name: str,
         other: str,
-        source: Union[Described, Plain],
+        source: WithSimTime,
         tell: Callable[[Any], None],
     ) -> None:
         self._name, self._other, self._source, self._tell = name, other, source, tell

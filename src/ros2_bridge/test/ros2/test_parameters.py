@@ -116,7 +116,7 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     out = rospy.Publisher("/of_the_tests", ros.types.message("std_msgs/String").raw, queue_size=1)
     rospy.set_param("/tests", {"gain": 2, "pid": {"p": 0.5}, "name": "x"})
     names = ros.call2(ListParameters, "/tests/list_parameters").result.names
-    assert set(names) == {"gain", "pid.p", "name"}
+    assert set(names) == {"gain", "pid.p", "name", "use_sim_time"}
     assert get(ros, "pid.p", "gain", node="/tests") == [0.5, 2]
     assert set_one(ros, "pid.p", 0.75, node="/tests").successful
     assert rospy.get_param("/tests/pid/p") == 0.75

@@ -41,7 +41,15 @@ SIBLINGS: Dict[str, Set[str]] = {
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
-        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live"),
+        *(
+            "definitions",
+            "parameters",
+            "transport",
+            "timing",
+            "rospy_internals",
+            "messaging",
+            "live",
+        ),
         *("execution", "life", "node", "executors", "lifecycle", "process", "entry_point"),
         *("commands", "testing"),
     ],
@@ -71,9 +79,9 @@ ROOMS: Dict[str, List[str]] = {
         *("go_to_server", "nodes"),
     ],
     "ros2_bridge": [
-        *("definitions", "twins", "comparing", "steps", "codec", "parameter_values", "renaming"),
-        *("pairing", "settings", "side_by_side", "start", "environment", "twin_builder", "ros1"),
-        *("types", "print_pairs", "telling"),
+        *("twins", "comparing", "steps", "codec", "parameter_values", "renaming", "pairing"),
+        *("settings", "side_by_side", "start", "environment", "twin_builder", "ros1", "types"),
+        *("print_pairs", "telling"),
         *("wait_loop", "ros2_side", "ros2_graph", "ros2_client", "ros1_graph", "names_in_ros1"),
         *("rosout", "topics", "topic_bridge", "service_types", "services", "service_bridge"),
         *("parameter_messages", "parameter_sources", "parameters_to_ros2", "parameters_to_ros1"),
@@ -82,8 +90,8 @@ ROOMS: Dict[str, List[str]] = {
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
-    *("nodekit.parameters", "nodekit.transport", "nodekit.timing.timetable"),
-    *("nodekit.execution", "nodekit.messaging.finite"),
+    *("nodekit.definitions", "nodekit.parameters", "nodekit.transport"),
+    *("nodekit.timing.timetable", "nodekit.execution", "nodekit.messaging.finite"),
     *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
@@ -103,9 +111,8 @@ PURE = (
     *("bot_controller_demo.laws", "bot_controller_demo.pursuit"),
     *("bot_controller_demo.freshness", "bot_controller_demo.straight_line"),
     *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
-    *("ros2_bridge.definitions", "ros2_bridge.twins", "ros2_bridge.comparing"),
-    *("ros2_bridge.steps", "ros2_bridge.codec", "ros2_bridge.parameter_values"),
-    *("ros2_bridge.renaming", "ros2_bridge.pairing"),
+    *("ros2_bridge.twins", "ros2_bridge.comparing", "ros2_bridge.steps", "ros2_bridge.codec"),
+    *("ros2_bridge.parameter_values", "ros2_bridge.renaming", "ros2_bridge.pairing"),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 

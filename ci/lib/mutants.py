@@ -56,7 +56,6 @@ TESTS: Dict[str, Sequence[str]] = {
     "bot_controller_demo/straight_line": ("closed_loop",),
     "bot_controller_demo/velocities": ("pursuit",),
     "bot_controller_demo/wandering": ("pursuit",),
-    "ros2_bridge/definitions": ("codec", "twins"),
     "ros2_bridge/steps": ("codec",),
     "basic_comms/multisine": ("waveforms", "signal_source"),
     "basic_comms/phase_estimate": ("phase_estimate", "phase_tracking"),

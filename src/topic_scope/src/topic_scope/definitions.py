@@ -1,16 +1,12 @@
 """The layout of a message in memory, read from its definition.
 
 A definition is the text that a publisher sends to each subscriber and that a bag holds: it suffices
-to read messages whose package is not installed. It is interpreted, and no code is made of it, since
-it comes from somebody else. Its notation: http://wiki.ros.org/msg.
+to read messages whose package is not installed.
 """
 
-import re
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
-
-class DefinitionError(ValueError):
-    """A definition that makes no sense."""
+from nodekit.definitions import DefinitionError, Field, fields_of, parts_of
 
 
 class Scalar(NamedTuple):
@@ -98,8 +94,6 @@ SCALARS: Mapping[str, Scalar] = {
     )
 }
 
-_SEPARATOR = "=" * 80
-_FIELD = re.compile(r"([A-Za-z][A-Za-z0-9_/]*)(\[(\d*)\])?\s+([A-Za-z][A-Za-z0-9_]*)\Z")
 #: Deepest nesting of messages, and most fields at all depths; real ones stay far below.
 _DEPTH, _FIELDS = 50, 20000
 
@@ -120,14 +114,7 @@ def parse(datatype: str, text: str) -> Record:
     :param text: its definition, followed by those of the types that it uses
     :raises DefinitionError: if it makes no sense
     """
-    first, *others = re.split(rf"^{_SEPARATOR}\s*$", text, flags=re.MULTILINE)
-    texts = {datatype: first}
-    for other in others:
-        head, _, body = other.strip().partition("\n")
-        if not head.startswith("MSG:"):
-            raise DefinitionError(f"no name is given to a part of the definition of {datatype}")
-        texts[head[len("MSG:") :].strip()] = body
-    return _Parser(texts).record(datatype, 0)
+    return _Parser(parts_of(datatype, text)).record(datatype, 0)
 
 
 class _Parser:
@@ -142,11 +129,8 @@ class _Parser:
         if depth > _DEPTH:
             raise DefinitionError(f"the type {datatype} is nested too deeply")
         if datatype not in self._known:
-            fields = tuple(
-                self._field(match, datatype, depth)
-                for match in map(_field_of, self._texts[datatype].splitlines())
-                if match
-            )
+            declared = fields_of(datatype, self._texts[datatype])
+            fields = tuple((field.name, self._layout(field, depth)) for field in declared)
             sizes = [layout.size for _, layout in fields]
             size = None if None in sizes else sum(sizes)  # type: ignore[arg-type]
             numeric = any(layout.numeric for _, layout in fields)
@@ -158,24 +142,17 @@ class _Parser:
             self._known[datatype] = Record(datatype, fields, size, numeric)
         return self._known[datatype]
 
-    def _field(self, match: "re.Match[str]", parent: str, depth: int) -> Tuple[str, Layout]:
-        datatype, brackets, count, name = match.groups()
+    def _layout(self, field: Field, depth: int) -> Layout:
         layout: Layout
-        if datatype in SCALARS:
-            layout = SCALARS[datatype]
-        elif datatype == "string":
+        if field.base in SCALARS:
+            layout = SCALARS[field.base]
+        elif field.base == "string":
             layout = Text()
         else:
-            layout = self.record(self._full_name(datatype, parent), depth + 1)
-        if brackets:
-            number = int(count) if count else None
-            layout = Array(layout, number, _size_of_array(layout, number))
-        return name, layout
-
-    def _full_name(self, datatype: str, parent: str) -> str:
-        if datatype in ("Header", "roslib/Header"):
-            return "std_msgs/Header"
-        return datatype if "/" in datatype else f"{parent.partition('/')[0]}/{datatype}"
+            layout = self.record(field.base, depth + 1)
+        if field.is_array:
+            layout = Array(layout, field.length, _size_of_array(layout, field.length))
+        return layout
 
 
 def _size_of_array(element: Layout, count: Optional[int]) -> Optional[int]:
@@ -186,14 +163,3 @@ def _size_of_array(element: Layout, count: Optional[int]) -> Optional[int]:
 
 def _innermost(layout: Layout) -> str:
     return layout.element.datatype if isinstance(layout, Array) else layout.datatype
-
-
-def _field_of(line: str) -> "Optional[re.Match[str]]":
-    """Take a line of a definition apart; None where it declares no field."""
-    code = line.partition("#")[0].strip()
-    if not code or "=" in code:  # nothing, or a constant
-        return None
-    match = _FIELD.match(code)
-    if not match:
-        raise DefinitionError(f"{line!r} is no field of a message")
-    return match

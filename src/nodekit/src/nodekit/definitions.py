@@ -1,4 +1,7 @@
-"""What a ROS 1 definition says, line by line; its notation: http://wiki.ros.org/msg."""
+"""What the definition of a message says, line by line; its notation: http://wiki.ros.org/msg.
+
+It is read, and no code is made of it: it may come from somebody else. Pure: it knows no ROS.
+"""
 
 import re
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -86,6 +89,17 @@ def parse(datatype: str, text: str) -> Fields:
     :param text: as ``rosmsg show --raw`` has it, or a connection's header
     :raises DefinitionError: if it makes no sense
     """
+    found = {name: fields_of(name, body) for name, body in parts_of(datatype, text).items()}
+    _refuse_unknown(datatype, found, [])
+    return found
+
+
+def parts_of(datatype: str, text: str) -> Dict[str, str]:
+    """Take a definition apart, which those of the types that it uses follow.
+
+    :returns: the text of each type, by its name
+    :raises DefinitionError: if a part has no name
+    """
     first, *others = _SEPARATOR.split(text)
     texts = {datatype: first}
     for other in others:
@@ -93,9 +107,7 @@ def parse(datatype: str, text: str) -> Fields:
         if not head.startswith("MSG:"):
             raise DefinitionError(f"no name is given to a part of the definition of {datatype}")
         texts[head[len("MSG:") :].strip()] = body
-    found = {name: fields_of(name, body) for name, body in texts.items()}
-    _refuse_unknown(datatype, found, [])
-    return found
+    return texts
 
 
 def fields_of(datatype: str, text: str) -> Tuple[Field, ...]:

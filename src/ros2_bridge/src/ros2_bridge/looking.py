@@ -16,6 +16,7 @@ from nodekit.rospy_internals.shutdown import before_shutdown
 from ros2_bridge import ros1_graph, rosout
 from ros2_bridge.names_in_ros1 import NamesInRos1
 from ros2_bridge.node_bridge import NodeBridge
+from ros2_bridge.pairing import is_never_bridged
 from ros2_bridge.ros2_graph import Ros2Graph
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.rosout import Rosout
@@ -91,7 +92,7 @@ class Looking:
 
     def _tell_of_nameless(self, in_ros1: Set[str]) -> None:
         for name in in_ros1:
-            if self._renaming.in_ros2(name) is None:
+            if self._renaming.in_ros2(name) is None and not is_never_bridged(name):
                 self._telling.say(f"{name} of ROS 1, as its name in ROS 2 is another's")
         for name in self._graph.nameless:
             self._telling.say(f"{name} of ROS 2, as its name in ROS 1 is another's")

@@ -44,6 +44,8 @@ class Renaming:
 
 
 def _there_and_back(name: str, there: Mapping[str, str], back: Mapping[str, str]) -> Optional[str]:
+    if not there:
+        return name
     other = _renamed(name, there)
     return other if other and _renamed(other, back) == name else None
 

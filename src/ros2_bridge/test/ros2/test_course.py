@@ -16,7 +16,10 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 LAUNCHED = (
     ("basic_comms", "cw1.launch"),
-    ("ros2_bridge", "bridge.launch", "deny:=['/proc_signal']", "direction:=to_ros2"),
+    (
+        *("ros2_bridge", "bridge.launch", "deny:=['/proc_signal']", "direction:=to_ros2"),
+        "remap:=['/lab=/elsewhere']",
+    ),
 )
 
 
@@ -59,6 +62,7 @@ def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> 
     again.wait(20)  # there were several looks at both graphs by now
     assert not ros.node.count_publishers("/proc_signal")  # denied
     assert not out.get_subscription_count()  # a way that is shut
+    assert rospy.get_param("/ros2_bridge/remap") == ["/lab=/elsewhere"]
     ear.end()
     again.end()
     ros.node.destroy_publisher(out)

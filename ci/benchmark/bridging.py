@@ -12,6 +12,7 @@ from typing import Any, Dict, Iterator, List, Tuple
 from analysis import percentile
 from context import Bench, Figures
 from observers import wait_until
+from peers import RCLPY as PYTHON_OF_ROS2
 from peers import SCRIPTS, WORKSPACE, rclpy_environment
 from processes import Session, cpu_share, resident_memory
 from stacks import RCLPY
@@ -50,7 +51,7 @@ def load(bench: Bench, subject: str) -> Figures:
 def rest(bench: Bench, subject: str) -> Figures:
     """Measure the time from the bridge's start to its first message, then how it rests."""
     file = bench.session.directory / f"hop-{next(_numbers)}"
-    with _ends(bench, subject, file, 50.0, LIMIT / 4.0, 1):
+    with ends(bench.session, subject, file, 50.0, LIMIT / 4.0, 1):
         time.sleep(2.0)
         began = time.monotonic()
         with bridge(bench.session):
@@ -73,23 +74,23 @@ def bridge(session: Session) -> Iterator[int]:
 
 
 @contextlib.contextmanager
-def _ends(
-    bench: Bench, subject: str, file: pathlib.Path, rate: float, seconds: float, topics: int
+def ends(
+    session: Session, subject: str, file: pathlib.Path, rate: float, seconds: float, topics: int
 ) -> Iterator[None]:
-    """Run whoever hears and whoever sends."""
+    """Run whoever hears and whoever sends: see hop.py."""
     sender, hearer = ENDS[subject]
     running: List["subprocess.Popen[bytes]"] = []
     numbers = [f"{rate:g}", f"{seconds:g}", str(topics)]
     try:
         for what, ros in (("hear", hearer), ("send", sender)):
-            python = str(bench.peers.rclpy) if ros == "2" else sys.executable
+            python = str(PYTHON_OF_ROS2) if ros == "2" else sys.executable
             script = str(SCRIPTS / "bridge" / "hop.py")
-            environment = rclpy_environment() if ros == "2" else bench.session.environment
+            environment = rclpy_environment() if ros == "2" else session.environment
             command = [python, script, what, ros, *numbers, str(file)]
-            running.append(bench.session.start(command, environment))
+            running.append(session.start(command, environment))
         yield
     finally:
-        bench.session.stop(*reversed(running))
+        session.stop(*reversed(running))
 
 
 def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -> Figures:
@@ -99,7 +100,7 @@ def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -
         pids: List[int] = []
         if subject in (TO_ROS2, TO_ROS1):
             pids.append(stack.enter_context(bridge(bench.session)))
-        stack.enter_context(_ends(bench, subject, file, rate, seconds, topics))
+        stack.enter_context(ends(bench.session, subject, file, rate, seconds, topics))
         wait_until(file.with_suffix(".first").exists, LIMIT, "the first message")
         if pids:
             time.sleep(0.5)

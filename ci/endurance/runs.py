@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple
 
+import run_bridge
 import run_crowd
 import run_interrupt
 import run_managed
@@ -28,5 +29,6 @@ RUNS = [
     Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
     Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
     Run("scope", "ten traces of 1 kHz on the page of the oscilloscope", run_scope.run),
+    Run("bridge", "1 kHz through the bridge, then kill -9 of it and of each side", run_bridge.run),
     Run("crowd", "20 subscribers that come and go", run_crowd.run),
 ]

@@ -32,8 +32,9 @@ refuses() { # WORDS ROOT USER online|offline COMMAND…
     local words=$1 status=0 began=$SECONDS
     shift
     (within "$@") >"$log" 2>&1 || status=$?
-    [ "$status" = 125 ] && grep -q "^ci/.*$words" "$log" && [ $((SECONDS - began)) -lt "$limit_of_refusal" ] &&
-        say "refused as it should be: $(grep "^ci/.*$words" "$log" | cut -c 1-150)" && return
+    words="^(ci/|make_environment:).*$words"
+    [ "$status" = 125 ] && grep -qE "$words" "$log" && [ $((SECONDS - began)) -lt "$limit_of_refusal" ] &&
+        say "refused as it should be: $(grep -E "$words" "$log" | cut -c 1-150)" && return
     say "status $status after $((SECONDS - began)) s, expected was 125 with '$words' of: ${*:2}"
     end_of_log
     return 1

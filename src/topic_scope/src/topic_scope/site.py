@@ -73,8 +73,8 @@ class Site:
 
     def _say_waiting(self) -> None:
         """Say where the page is, if that will not be said soon."""
-        client = MasterClient(rosgraph.get_master_uri(), "/scope", "", timeout=1.0)
         try:
+            client = MasterClient(rosgraph.get_master_uri(), "/scope", "", timeout=1.0)
             with contextlib.closing(client):
                 client.read([])
         except MasterUnreachable:

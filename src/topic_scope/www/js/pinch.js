@@ -1,4 +1,4 @@
-/** Two fingers on the plot zoom it: in time, or vertically where they are one above the other. */
+/** Two fingers on a plot zoom it: in time, or vertically where they are one above the other. */
 
 import { axisParts, verticals } from "./traces.js";
 import { startTwoFingers } from "./two_fingers.js";
@@ -10,15 +10,17 @@ import { startTwoFingers } from "./two_fingers.js";
  */
 export function startPinch(stage, plots, view) {
   startTwoFingers(stage, ({ factor, x, y, across, upright }) => {
-    const middle = { clientX: x, clientY: y };
-    const plot = plots.under(middle);
-    const place = plot.at(middle);
+    const point = { clientX: x, clientY: y };
+    const plot = plots.under(point);
+    const place = plot.at(point);
+    const { values } = view.state;
     if (!upright) {
       view.zoomX(1 / factor, place.across);
-      if (view.state.values.end !== null) view.panX(-across / plot.area.w);
+      if (values.end !== null) view.panX(-across / plots.area.w);
       return;
     }
-    const axes = verticals(view.state.values).filter((axis) => axisParts(axis)[1] === plot.number);
-    for (const axis of axes) view.zoomY(axis, 1 / factor, place.up);
+    for (const axis of verticals(values)) {
+      if (axisParts(axis)[1] === plot.number) view.zoomY(axis, 1 / factor, place.up);
+    }
   });
 }

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from typing import Any, List
+from typing import Any, List, Tuple
 from urllib.parse import parse_qs, quote
 from urllib.request import urlopen
 
@@ -394,11 +394,23 @@ class Plots(PageTest):
             lambda: self.browser.text("#trigger-state") == "triggered",
             lambda: self.browser.text("#trigger-state"),
         )
-        self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
-        with urlopen(str(self.browser.find("#csv").get_property("href"))) as answer:
+        with urlopen(self.csv()) as answer:
             rows = [line.split(",") for line in answer.read().decode().split()]
         column = rows[0].index(field)
         self.assertEqual({row[column] for row in rows[1:]} - {""}, {"0.0", "1.0", "2.0"})
+
+    def csv(self) -> str:
+        """Return the address of the CSV file of what is visible."""
+        link = self.browser.find("#csv")
+        self.browser.run("arguments[0].dispatchEvent(new Event('focus'))", link)
+        return str(link.get_property("href"))
+
+    def is_full(self) -> bool:
+        """Tell whether there are samples from the begin of what is visible on."""
+        address = self.csv()
+        with urlopen(address) as answer:
+            rows = answer.read().decode().split()
+        return len(rows) > 1 and float(rows[1].split(",")[0]) < _span(address)[0] + 0.02
 
     def test_a_sine_is_where_it_is_while_the_machine_is_busy(self) -> None:
         """Each point of its line is less than a pixel from the true curve."""
@@ -436,15 +448,13 @@ class Plots(PageTest):
             self.addCleanup(hog.kill)
         began = time.monotonic()
         wait_until(
-            lambda: self.cell(SINE, "frequency") > 1.9 and time.monotonic() > began + 2.0,
+            lambda: self.is_full() and time.monotonic() > began + 2.0,
             lambda: self.browser.text("#legend"),
         )
         self.browser.find("#run").click()
         for hog in hogs:
             hog.kill()
-        self.browser.run("arguments[0].blur(); arguments[0].focus()", self.browser.find("#csv"))
-        query = parse_qs(str(self.browser.find("#csv").get_property("href")).partition("?")[2])
-        start, end = (float(query[name][0]) for name in ("start", "end"))
+        start, end = _span(self.csv())
         # What was under way has come by then, however late.
         wait_until(lambda: time.time() > end + 1.0, lambda: f"{end} is not over")
         plot, canvas = (self.browser.run(_BOX, name) for name in ("#overlay", "#plot canvas"))
@@ -480,6 +490,12 @@ class Plots(PageTest):
         found = self.browser.text(".hover")
         self.assertRegex(found, r"\d\d:\d\d:\d\d\.\d\d")
         self.assertRegex(found, SIGNAL + r"\s+−?[0-2]\.\d{4}\s+" + PROCESSED)
+
+
+def _span(address: str) -> Tuple[float, float]:
+    """Return the begin and the end that the address of a CSV file names, s."""
+    query = parse_qs(address.partition("?")[2])
+    return float(query["start"][0]), float(query["end"][0])
 
 
 if __name__ == "__main__":

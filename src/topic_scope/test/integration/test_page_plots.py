@@ -256,7 +256,7 @@ class Plots(PageTest):
         self.browser.choose("#trigger-field", PROCESSED)
         level = self.browser.wait_for(".handle.level")
         lower = self.browser.find(".pane:last-child").rect
-        self.assertGreater(level.rect["y"], lower["y"])
+        wait_until(lambda: level.rect["y"] > lower["y"], lambda: level.rect)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
         wait_until(
             lambda: float(self.browser.value("#trigger-level")) > 2.0,
@@ -384,6 +384,18 @@ class Plots(PageTest):
             and "−10" in self.browser.text(".dygraph-axis-label-y"),
             lambda: self.browser.text("#legend"),
         )
+        # In words and in pictures, too.
+        words = f"{field} {label}"
+        wait_until(
+            lambda: f"{words}: from −14.500 to 5.5000" in self.browser.text("#plot-text"),
+            lambda: self.browser.text("#plot-text"),
+        )
+        written = self.browser.run(
+            "const kind = CanvasRenderingContext2D.prototype; const { fillText } = kind;"
+            "const written = []; kind.fillText = (text) => written.push(text);"
+            "document.getElementById('png').click(); kind.fillText = fillText; return written;"
+        )
+        self.assertIn(words, written)
         # The level is on the axis, and so is scaled too; a file has what came.
         self.browser.choose("#trigger-mode", "normal")
         self.browser.choose("#trigger-field", field)

@@ -2,6 +2,7 @@
 
 import { byId, say } from "./dom.js";
 import { figure } from "./numbers.js";
+import { labelOf } from "./traces.js";
 
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "plot of traces over one another" };
 
@@ -12,7 +13,8 @@ const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "plot of trace
  * @param {Object<string, Object>} traces what is measured of them
  * @returns {string}
  */
-export function inWords({ window, end }, fields, traces) {
+export function inWords(values, fields, traces) {
+  const { window, end } = values;
   const of = (field) => {
     const told = traces[field];
     if (!told) return "nothing yet";
@@ -24,7 +26,7 @@ export function inWords({ window, end }, fields, traces) {
   };
   const until = end === null ? "until now" : `until ${new Date(end * 1000).toISOString().slice(11, 19)} UTC, paused`;
   const head = fields.length ? `${figure(window, 3)} s ${until}.` : "No traces.";
-  return [head, ...fields.map((field) => `${field}: ${of(field)}.`)].join(" ");
+  return [head, ...fields.map((field) => `${labelOf(values, field)}: ${of(field)}.`)].join(" ");
 }
 
 /**

@@ -106,14 +106,14 @@ function tableOf(fields) {
 }
 
 /** What is written below the plot: a legend with figures, the readout of the cursors, the date. */
-function below(context, fields, width, notes) {
+function below(context, fields, width, notes, labelOf) {
   const { heads, rows } = tableOf(fields);
   const right = width - EDGE;
   const shown = Math.max(0, Math.min(heads.length, Math.floor((right - 190) / COLUMN)));
   const room = right - shown * COLUMN - EDGE - SWATCH - 8;
   const lines = rows.map(({ field, figures }) => ({
     field,
-    names: wrapped(field, room, (text) => context.measureText(text).width),
+    names: wrapped(labelOf(field), room, (text) => context.measureText(text).width),
     figures: figures.slice(0, shown),
   }));
   const count = lines.reduce((sum, { names }) => sum + names.length, 1 + notes.length);
@@ -162,7 +162,8 @@ function drawBelow(context, { heads, lines }, top, width, notes, { colourOf, das
  * Make a picture of the plot with its axes, cursors, legend, measurements and date.
  * @param {{element: HTMLElement, canvases: HTMLCanvasElement[]}} drawn a plot, or several
  * @param {string[]} fields that are shown
- * @param {{colourOf: function(string): string, dashOf: function(string): number[]}} looks of fields
+ * @param {{colourOf: function(string): string, dashOf: function(string): number[],
+ *   labelOf: function(string): string}} looks of fields
  * @param {number} until the right edge of what is shown, since the epoch, s
  * @returns {HTMLCanvasElement}
  */
@@ -178,7 +179,7 @@ export function picture(drawn, fields, looks, until) {
   const canvas = make("canvas", {});
   const context = canvas.getContext("2d");
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
-  const table = below(context, fields, box.width, notes);
+  const table = below(context, fields, box.width, notes, looks.labelOf);
   const height = box.height + table.height;
   sharply(drawn, ratio, () => {
     Object.assign(canvas, { width: Math.round(box.width * ratio), height: Math.round(height * ratio) });

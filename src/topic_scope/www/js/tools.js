@@ -5,6 +5,7 @@ import { byId, make, press } from "./dom.js";
 import { csvAddress, save } from "./export.js";
 import { typed } from "./numbers.js";
 import { picture } from "./picture.js";
+import { labelOf } from "./traces.js";
 
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 
@@ -36,7 +37,11 @@ export function startTools(state, view, plot, sweep, open, chart) {
     png: () => {
       const drawn = state.values.chart.kind === "time" ? plot : chart;
       const until = sweep.shown.to || Date.now() / 1000;
-      const looks = { colourOf: (field) => colourOf(state, field), dashOf: (field) => dashOf(state, field) };
+      const looks = {
+        colourOf: (field) => colourOf(state, field),
+        dashOf: (field) => dashOf(state, field),
+        labelOf: (field) => labelOf(state.values, field),
+      };
       save(picture(drawn, state.shown, looks, until), "scope.png");
     },
   };

@@ -124,6 +124,9 @@ export function scaledText(values, field) {
   return times || plus ? `scaled${times}${plus}`.replace("-", "−") : "";
 }
 
+/** The name of a trace, with what it is scaled by. */
+export const labelOf = (values, field) => [field, scaledText(values, field)].filter(Boolean).join(" ");
+
 /** What is chosen for a trace that is new: the plot of the topic or part which stood for it before. */
 function inherited(traces, field) {
   const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));

@@ -254,9 +254,13 @@ class Plots(PageTest):
         # The level is in the plot of its trace, and stays there.
         self.browser.choose("#trigger-mode", "auto")
         self.browser.choose("#trigger-field", PROCESSED)
+        field = self.browser.find("#trigger-level")
+        field.send_keys(Keys.CONTROL + "a")
+        field.send_keys("1", Keys.ENTER)
         level = self.browser.wait_for(".handle.level")
         lower = self.browser.find(".pane:last-child").rect
-        wait_until(lambda: level.rect["y"] > lower["y"], lambda: level.rect)
+        middle = lower["y"] + 0.45 * lower["height"]  # of the numbers, not of the times below
+        wait_until(lambda: abs(level.rect["y"] - middle) < 40.0, lambda: (level.rect, lower))
         ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
         wait_until(
             lambda: float(self.browser.value("#trigger-level")) > 2.0,
@@ -287,6 +291,15 @@ class Plots(PageTest):
         wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
         choice = self.browser.value(f"[aria-label='plot of {SIGNAL}']")
         self.assertEqual(choice, "2")
+        # A picture that stands still is laid out at once, too. Nothing comes a second later.
+        self.browser.find("#run").click()
+        paused = time.monotonic()
+        wait_until(lambda: time.monotonic() > paused + 1.5, lambda: "time stands still")
+        self.browser.choose(f"[aria-label='plot of {SIGNAL}']", "1")
+        wait_until(lambda: self.panes() == 1, lambda: self.browser.text("#plot"))
+        heights = [self.browser.find(one).size["height"] for one in ("#overlay", ".pane")]
+        self.assertGreater(heights[0], heights[1] - 60)
+        self.browser.run("document.activeElement.blur()")
         self.browser.keys("k")  # another kind of plot has them all in one
         self.assertFalse(self.browser.find("#overlay").is_displayed())
 

@@ -73,8 +73,13 @@ export class Plot {
       yLabelWidth: 20,
     });
     this.restyle();
-    this.observer = new ResizeObserver(() => drawQuietly(() => this.graph.resize()));
+    this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.element);
+  }
+
+  /** Take the room that there is. */
+  resize() {
+    drawQuietly(() => this.graph.resize());
   }
 
   /** Go away. */

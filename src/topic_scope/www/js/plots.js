@@ -35,10 +35,12 @@ export class Plots {
   arrange() {
     const { list, state } = this;
     const count = plotCount(state.values);
+    const isOther = count !== list.length;
     while (list.length > count) list.pop().remove();
     while (list.length < count) {
       list.push(new Plot(this.element, state, list.length + 1, this.colourOf));
     }
+    if (isOther) list.forEach((plot) => plot.resize()); // the room of each is another one
     for (const plot of list) {
       plot.fields = state.shown.filter((field) => chosenOf(state.values, field).plot === plot.number);
     }

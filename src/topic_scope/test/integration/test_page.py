@@ -146,18 +146,19 @@ class Page(PageTest):
         )
 
     def test_what_a_paused_page_shows_is_kept_beyond_the_history(self) -> None:
-        scope = ScopeProcess(SIGNAL, "--history", "1", "--window", "1")
+        scope = ScopeProcess(SIGNAL, "--history", "2", "--window", "1")
         self.addCleanup(scope.stop)
         scope.wait_until_served()
         self.browser.open(scope.url)
+        self.browser.find("#reset").click()  # gives the page the focus
         wait_until(
             lambda: len(self.samples()) > 90 and self.cell(SIGNAL, "max") > 1.99,
             lambda: self.browser.text("#legend"),
         )
-        self.browser.keys(Keys.SPACE)
+        self.browser.find("#run").click()
         self.assertEqual(self.browser.text("#run"), "Run")
         before = self.samples()
-        later = f"{scope.url}/data.csv?field={SIGNAL}&start={before[-1][0] + 2.0}"
+        later = f"{scope.url}/data.csv?field={SIGNAL}&start={before[-1][0] + 2.5}"
         wait_until(lambda: len(urlopen(later).read().splitlines()) > 1, lambda: "nothing later")
         self.assertEqual(self.samples(), before)
         self.browser.choose("#window", "0.5")  # it can be zoomed and measured, too

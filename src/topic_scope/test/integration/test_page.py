@@ -158,9 +158,11 @@ class Page(PageTest):
         self.browser.find("#run").click()
         self.assertEqual(self.browser.text("#run"), "Run")
         before = self.samples()
+        # Clocks that are put beside each other anew move a trace by a sample or two.
+        kept = " ".join(row[0] for _, row in before[10:-10])
         later = f"{scope.url}/data.csv?field={SIGNAL}&start={before[-1][0] + 2.5}"
         wait_until(lambda: len(urlopen(later).read().splitlines()) > 1, lambda: "nothing later")
-        self.assertEqual(self.samples(), before)
+        self.assertIn(kept, " ".join(row[0] for _, row in self.samples()))
         self.browser.choose("#window", "0.5")  # it can be zoomed and measured, too
         wait_until(
             lambda: 40 < len(self.samples()) < 60 and self.cell(SIGNAL, "rate") > 90.0,

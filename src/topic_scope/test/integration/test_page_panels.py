@@ -229,14 +229,14 @@ class Panels(PageTest):
         self.browser.keys("a")
         group = "#chooser-list [data-topic='/robot/joint_states']"
         self.browser.wait_for("#chooser-list [data-topic='/signal']")
-        self.assertEqual(self.browser.count("#chooser-list [data-topic='/rosout_agg']"), 0)
+        self.assertEqual(self.browser.count("#chooser-list [data-topic='/rosout']"), 0)
         field = "/robot/joint_states/position[right]"
         wait_until(
             lambda: self.browser.count(f"{group} input[aria-label='{field}']"),
             lambda: self.browser.text(group),
         )
         self.browser.find("#chooser-all").click()
-        self.browser.wait_for("#chooser-list [data-topic='/rosout_agg']")
+        self.browser.wait_for("#chooser-list [data-topic='/rosout']")
         self.browser.find("#chooser-search").send_keys("robot [right] position", Keys.ENTER)
         value = f"#legend tr[data-field='{field}'] [data-cell='value']"
         wait_until(

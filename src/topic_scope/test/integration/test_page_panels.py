@@ -349,6 +349,15 @@ class Panels(PageTest):
             self.browser.wait_for(f"#{dialog}")
             self.all_have_names(dialog)
             self.browser.keys(Keys.ESCAPE)
+        for opener, dialog in (
+            ("#show-trigger", "trigger-more"),
+            ("[aria-label^='more of /']", "trace"),
+        ):
+            self.browser.find(opener).click()
+            self.browser.wait_for(f"#{dialog}")
+            self.all_have_names(dialog)
+            self.browser.keys(Keys.ESCAPE)
+        self.browser.run("document.activeElement.blur()")
         self.browser.keys("?")
         self.browser.wait_for("#help")
         self.browser.keys(Keys.ENTER)  # its button has the focus

@@ -145,11 +145,18 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
-    def test_what_a_paused_page_shows_is_kept_beyond_the_history(self) -> None:
-        scope = ScopeProcess(SIGNAL, "--history", "2", "--window", "1")
+    def test_a_setup_of_the_command_line_is_shown_and_kept_while_paused(self) -> None:
+        setup = {"fields": [SIGNAL], "right": [SIGNAL], "window": 1, "baseWindow": 1}
+        folder = TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        file = Path(folder.name, "setup.json")
+        file.write_text(json.dumps(setup))
+        scope = ScopeProcess("--history", "2", "--setup", str(file))
         self.addCleanup(scope.stop)
         scope.wait_until_served()
         self.browser.open(scope.url)
+        side = f"[aria-label='right axis for {SIGNAL}']"
+        wait_until(lambda: self.browser.text(side) == "right", lambda: self.browser.text("#legend"))
         self.browser.find("#reset").click()  # gives the page the focus
         wait_until(
             lambda: len(self.samples()) > 90 and self.cell(SIGNAL, "max") > 1.99,

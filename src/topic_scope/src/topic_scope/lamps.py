@@ -71,10 +71,14 @@ class Lamps:
             self._background.run("lamps", partial(self._adjust, list(topics.values())), _ignore)
 
     def _adjust(self, topics: List[str]) -> None:
+        # The thread of the web looks at them meanwhile, so each change makes a new dict.
         for topic in set(self._subscribers) - set(topics):
-            self._subscribers.pop(topic).unregister()
+            self._subscribers[topic].unregister()
+            left = {key: one for key, one in self._subscribers.items() if key != topic}
+            self._subscribers = left
         for topic in set(topics) - set(self._subscribers):
-            self._subscribers[topic] = rospy.Subscriber(topic, String, self._hear, topic)
+            made = rospy.Subscriber(topic, String, self._hear, topic)
+            self._subscribers = {**self._subscribers, topic: made}
 
     def _hear(self, message: String, topic: str) -> None:
         self._deliver(partial(self._on_state, topic, message.data))

@@ -48,7 +48,7 @@ def extremes(
     used = inside & numpy.isfinite(values)
     bins, values = bins[used], values[used]
     if len(bins):
-        starts = numpy.flatnonzero(numpy.diff(bins, prepend=-1))
+        starts = numpy.flatnonzero(numpy.append(True, bins[1:] != bins[:-1]))
         result[bins[starts], 0] = numpy.minimum.reduceat(values, starts)
         result[bins[starts], 1] = numpy.maximum.reduceat(values, starts)
     return result.ravel()

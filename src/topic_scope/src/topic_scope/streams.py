@@ -62,6 +62,8 @@ class Trace:
         self.ring = Ring(history)
         self.used_at = 0.0
         self._pinned = (math.inf, -math.inf)
+        self._longest_step: Optional[float] = None
+        self._new = 0
         self._function = derived.make(function)
         self._paths = [path + part for part in derived.parts(function)]
         self._decoders: List[Optional[Decoder]] = []
@@ -74,6 +76,7 @@ class Trace:
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""
         self._decoders = [_decoder(layout, path) for path in self._paths]
+        self._longest_step = None
 
     def add(self, batch: Batch, times: numpy.ndarray) -> None:
         """Take the samples of some messages.
@@ -87,6 +90,9 @@ class Trace:
             values = self._function(times, rows)
             late = len(times) - len(values)  # what is computed of two begins with the second
             self.ring.append(times[late:], values, numpy.array(batch.times)[late:])
+            self._new += len(values)
+            if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
+                self._longest_step, self._new = None, 0
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span by the scope's clock, its ends included, s."""
@@ -111,8 +117,11 @@ class Trace:
 
     @property
     def longest_step(self) -> float:
-        """How far apart samples of one line may be, s."""
-        return time_base.longest_step(self.stream.path, self.ring.latest(_USUAL))
+        """How far apart samples of one line may be, s: as the latest have told, or those before."""
+        if self._longest_step is None:
+            latest = self.ring.latest(_USUAL)
+            self._longest_step = time_base.longest_step(self.stream.path, latest)
+        return self._longest_step
 
     def age(self, now: float) -> Optional[float]:
         """Return how long ago its last sample was taken, s; None where there is none.

@@ -87,7 +87,8 @@ def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
     """
     if len(times) < _FEW:
         return float(numpy.inf)
-    several = _MISSING * float(numpy.median(numpy.diff(times)))
+    steps, middle = times[1:] - times[:-1], (len(times) - 1) // 2
+    several = _MISSING * float(numpy.partition(steps, middle)[middle])
     # What is received is received with delays, and nothing needs to be missing.
     return several if path is not None else max(several, _LONGEST_DELAY_S)
 

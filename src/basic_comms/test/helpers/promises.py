@@ -12,8 +12,8 @@ from helpers.tutorial import WORKSPACE
 Table = Dict[str, Any]
 FILE = WORKSPACE / "docs" / "compatibility.yaml"
 HEADING = """\
-# What is kept within 1.x: see docs/compatibility.md. dumped_parameters.test of basic_comms compares;
-# ci/release adds what is new.
+# What is kept within 1.x: see docs/compatibility.md. dumped_parameters.test of basic_comms
+# compares; ci/release adds what is new.
 """
 
 

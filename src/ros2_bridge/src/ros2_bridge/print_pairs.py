@@ -7,7 +7,7 @@ from typing import Iterator, Tuple
 
 import rospkg
 
-from ros2_bridge.types import Types, Unbridgeable
+from ros2_bridge.types import Types, Unbridgeable, package_folder
 
 
 def names() -> Iterator[Tuple[str, str]]:
@@ -15,9 +15,8 @@ def names() -> Iterator[Tuple[str, str]]:
     packages = rospkg.RosPack()
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     for package in sorted(os.listdir(str(index / "rosidl_interfaces"))):
-        try:
-            place = pathlib.Path(packages.get_path(package))
-        except rospkg.ResourceNotFound:
+        place = package_folder(packages, package)
+        if place is None:
             continue
         for kind in ("msg", "srv"):
             for path in sorted(place.glob(f"{kind}/*.{kind}")):

@@ -5,7 +5,7 @@ import importlib
 import pathlib
 import sys
 import threading
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import genmsg.gentools
 import genmsg.msg_loader
@@ -19,6 +19,8 @@ from nodekit.definitions import parse
 from ros2_bridge.twins import twin_type
 
 
+#: Where Debian has packages.
+SHARE = pathlib.Path("/usr/share")
 #: What is raised for a type that there simply is not.
 _UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
 
@@ -165,6 +167,17 @@ class Types:
         return fields
 
 
+def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path]:
+    """Return the folder that has the definitions of a package, None where there is none.
+
+    :param packages: what ROS 1 finds; Debian has definitions that come without a package.xml
+    """
+    with contextlib.suppress(rospkg.ResourceNotFound):
+        return pathlib.Path(packages.get_path(name))
+    place = SHARE / name
+    return place if any((place / kind).is_dir() for kind in ("msg", "srv")) else None
+
+
 class _Paths(Dict[str, List[str]]):
     """Folders of definitions by package, looked up when they are asked for."""
 
@@ -180,11 +193,8 @@ class _Paths(Dict[str, List[str]]):
 
     def get(self, package: str, default: Any = None) -> Any:
         """Return the folders of a package."""
-        try:
-            place = pathlib.Path(self._packages.get_path(package))
-        except rospkg.ResourceNotFound:
-            return default
-        return [str(place / kind) for kind in ("msg", self._kind)]
+        place = package_folder(self._packages, package)
+        return [str(place / kind) for kind in ("msg", self._kind)] if place else default
 
 
 @contextlib.contextmanager

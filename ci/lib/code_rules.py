@@ -41,15 +41,7 @@ SIBLINGS: Dict[str, Set[str]] = {
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
-        *(
-            "definitions",
-            "parameters",
-            "transport",
-            "timing",
-            "rospy_internals",
-            "messaging",
-            "live",
-        ),
+        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live"),
         *("execution", "life", "node", "executors", "lifecycle", "process", "entry_point"),
         *("commands", "testing"),
     ],
@@ -90,7 +82,7 @@ ROOMS: Dict[str, List[str]] = {
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
-    *("nodekit.definitions", "nodekit.parameters", "nodekit.transport"),
+    *("nodekit.parameters", "nodekit.transport"),
     *("nodekit.timing.timetable", "nodekit.execution", "nodekit.messaging.finite"),
     *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),

@@ -6,7 +6,7 @@ import pytest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float64MultiArray, Header
 
-from nodekit.definitions import (
+from nodekit.transport.definitions import (
     Constant,
     DefinitionError,
     Field,

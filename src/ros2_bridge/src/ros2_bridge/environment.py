@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import rospkg
 import yaml
 
-from nodekit.definitions import DefinitionError
+from nodekit.transport.definitions import DefinitionError
 from ros2_bridge.start import home
 from ros2_bridge.twins import RENAMED, Twin, make_twin
 

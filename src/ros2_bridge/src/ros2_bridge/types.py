@@ -15,7 +15,7 @@ import yaml
 
 from ros2_bridge.codec import Codec
 from ros2_bridge.comparing import difference
-from nodekit.definitions import parse
+from nodekit.transport.definitions import parse
 from ros2_bridge.twins import twin_type
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ros2_bridge.codec import Codec
-from nodekit.definitions import Fields, parse
+from nodekit.transport.definitions import Fields, parse
 from ros2_bridge.steps import ConversionError
 
 SEPARATOR = "\n" + "=" * 80 + "\n"

@@ -5,7 +5,7 @@ from typing import Dict, Optional
 import pytest
 
 from ros2_bridge.comparing import difference
-from nodekit.definitions import parse
+from nodekit.transport.definitions import parse
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"

@@ -4,7 +4,7 @@ from typing import Dict
 
 import pytest
 
-from nodekit.definitions import DefinitionError
+from nodekit.transport.definitions import DefinitionError
 from ros2_bridge.twins import make_twin, twin_type
 
 

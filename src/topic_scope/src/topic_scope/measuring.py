@@ -32,16 +32,28 @@ def statistics_of(
     return {"type": "stats", "traces": traces}
 
 
-def warn_of(recorder: Recorder, names: Sequence[str]) -> None:
+def left_out(count: int, most: int) -> str:
+    """Return the sentence about traces that are not shown, as there are too many.
+
+    :param count: how many there are
+    :param most: how many a page shows
+    """
+    return f"a page shows at most {most} traces: the others of {count} are left out"
+
+
+def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
     """Say on the terminal what is wrong with fields.
 
     :param recorder: has the samples
     :param names: of the fields
+    :param most: how many a page shows
     """
-    for name in names:
+    for name in names[:most]:
         problem = recorder.problem(name)
         if problem is not None:
             rospy.logwarn(f"{name}: {problem}")
+    if len(names) > most:
+        rospy.logwarn(left_out(len(names), most))
 
 
 def _measured(

@@ -13,7 +13,7 @@ from topic_scope.differences import DifferenceRecorder
 from topic_scope.fields import FieldError
 from topic_scope.greeting import choices_message, hello
 from topic_scope.looks import Looks
-from topic_scope.measuring import statistics_of, warn_of
+from topic_scope.measuring import left_out, statistics_of, warn_of
 from topic_scope.options import Options
 from topic_scope.origin import Origin
 from topic_scope.page import Page
@@ -50,7 +50,7 @@ class Server:
         self._is_halted = False
         loop = tornado.ioloop.IOLoop.current()
         origin.start(self)
-        loop.call_later(WARN_AFTER_S, lambda: warn_of(self._recorder, self._initial))
+        loop.call_later(WARN_AFTER_S, self._warn)
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
     # --- From the origin ---------------------------------------------------------------------
@@ -165,11 +165,24 @@ class Server:
         for message in self._origin.messages():
             page.put(message)
         self._select(page)
+        count = len(self._all_of(self._options.fields))
+        if count > TRACES:
+            page.note({"type": "error", "text": left_out(count, TRACES)})
 
     def _hello(self) -> Dict[str, Any]:
         return {**hello(self._options, self._initial), **self._origin.hello()}
 
+    def _warn(self) -> None:
+        warn_of(self._recorder, self._all_of(self._options.fields), TRACES)
+
     def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for, as far as a page shows them."""
+        found = self._all_of(names, page)
+        if page is not None and len(found) > TRACES:
+            page.note({"type": "error", "text": left_out(len(found), TRACES)})
+        return found[:TRACES]
+
+    def _all_of(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
         """Return the fields that names stand for; those that stand for none stay as they are."""
         found: List[str] = []
         for name in names:
@@ -179,10 +192,7 @@ class Server:
                 found += [name] if name not in found else []
                 if page is not None:
                     page.note({"type": "error", "text": f"{name}: {error}"})
-        if page is not None and len(found) > TRACES:
-            text = f"a page shows at most {TRACES} traces: the others of {len(found)} are left out"
-            page.note({"type": "error", "text": text})
-        return found[:TRACES]
+        return found
 
     def _select(self, page: Page) -> None:
         names = self._initial if page.chosen is None else self._expanded(page.chosen)

@@ -10,6 +10,7 @@ from typing import List, Tuple
 import genpy.dynamic
 import rospy
 import rostest
+from nav_msgs.msg import Odometry
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 from wire.client import fetch
 from wire.scope_test import ScopeTest
@@ -50,6 +51,18 @@ class Signals(ScopeTest):
         self.assertIn((updates + "/doubles[0]/value", "float64", updates), fields)
         self.assertEqual(told["types"]["/signal"], "basic_comms/signal_msg")
         self.assertEqual(told["types"][updates], "dynamic_reconfigure/Config")
+
+    def test_what_a_topic_has_beyond_what_a_page_shows_is_told(self) -> None:
+        publisher = rospy.Publisher("/wide", Odometry, queue_size=1)
+        self.addCleanup(publisher.unregister)
+        page = self.page()
+        page.wait_for("fields", lambda told: "/wide/pose" in str(told))
+        page.send("select", fields=["/wide"])
+        self.assertEqual(
+            page.wait_for("error")["text"],
+            "a page shows at most 32 traces: the others of 47 are left out",
+        )
+        self.assertEqual(len(page.wait_for("selected")["fields"]), 32)
 
     def test_every_sample_is_in_a_frame_and_in_the_csv(self) -> None:
         field = "/every/data"

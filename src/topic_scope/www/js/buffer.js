@@ -75,10 +75,13 @@ export class TraceBuffer {
   rows(fields, reference, rows = []) {
     const each = fields.some((field) => this.lasts.has(field)) ? 3 : 2;
     rows.length = Math.max(1, each * this.count);
-    for (let index = 0; index < rows.length; index += 1) {
-      const row = rows[index] || (rows[index] = []);
-      row.length = fields.length + 1;
-      row[0] = (this.first + Math.floor(index / each) + 0.5) * this.bin - reference;
+    for (let index = 0, bin = this.first; index < rows.length; bin += 1) {
+      const time = (bin + 0.5) * this.bin - reference;
+      for (const end = Math.min(index + each, rows.length); index < end; index += 1) {
+        const row = rows[index] || (rows[index] = []);
+        row.length = fields.length + 1;
+        row[0] = time;
+      }
     }
     fields.forEach((field, column) =>
       fillColumn(rows, each, column + 1, this.traces.get(field) || [], this.lasts.get(field)));

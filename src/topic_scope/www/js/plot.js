@@ -159,14 +159,18 @@ export class Plot {
       ylabel: titleOf("y"),
       y2label: titleOf("y2"),
     };
+    const { x, y, w, h } = this.area;
+    drawQuietly(() => this.graph.updateOptions(options));
+    const now = this.area;
+    if (now.x === x && now.y === y && now.w === w && now.h === h) return;
     this.erase();
     drawQuietly(() => this.graph.updateOptions(options));
   }
 
   /**
-   * Take away what is drawn. By itself dygraphs erases only where it is about to draw: of an area
-   * that was larger before, as a title or wider numbers have come, an axis would stay. What it has
-   * cut the canvas to has to go as well, since at broken pixels that erases by halves.
+   * Take away what is drawn, also beside the plot. By itself dygraphs erases only where it is about
+   * to draw: of an area that was larger before, as a title or wider numbers have come, an axis would
+   * stay. What it has cut the canvas to has to go as well: at broken pixels that erases by halves.
    */
   erase() {
     for (const canvas of this.canvases) {

@@ -9,6 +9,7 @@ from typing import Any, Callable, List
 import rclpy
 import rospy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
@@ -16,6 +17,7 @@ from nodekit.testing.processes import Master, Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from ros2_bridge.types import Types
 
+InvalidHandle = rclpy_implementation.InvalidHandle
 SOURCES = pathlib.Path(__file__).resolve().parents[3]
 
 
@@ -36,8 +38,11 @@ class Both:
         return self
 
     def _spin(self) -> None:
+        """Spin until the end, also where something is destroyed while the executor looks at it."""
         with contextlib.suppress(ExternalShutdownException):
-            self.executor.spin()
+            while self.node.context.ok():
+                with contextlib.suppress(InvalidHandle):
+                    self.executor.spin()
 
     def __exit__(self, *_: Any) -> None:
         rospy.signal_shutdown("the tests are over")
@@ -123,3 +128,10 @@ class Bridge(Running):
 
     def __init__(self, *arguments: str) -> None:
         super().__init__("ros2_bridge", "bridge", *arguments)
+
+    def __exit__(self, *error: Any) -> None:
+        try:
+            if self.popen.poll() is None:
+                self.interrupt()  # of one that is killed ROS 2 lists the services for 20 s more
+        finally:
+            super().__exit__(*error)

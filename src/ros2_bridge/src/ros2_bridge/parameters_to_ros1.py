@@ -66,7 +66,7 @@ class ParametersToRos1:
             (one.name, one.value) for one in [*event.new_parameters, *event.changed_parameters]
         ]
         gone = [one.name for one in event.deleted_parameters]
-        self._work.put(lambda: self._write(changed, gone))
+        self._work.put(lambda: self._write([one for one in changed if self._is_news(*one)], gone))
 
     def close(self) -> None:
         """End it; what the node had is taken from the server again."""
@@ -105,6 +105,15 @@ class ParametersToRos1:
         self._master.write(written)
         gone = [name for name in gone if self._values.pop(name, None) is not None]
         self._master.request([("deleteParam", self._key(name)) for name in gone])
+
+    def _is_news(self, name: str, message: Any) -> bool:
+        """Tell whether a change is none that came from the server.
+
+        Of that the server is not told: by now it may hold the next one, which is still to be taken.
+        """
+        known = self._values.get(name)
+        value = messages.to_plain(message)
+        return (type(known), known) != (type(value), value)
 
     def _key(self, name: str) -> str:
         return f"{self._name}/{ros1_key(name)}"

@@ -126,7 +126,7 @@ class NodeBridge:
         if twin.parameters is not None:
             twin.parameters.close()
         twin.made.close()
-        self._side.destroy_node(self._names.in_ros2(name) or name, twin.home)
+        self._side.destroy_node(twin.home)
 
     def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
         wanted = sorted(nodes)[:most]

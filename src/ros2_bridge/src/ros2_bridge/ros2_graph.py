@@ -79,7 +79,7 @@ class Ros2Graph:
         """Return the names of the nodes that are not ours."""
         names = self._side.node.get_node_names_and_namespaces()
         found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
-        theirs = {name for name in found if not _is_hidden(name)} - self._side.own_names
+        theirs = {name for name in found if not _is_hidden(name)} - self._side.own_names()
         return {name for name in map(self._named, theirs) if name is not None}
 
     def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:

@@ -3,9 +3,10 @@
 import collections
 import os
 import threading
+import time
 import uuid
 from functools import partial
-from typing import Any, Callable, Counter, List, Set, Tuple
+from typing import Any, Callable, Counter, Dict, List, Set, Tuple
 
 import rclpy
 from rcl_interfaces.msg import ParameterEvent
@@ -20,6 +21,8 @@ from ros2_bridge.wait_loop import Source, WaitLoop
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
 _PARTICIPANT = 12
+#: Longest time for taking leave, s: Ctrl-C ends the bridge within 2 s.
+_LEAVE_S = 0.7
 
 
 def _profile(quality: Quality) -> QoSProfile:
@@ -47,7 +50,8 @@ class Ros2:
         self.context = Context()
         rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
         self._lock = threading.RLock()
-        self.own_names: Set[str] = set()
+        #: Our nodes and their names: a new one may come before the old one of its name has gone.
+        self._nodes: Dict[Node, str] = {}
         #: How many publishers and subscriptions of each topic are ours.
         self._published: "Counter[str]" = collections.Counter()
         self._heard: "Counter[str]" = collections.Counter()
@@ -82,16 +86,16 @@ class Ros2:
                 start_parameter_services=False,
                 parameter_overrides=quiet,
             )
-            self.own_names.add(name)
+            self._nodes[node] = name
         return node
 
-    def destroy_node(self, name: str, node: Node) -> None:
+    def destroy_node(self, node: Node) -> None:
         """Destroy a node; what it had was removed before."""
 
         def destroy() -> None:
             with self._lock:
                 node.destroy_node()
-                self.own_names.discard(name)
+                del self._nodes[node]
 
         self.calls.remove(Source("none", node, lambda _: None), destroy)
 
@@ -190,10 +194,14 @@ class Ros2:
         return client, lambda: self.calls.remove(source, destroy)
 
     def close(self) -> None:
-        """End everything."""
+        """End everything, and take leave of ROS 2, which would list it for 20 s more."""
         self.messages.close()
         self.calls.close()
+        enough = time.monotonic() + _LEAVE_S
         with self._lock:
+            for node in self._nodes:
+                if time.monotonic() < enough:
+                    node.destroy_node()
             rclpy.shutdown(context=self.context)
 
     def is_alone_with(self, topic: str) -> bool:
@@ -202,6 +210,11 @@ class Ros2:
             self.node.count_publishers(topic) == self._published[topic]
             and self.node.count_subscribers(topic) == self._heard[topic]
         )
+
+    def own_names(self) -> Set[str]:
+        """Return the names of our nodes."""
+        with self._lock:
+            return set(self._nodes.values())
 
     def is_ours(self, gid: bytes) -> bool:
         """Tell whether the endpoint of this name is one of our own."""

@@ -29,6 +29,11 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         assert time.monotonic() - began < 2.0
         assert not first.logged("Traceback")
 
+        def is_gone() -> bool:
+            return ("ros2_bridge", "/") not in ros.node.get_node_names_and_namespaces()
+
+        wait_until(is_gone, lambda: "ROS 2 still lists it", 10.0)  # 20 s if it had been killed
+
 
 def test_killed_and_started_again(ros: both.Both) -> None:
     out = ros.node.create_publisher(Float32, "/again", 10)

@@ -35,7 +35,8 @@ def measure(rate: float, seconds: float, warm_up: float) -> Figures:
         ]
         threading.Thread(target=_read, args=(observed,), daemon=True).start()
         time.sleep(warm_up)
-        return {"cpu_percent": cpu_share([process.pid for process in running], seconds)}
+        share = cpu_share([process.pid for process in running], seconds)
+    return {"cpu_percent": share}
 
 
 def _connected() -> Tuple[socket.socket, socket.socket]:

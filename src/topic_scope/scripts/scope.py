@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Run the oscilloscope: see topic_scope.nodes.scope."""
 
-from topic_scope.nodes.scope import main
+from nodekit.entry_point import main
 
 if __name__ == "__main__":
-    main()
+    main("topic_scope.nodes.scope")

@@ -3,6 +3,7 @@
 import contextlib
 import importlib
 import os
+import signal
 import sys
 import types
 from typing import Any, Iterator, Optional
@@ -16,11 +17,31 @@ def main(node: str) -> None:
     :param node: name of the module, e.g. ``basic_comms.nodes.talker``
     """
     try:
-        import_ros()
-        _judge_namespace()
-        importlib.import_module(node).main()
+        with _ended_by_interrupt():
+            import_ros()
+            _judge_namespace()
+            module = importlib.import_module(node)
+        module.main()
     except KeyboardInterrupt:
         end(0)  # Ctrl-C before rospy took over the signal
+
+
+@contextlib.contextmanager
+def _ended_by_interrupt() -> Iterator[None]:
+    """End the process at Ctrl-C, at once.
+
+    Much of what is imported takes any exception for something optional that is missing: one that
+    Ctrl-C raised would be swallowed now and then, and the node start all the same.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.default_int_handler:  # ignored, as in the background of a script
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *_: os._exit(0))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _judge_namespace() -> None:

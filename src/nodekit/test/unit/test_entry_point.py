@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+IGNORE_INTERRUPT = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 RUN = "import sys; from nodekit.entry_point import main; main('%s')"
 
 
@@ -38,6 +39,22 @@ def test_messages_are_imported_without_numpy(tmp_path):
         "    sys.exit(5)\n"
     )
     assert_ends_well(run_main(tmp_path, text))
+
+
+def test_an_interrupt_ends_the_process_whatever_an_import_makes_of_it(tmp_path):
+    text = (
+        "import os, signal, sys, time\n"
+        "try:\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(10.0)\n"
+        "except BaseException:\n"
+        "    pass\n"
+        "def main():\n"
+        "    sys.exit(5)\n"
+    )
+    done = run_main(tmp_path, text)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert_ends_well(run_main(tmp_path, text.replace("10.0", "0.0"), IGNORE_INTERRUPT))
 
 
 @pytest.mark.parametrize("where", ["", "    "])

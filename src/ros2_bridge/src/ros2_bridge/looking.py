@@ -68,8 +68,8 @@ class Looking:
                 continue
             try:
                 self._look()
-            except MasterUnreachable:
-                continue  # all stays as it is until it is back
+            except MasterUnreachable as error:  # all stays as it is until it is back
+                rospy.logwarn_throttle(10.0, f"nothing new is bridged: {error}")
             except Exception:
                 if not self._ended.is_set():
                     rospy.logerr_throttle(10.0, traceback.format_exc())

@@ -2,7 +2,8 @@
 
 A bag is a row of chunks, each with an index of its own behind it. rosbag.Bag reads all of these
 when it opens a bag, and keeps them: 6 s and 98 MB for 400 000 messages. Kept here is where the
-chunks are and which times they cover: 0.6 ms and 0.1 MB. The format: http://wiki.ros.org/Bags/Format/2.0.
+chunks are and which times they cover: 0.6 ms and 0.1 MB. The format:
+http://wiki.ros.org/Bags/Format/2.0.
 """
 
 import bz2

@@ -73,6 +73,7 @@ MEASUREMENTS = [
         "roslaunch to the first answer",
         [stacks.OURS, stacks.COURSE],
         startup.launch,
+        warm_up=True,
     ),
     Measurement(
         "throughput",

@@ -8,6 +8,7 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
+from floor import FLOOR  # noqa: E402
 from goals import GOALS, number  # noqa: E402
 from results import Results  # noqa: E402
 
@@ -27,7 +28,7 @@ def draw(file: pathlib.Path, results: Results) -> None:
         (measurement, subject, f"{subject}, {rate}")
         for measurement, rate in RATES
         for name, subject in results.subjects()
-        if name == measurement
+        if name == measurement and subject != FLOOR  # nothing is observed of that
     ]
     margins = _margins(results)
     height = 1.6 + 0.3 * max(len(hops), len(margins), 4)

@@ -13,17 +13,11 @@ import rospy
 import yaml
 
 from nodekit.commands.calling import TIMEOUT_S, ask
+from nodekit.live.reconfigure import config_of
 from topic_scope.settings import Changed
 
 try:
-    from dynamic_reconfigure.msg import (
-        BoolParameter,
-        Config,
-        ConfigDescription,
-        DoubleParameter,
-        IntParameter,
-        StrParameter,
-    )
+    from dynamic_reconfigure.msg import Config, ConfigDescription
     from dynamic_reconfigure.srv import Reconfigure
 
     AVAILABLE = True
@@ -72,21 +66,6 @@ def values_in(config: "Config") -> Dict[str, Any]:
     """Return the values in a message."""
     parts = (config.bools, config.ints, config.doubles, config.strs)
     return {item.name: item.value for part in parts for item in part}
-
-
-def config_of(values: Mapping[str, Any]) -> "Config":
-    """Return the message that has some values."""
-    config = Config()
-    for name, value in values.items():
-        if isinstance(value, bool):
-            config.bools.append(BoolParameter(name, value))
-        elif isinstance(value, int):
-            config.ints.append(IntParameter(name, value))
-        elif isinstance(value, float):
-            config.doubles.append(DoubleParameter(name, value))
-        else:
-            config.strs.append(StrParameter(name, value))
-    return config
 
 
 def described(description: "ConfigDescription", values: "Config") -> List[Dict[str, Any]]:

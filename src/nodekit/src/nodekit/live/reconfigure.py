@@ -8,7 +8,7 @@ Lists and bytes are left out, because the interface has none.
 
 import functools
 import sys
-from typing import Any, Callable, Dict, Type
+from typing import Any, Callable, Dict, Mapping, Type
 
 import rospy
 
@@ -152,7 +152,17 @@ def _bounds(item: Parameter[Any]) -> Any:
 
 
 def _config(values: Dict[str, Any]) -> "Config":
-    config = Config(groups=[GroupState(_GROUP, True, 0, 0)])
+    config = config_of(values)
+    config.groups.append(GroupState(_GROUP, True, 0, 0))
+    return config
+
+
+def config_of(values: Mapping[str, Any]) -> "Config":
+    """Return the message that has some values, in no group.
+
+    :param values: truth values, numbers and texts, by name
+    """
+    config = Config()
     for name, value in values.items():
         if isinstance(value, bool):
             config.bools.append(BoolParameter(name, value))

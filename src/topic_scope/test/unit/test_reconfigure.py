@@ -4,9 +4,9 @@ import pytest
 import yaml
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
+from nodekit.live.reconfigure import config_of
 from nodekit.parameters.kinds import ParameterError
 from topic_scope.panels import Panel
-from nodekit.live.reconfigure import config_of
 from topic_scope.reconfigure import _words, described, values_in
 
 VALUES = {"gain": 2.5, "count": -7, "on": False, "mode": "fast"}

@@ -359,6 +359,17 @@ def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
     plain.unregister()
 
 
+def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):
+    publisher, ear = together
+    uri = "http://here"
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
+    connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
+    connection.set_endpoint_id(uri)
+    assert not ear.impl.add_connection(connection)
+    publisher.close()
+    assert ear.impl.add_connection(connection)
+
+
 def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(connected, stack):
     other = Ear(stack)
     topic = connected.impl
@@ -373,6 +384,17 @@ def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(co
     topic.receive_callback([String("late")], connected.transport)
     assert (connected.batches, other.words) == ([], ["news"])
     assert connected.subscription.get_num_connections() == 0
+
+
+def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):
+    publisher, ear = together
+    uri = "http://here"
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
+    connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
+    connection.set_endpoint_id(uri)
+    assert not ear.impl.add_connection(connection)
+    publisher.close()
+    assert ear.impl.add_connection(connection)
 
 
 def test_closed_subscription_hears_nothing_of_its_process_while_others_go_on(together, stack):

@@ -226,19 +226,23 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
 
         :param endpoint_id: URI of the publishing node
         """
-        if endpoint_id == rospy.get_node_uri():
-            publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
-            if self.hears(publisher):
-                return True
-        return bool(super().has_connection(endpoint_id))
+        return self._hears_here(endpoint_id) or bool(super().has_connection(endpoint_id))
 
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.
 
         :param c: rospy's object for it
-        :returns: whether the topic is open yet
+        :returns: whether it is wanted: the topic is open, and would not hear everything twice
         """
+        # The node may have closed its publisher when this was begun, and made another since.
+        if self._hears_here(c.endpoint_id):
+            return False
         # A limit of the queue, which a plain rospy.Subscriber may have set, is kept by rospy alone.
         if type(c) is TCPROSTransport and self.queue_size is None:
             c.receive_once = Reader(c).receive_once
         return bool(super().add_connection(c))
+
+    def _hears_here(self, uri: str) -> bool:
+        return uri == rospy.get_node_uri() and self.hears(
+            get_topic_manager().get_publisher_impl(self.resolved_name)
+        )

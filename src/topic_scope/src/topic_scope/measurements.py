@@ -103,16 +103,17 @@ def _angle(
 
 
 def _finite_of(times: numpy.ndarray, values: numpy.ndarray) -> Samples:
-    # Halved, so that no difference of two of them overflows.
+    """Return the finite samples, from -1 to 1, so that no difference and no sum overflows."""
     finite = numpy.isfinite(values)
-    return times[finite], values[finite] / 2
+    times, values = times[finite], values[finite]
+    largest = numpy.abs(values).max(initial=0.0)
+    return times, values / largest if largest else values
 
 
 def _shape(times: numpy.ndarray, values: numpy.ndarray) -> Optional[_Shape]:
     times, values = _finite_of(times, values)
     if len(values) < 2 or not values.min() < values.max():
         return None
-    values = values / numpy.abs(values).max()
     if frequency(times, values) is not None:
         middle = (values.min() + values.max()) / 2
         low = -_level(-values[values <= middle])

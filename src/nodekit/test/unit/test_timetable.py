@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from nodekit.timing.timetable import SLACK_S, Timetable
@@ -26,14 +26,15 @@ EVENTS = st.lists(
 def run(timetable, start, events):
     """Live through events.
 
-    :returns: (time, deadline that was taken, time that passed for the task) for each call
+    :returns: for each call (time, deadline that was taken, time that passed for the task, how often
+        the clock had been set back)
     """
-    now, calls = start, []
+    now, calls, backs = start, [], 0
 
     def take_if_due():
         deadline = timetable.deadline
         if deadline is not None and now >= deadline - SLACK_S:
-            calls.append((now, deadline, timetable.take(now)))
+            calls.append((now, deadline, timetable.take(now), backs))
 
     take_if_due()
     for event, amount in events:
@@ -48,6 +49,7 @@ def run(timetable, start, events):
             timetable.set_rate(0.0)
         else:
             now -= amount
+            backs += 1
             timetable.restart(now)
         take_if_due()
     return calls
@@ -156,9 +158,10 @@ def test_time_never_runs_back_for_the_task(start, rate, events):
 
 
 @given(STARTS, RATES, EVENTS)
+@example(0.0, 0.1, [("wait", 0.0), ("sleep", 1.0), ("back", 1.0)])
 def test_at_most_one_call_at_a_time(start, rate, events):
     calls = run(Timetable(rate), start, events)
-    times = [call[0] for call in calls]
+    times = [(now, backs) for now, _, _, backs in calls]
     assert all(earlier != later for earlier, later in zip(times, times[1:]))
 
 

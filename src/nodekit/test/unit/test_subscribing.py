@@ -386,17 +386,6 @@ def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(co
     assert connected.subscription.get_num_connections() == 0
 
 
-def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):
-    publisher, ear = together
-    uri = "http://here"
-    monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
-    connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
-    connection.set_endpoint_id(uri)
-    assert not ear.impl.add_connection(connection)
-    publisher.close()
-    assert ear.impl.add_connection(connection)
-
-
 def test_closed_subscription_hears_nothing_of_its_process_while_others_go_on(together, stack):
     publisher, ear = together
     other = Ear(stack)

@@ -112,12 +112,13 @@ class ManagedPublisher(Publisher):
         self.dropped = 0
         self._gate = gate
         self._kept: Any = None
+        self._keeping, self._sending = threading.Lock(), threading.Lock()
         self._warned_of: Optional[int] = None
         gate.add(self)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, see :meth:`.Publisher.publish`, or drop it if the node is not active."""
-        if self._gate.publishes or self._is_closed:
+        if self._passes:
             super().publish(*args, **kwds)
         elif self._latch:
             self._keep(rospy.msg.args_kwds_to_message(self.data_class, args, kwds))
@@ -126,18 +127,31 @@ class ManagedPublisher(Publisher):
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send messages, see :meth:`.Publisher.publish_all`, or drop them likewise."""
-        if self._gate.publishes or self._is_closed:
+        if self._passes:
             super().publish_all(messages)
         elif not self._latch:
             self._drop(len(messages))
         elif messages:
             self._keep(messages[-1])
 
+    @property
+    def _passes(self) -> bool:
+        """Whether a message goes out at once: the gate is open, and none is before it."""
+        return self._is_closed or (self._gate.publishes and self._kept is None)
+
     def heed(self) -> None:
-        """Send what was kept, if the gate is open."""
-        if self._gate.publishes and self._kept is not None:
-            kept, self._kept = self._kept, None
-            super().publish(kept)
+        """Send what was kept, if the gate is open; what comes meanwhile goes out after it."""
+        # One thread sends, and none waits for it: who hears a message may publish one in turn.
+        while self._gate.publishes and self._kept is not None and self._sending.acquire(False):
+            kept = self._kept
+            try:
+                if kept is not None:  # another thread may have sent it just before
+                    super().publish(kept)
+            finally:
+                with self._keeping:
+                    if self._kept is kept:
+                        self._kept = None
+                self._sending.release()
 
     def close(self) -> None:
         """Publish no longer."""
@@ -146,7 +160,8 @@ class ManagedPublisher(Publisher):
         super().close()
 
     def _keep(self, message: Any) -> None:
-        self._kept = message
+        with self._keeping:
+            self._kept = message
         self.heed()  # it may have been opened meanwhile
 
     def _drop(self, count: int) -> None:
@@ -182,17 +197,21 @@ class ManagedTimer(NodeTimer):
 
     def follow(self) -> None:
         """Ask for the rate, where it is a function, unless the timer is held."""
-        if self._gate.ticks:
-            super().follow()
+        if callable(self._rate):
+            self._wanted = self._rate
+        self.heed()
 
     def heed(self) -> None:
         """Tick or do not, as the gate has it."""
-        if not self._gate.ticks:
-            self._timer.set_rate(0.0)
-        elif callable(self._wanted):
-            self.follow()
-        else:
-            self._timer.set_rate(self._wanted)
+        ticks: Optional[bool] = None
+        while ticks is not self._gate.ticks:  # it may change while the rate is asked for
+            ticks = self._gate.ticks
+            if not ticks:
+                self._timer.set_rate(0.0)
+            elif callable(self._wanted):
+                super().follow()
+            else:
+                self._timer.set_rate(self._wanted)
 
     def close(self) -> None:
         """Make no call any more."""

@@ -1,0 +1,114 @@
+"""What speaks only while its node is active, told of that in the middle of something else."""
+
+import threading
+from typing import Any, Callable, Iterator, List, Optional
+
+import pytest
+from std_msgs.msg import String
+
+from nodekit.execution.groups import Group
+from nodekit.lifecycle.gate import Gate, ManagedPublisher, ManagedTimer
+from nodekit.messaging.publisher import Publisher
+from nodekit.timing.clocks import MonotonicClock
+from nodekit.timing.scheduler import Scheduler
+
+TIMEOUT_S = 10.0
+
+
+class Sent:
+    """Stands in for what sends; does what a test wants to happen in the middle of the first."""
+
+    def __init__(self) -> None:
+        self.words: List[str] = []
+        self.meanwhile: Callable[[], Any] = lambda: None
+
+    def __call__(self, _publisher: Publisher, message: String) -> None:
+        meanwhile, self.meanwhile = self.meanwhile, lambda: None
+        meanwhile()
+        self.words.append(message.data)
+
+
+@pytest.fixture
+def sent(monkeypatch: "pytest.MonkeyPatch") -> Sent:
+    found = Sent()
+    monkeypatch.setattr(Publisher, "publish", lambda *args: found(*args))
+    return found
+
+
+@pytest.fixture
+def scheduler() -> Iterator[Scheduler]:
+    made = Scheduler(MonotonicClock())
+    yield made
+    made.close()
+
+
+def in_thread(function: Callable[..., Any], *arguments: Any) -> None:
+    thread = threading.Thread(target=function, args=arguments, daemon=True)
+    thread.start()
+    thread.join(TIMEOUT_S)
+    assert not thread.is_alive(), "nobody waits for the sending thread"
+
+
+@pytest.mark.parametrize("thread", [True, False])
+def test_state_of_before_goes_out_before_what_is_published_meanwhile(
+    sent: Sent, thread: bool
+) -> None:
+    gate = Gate()
+    state = ManagedPublisher(gate, "/state", String, latch=True)
+    state.publish(String("older"))
+
+    def publish_newer() -> None:
+        state.publish(String("newer"))
+
+    sent.meanwhile = (lambda: in_thread(publish_newer)) if thread else publish_newer
+    gate.let_publish(True)
+    state.publish(String("newest"))
+    assert sent.words == ["older", "newer", "newest"]
+
+
+def test_state_of_before_is_sent_once(sent: Sent) -> None:
+    gate = Gate()
+    state = ManagedPublisher(gate, "/state", String, latch=True)
+    state.publish(String("older"))
+    sent.meanwhile = lambda: in_thread(state.heed)
+    gate.let_publish(True)
+    state.heed()
+    assert sent.words == ["older"]
+
+
+def test_state_that_cannot_be_sent_keeps_none_back_that_can(
+    sent: Sent, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    gate = Gate()
+    state = ManagedPublisher(gate, "/state", String, latch=True)
+    state.publish(String("bad"))
+
+    def fail() -> None:
+        raise ValueError("on purpose")
+
+    sent.meanwhile = fail
+    with pytest.raises(ValueError, match="on purpose"):
+        gate.let_publish(True)
+    state.publish(String("good"))
+    assert sent.words == ["good"]
+
+
+def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
+    scheduler: Scheduler,
+) -> None:
+    gate = Gate()
+    meanwhile: Optional[Callable[[], None]] = None
+
+    def rate() -> float:
+        if meanwhile is not None:
+            meanwhile()
+        return 5.0
+
+    timer = ManagedTimer(gate, scheduler, Group(), rate, lambda elapsed: None, 0.0, "timer")
+    ManagedTimer.start_together([timer])
+    gate.let_tick(True)
+    assert timer._timer.timetable.deadline is not None
+    meanwhile = lambda: in_thread(gate.let_tick, False) if gate.ticks else None  # noqa: E731
+    timer.follow()
+    assert timer._timer.timetable.deadline is None
+    timer.close()

@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Log
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
-from std_msgs.msg import Header, String
+from std_msgs.msg import Float32, Header, String
 
 from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
 from nodekit.rospy_internals import publishers, shutdown
@@ -466,6 +466,17 @@ def test_publisher_that_opens_while_the_last_other_one_closes_is_heard(
     ours.publish(String("news"))
     assert receive(subscriber).data == "news"
     assert [s.sent for s in ours.statistics()] == [1]
+
+
+def test_second_type_of_a_topic_is_refused_and_harms_nothing(opened, unopened, connect):
+    first, other = opened(String), unopened(Float32)
+    subscriber = connect(first)
+    text = f"topic {TOPIC}: refused std_msgs/Float32: must be std_msgs/String, as elsewhere"
+    with pytest.raises(rospy.ROSException, match=text):
+        other.open()
+    other.close()
+    first.publish(String("news"))
+    assert receive(subscriber).data == "news"
 
 
 def test_the_last_of_several_stays_latched_and_none_leaves_it(opened, connect):

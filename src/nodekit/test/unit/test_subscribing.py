@@ -485,3 +485,14 @@ def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(m
     assert [message.data for message in heard] == ["latched", "next"]
     assert [message.data for message in heard_too] == ["next", "last"]
     assert manager.get_subscriber_impl(TOPIC) is None
+
+
+def test_second_type_of_a_topic_is_refused_and_hears_nothing(connected):
+    heard = []
+    other = Subscription(TOPIC, Float32, lambda messages, may_wait: heard.extend(messages))
+    with pytest.raises(rospy.ROSException, match="refused std_msgs/Float32: must be std_msgs/Str"):
+        other.open()
+    other.close()
+    connected.socket.sendall(packet("news"))
+    connected.receive_all()
+    assert (connected.words, heard) == (["news"], [])

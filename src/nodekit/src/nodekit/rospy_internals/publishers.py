@@ -24,6 +24,7 @@ from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from nodekit.rospy_internals.subscriber_link import SubscriberLink
 from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
+from nodekit.rospy_internals.topic_types import refuse_another
 from nodekit.transport.delivery import deliver
 
 _PUBLISHER_ATTRIBUTES = (
@@ -70,10 +71,12 @@ def send_at_once(
     :param latch: whether later subscribers get the last message
     :param lifespan: for how long they get it where it is not latched, s
     :returns: what sends them; None where there is a plain ``rospy.Publisher`` already
+    :raises rospy.ROSException: if this process publishes it with another type
     """
     manager = get_topic_manager()
     with manager.lock:
         topic = manager.get_publisher_impl(name)
+        refuse_another(topic, data_class)
         if topic is None:
             topic = OutgoingTopic(name, data_class)
             manager._add(topic, manager.pubs, Registration.PUB)

@@ -20,6 +20,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
 from nodekit.rospy_internals.reading import Reader
+from nodekit.rospy_internals.topic_types import refuse_another
 
 #: Called with the messages that have arrived together, oldest first, and whether the thread is that
 #: of a connection, which may be kept waiting.
@@ -52,11 +53,8 @@ def subscriber_mismatch() -> str:
         topic.close()
         if list(inspect.signature(transport.receive_once).parameters):
             return "receive_once has parameters"
-        if list(inspect.signature(get_topic_manager()._add).parameters) != [
-            "ps",
-            "rmap",
-            "reg_type",
-        ]:
+        add = inspect.signature(get_topic_manager()._add)
+        if list(add.parameters) != ["ps", "rmap", "reg_type"]:
             return "topics are added in another way"
     except Exception as error:  # whatever an unknown rospy may raise
         return repr(error)
@@ -70,10 +68,12 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
     :param data_class: message class
     :param callback: what to call, from the thread of the connection or of the publisher
     :returns: whether that is possible; not where there is a plain ``rospy.Subscriber`` already
+    :raises rospy.ROSException: if this process subscribes to it with another type
     """
     manager = get_topic_manager()
     with manager.lock:
         topic = manager.get_subscriber_impl(name)
+        refuse_another(topic, data_class)
         if topic is None:
             topic = IncomingTopic(name, data_class)
             topic.add_batch_callback(callback)

@@ -367,6 +367,19 @@ def test_value_that_does_not_fit_is_refused_and_sends_nothing(opened, connect):
     assert receive(subscriber, Header).frame_id == "good"
 
 
+@pytest.mark.parametrize("latch, lifespan", [(True, 0.0), (False, 60.0)])
+def test_later_subscriber_gets_the_last_message_that_fitted(
+    opened, connect, monkeypatch, latch, lifespan
+):
+    for module in (rospy.core, rospy.topics):
+        monkeypatch.setattr(module, "is_initialized", lambda: True)
+    publisher = opened(String, latch=latch, lifespan=lifespan)
+    publisher.publish(String("good"))
+    with pytest.raises(rospy.ROSSerializationException):
+        publisher.publish(String(5))
+    assert receive(connect(publisher)).data == "good"
+
+
 def test_publishing_without_a_node_is_refused(opened):
     publisher = opened(String)
     with pytest.raises(rospy.ROSException):

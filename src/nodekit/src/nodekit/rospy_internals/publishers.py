@@ -146,24 +146,25 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 if rospy.core.is_shutdown_requested():  # topics close before is_shutdown() is true
                     return
                 raise rospy.ROSException("publish() to a closed topic")
-            if self.is_latch:
-                self.latch = messages[-1]
-            elif self.lifespan:
-                self._last = messages[-1]
-                self._last_expires = time.monotonic() + self.lifespan
             if self.connections is not self._known_connections:
                 self._update_links()
             listener = self._subscriptions.get(self.resolved_name)
             if listener is not None and not self._is_heard_by(listener):
                 listener = None
-            if not self._links and listener is None:
-                if not rospy.core.is_initialized():
-                    raise rospy.ROSException("publish() before init_node()")
+            is_heard = bool(self._links) or listener is not None
+            if not is_heard and not rospy.core.is_initialized():
+                raise rospy.ROSException("publish() before init_node()")
+            if not (is_heard or self.is_latch or self.lifespan):
                 return
             try:
                 packets = list(map(self._serialize, messages))
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
+            if self.is_latch:  # only now: what does not fit would keep later subscribers out
+                self.latch = messages[-1]
+            elif self.lifespan:
+                self._last = messages[-1]
+                self._last_expires = time.monotonic() + self.lifespan
             if self._links:
                 data = b"".join(packets)
                 self.message_data_sent += len(data)

@@ -337,3 +337,27 @@ def test_close_waits_for_what_is_under_way_but_not_for_what_only_waits() -> None
 def test_number_of_threads_is_judged(threads: int) -> None:
     with pytest.raises(ValueError, match=f"refused {threads}: must be"):
         MultiThreadedExecutor(threads)
+
+
+@pytest.mark.parametrize("other", [True, False])
+def test_node_that_leaves_an_executor_that_was_shut_down_goes_on(
+    scheduler: Scheduler, other: bool
+) -> None:
+    gone = SingleThreadedExecutor()
+    ticks, rings = threading.Event(), threading.Event()
+    timer = NodeTimer(scheduler, Group(), 100.0, lambda elapsed: ticks.set(), 0.0, "timer")
+    bell = Bell(Group(), rings.set, "bell")
+    callbacks: List[Callback] = [timer, bell]
+    for callback in callbacks:
+        callback.attach(gone._line)
+    assert gone.shutdown(TIMEOUT_S)
+    bell.ring()
+    NodeTimer.start_together([timer])
+    wait_until(lambda: timer.source and timer.source.dropped > 1, lambda: "no tick was dropped")
+    assert not (ticks.is_set() or rings.is_set())
+    new = SingleThreadedExecutor() if other else None
+    for callback in callbacks:
+        callback.attach(new._line if new else None)
+    bell.ring()
+    assert rings.wait(TIMEOUT_S) and ticks.wait(TIMEOUT_S)
+    timer.close()

@@ -50,7 +50,10 @@ class Callback:
         self.source = self._source(line) if line is not None and is_attached else None
 
     def _source(self, line: Line) -> Source:
-        return Source(line, self.group, MOST_KEPT, lambda works: works[0](), lambda work: None)
+        return Source(line, self.group, MOST_KEPT, lambda works: works[0](), self._drop)
+
+    def _drop(self, _work: Callable[[], None]) -> None:
+        """Note that something will not be done, as the executor is shut down."""
 
     def offer(self, work: Callable[[], None]) -> None:
         """Have something done in the group without waiting.
@@ -169,6 +172,9 @@ class Bell(Callback):
         if not self._rung:
             self._rung = True
             self.offer(self._answer)
+
+    def _drop(self, _work: Callable[[], None]) -> None:
+        self._rung = False
 
     def _answer(self) -> None:
         self._rung = False  # before: what comes from now on may be missed by this call

@@ -52,6 +52,9 @@ class NodeTimer(Callback):
         source = self.source
         self._timer.dispatch = self.group.offer if source is None else source.put
 
+    def _drop(self, _work: Callable[[], None]) -> None:
+        self._timer.forget_one()
+
     @property
     def skipped(self) -> int:
         """Calls that were left out so far, because they would have come too late."""

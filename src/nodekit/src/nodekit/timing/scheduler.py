@@ -106,6 +106,10 @@ class Timer:
             self._left_out += 1
         return is_call
 
+    def forget_one(self) -> None:
+        """Forget a call that was dispatched and will not be made."""
+        del self._due[:1]
+
     def tick(self) -> None:
         """Make one call that is due; each of them was dispatched, and has a turn of its own."""
         try:

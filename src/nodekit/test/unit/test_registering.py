@@ -1,10 +1,14 @@
 """Registration with the master, in requests that a function of the test's own answers."""
 
+import threading
+
 import pytest
 import rospy
 import rospy.core
-from rospy.impl.registration import Registration
+from rospy.impl.registration import Registration, get_registration_listeners
+from std_msgs.msg import String
 
+from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import registration
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
@@ -120,3 +124,39 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
     assert [calls[0][0] for calls in ask.requests] == ["registerPublisher"] * 3 + [
         "unregisterPublisher"
     ]
+
+
+@pytest.fixture
+def asked(ending, monkeypatch):
+    """Have all that is made registered with requests that are kept."""
+    ask = Asked()
+    registrar = registration._Registrar(None, ask)
+    monkeypatch.setattr(registration, "_registrar", registrar)
+    monkeypatch.setattr(get_registration_listeners(), "listeners", [registrar])
+    return ask
+
+
+def in_thread(function):
+    thread = threading.Thread(target=function)
+    thread.start()
+    thread.join()
+
+
+def test_topic_that_is_made_anew_while_it_is_taken_back_stays_registered(asked):
+    old, new = (Publisher("/topic", String) for _ in range(2))
+    old.open()
+    with registration.together():
+        old.close()
+        in_thread(new.open)
+    told = [call[0] for call in asked.calls]
+    new.close()
+    assert told[-1] == "registerPublisher", told
+
+
+def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
+    publisher = Publisher("/topic", String)
+    with registration.together():
+        publisher.open()
+        in_thread(publisher.close)
+    told = [call[0] for call in asked.calls]
+    assert told[-1] == "unregisterPublisher", told

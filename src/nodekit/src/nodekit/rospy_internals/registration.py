@@ -19,6 +19,7 @@ from rospy.impl.registration import (
     get_topic_manager,
 )
 
+from nodekit.rospy_internals.made import Entry, all_made
 from nodekit.rospy_internals.service_owners import Request, tell_of_others
 
 #: Most registrations in one request; the master's other clients are served between two.
@@ -41,16 +42,13 @@ _REMOVE = {
 }
 _KINDS = list(_ADD)
 
-#: What is registered: kind, name, and its type or, of a service, its URI.
-_Entry = Tuple[str, str, str]
-
 
 class _Batch:
     """What is to be added and removed together."""
 
     def __init__(self) -> None:
-        self.added: List[_Entry] = []
-        self.removed: List[_Entry] = []
+        self.added: List[Entry] = []
+        self.removed: List[Entry] = []
 
 
 class _Registrar(RegistrationListener):
@@ -90,7 +88,7 @@ class _Registrar(RegistrationListener):
         else:
             batch.removed.append(entry)
 
-    def add(self, entries: List[_Entry], request: Optional[Request] = None) -> bool:
+    def add(self, entries: List[Entry], request: Optional[Request] = None) -> bool:
         """Register, connect to the publishers that there are, and tell whose services there were.
 
         :param entries: what is new
@@ -121,6 +119,12 @@ class _Registrar(RegistrationListener):
                 self.remove(part)
         return taken
 
+    def put_right(self, batch: _Batch) -> None:
+        """Tell the master what another thread has made or closed since the batch has noted it."""
+        made = {(kind, name): (kind, name, its) for kind, name, its in all_made()}
+        self.add([made[entry[:2]] for entry in batch.removed if entry[:2] in made])
+        self.remove([entry for entry in batch.added if entry[:2] not in made])
+
     def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
         # When the node ends, rospy takes back what there was, and nothing must follow.
         told = False
@@ -134,7 +138,7 @@ class _Registrar(RegistrationListener):
                 time.sleep(_PAUSE_S)
         return []
 
-    def remove(self, entries: List[_Entry]) -> None:
+    def remove(self, entries: List[Entry]) -> None:
         """Take registrations back; a master that does not answer is left as it is.
 
         :param entries: what is no more
@@ -202,6 +206,8 @@ def together() -> Iterator[None]:
             registrar.remove(batch.removed)
         if batch.added:
             registrar.add(batch.added)
+        if batch.removed or batch.added:
+            registrar.put_right(batch)
 
 
 def register_again(request: Request) -> bool:
@@ -215,15 +221,7 @@ def register_again(request: Request) -> bool:
     :raises ConnectionError: if that does
     """
     registrar = _registrar or _Registrar(get_registration_listeners().listeners[0], request)
-    topics, services = get_topic_manager(), get_service_manager()
-    entries: List[_Entry] = []
-    for found, kind in (
-        (topics.get_publications(), Registration.PUB),
-        (topics.get_subscriptions(), Registration.SUB),
-        (services.get_services(), Registration.SRV),
-    ):
-        entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
-    return registrar.add(entries, request)
+    return registrar.add(all_made(), request)
 
 
 def services() -> Dict[str, str]:

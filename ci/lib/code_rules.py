@@ -84,6 +84,7 @@ ROOMS: Dict[str, List[str]] = {
 PURE = (
     *("nodekit.parameters", "nodekit.transport"),
     *("nodekit.timing.timetable", "nodekit.execution", "nodekit.messaging.finite"),
+    "nodekit.messaging.seldom",
     *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),

@@ -8,7 +8,7 @@ import rospy.core
 
 from nodekit.execution.groups import Group
 from nodekit.life.callbacks import Callback
-from nodekit.messaging import failures
+from nodekit.messaging import failures, seldom
 
 
 @pytest.fixture()
@@ -29,7 +29,7 @@ def test_failures_are_counted_and_logged_at_times(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     now = [100.0]
-    monkeypatch.setattr(failures.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(seldom.time, "monotonic", lambda: now[0])
     what = failures.Failures()
     for moment in (100.0, 101.0, 104.9, 105.0):
         now[0] = moment

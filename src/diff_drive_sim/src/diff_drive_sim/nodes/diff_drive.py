@@ -92,7 +92,7 @@ class DiffDrive:
         if not (math.isfinite(linear) and math.isfinite(angular)):
             text = "%s: a command of %s m/s and %s rad/s is left out: must be finite"
             name = self._node.resolve("cmd_vel")
-            rospy.logwarn_throttle_identical(10.0, text % (name, linear, angular))
+            rospy.logwarn_throttle(10.0, text % (name, linear, angular))
             return
         self._catch_up()
         self._robot.command(linear, angular)

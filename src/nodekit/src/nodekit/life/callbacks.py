@@ -10,6 +10,7 @@ import rospy
 from nodekit.execution.groups import Group, Outside
 from nodekit.execution.line import Line, Source
 from nodekit.messaging.failures import Failures
+from nodekit.messaging.seldom import Seldom
 
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
@@ -52,8 +53,8 @@ class Callback:
     def _source(self, line: Line) -> Source:
         return Source(line, self.group, MOST_KEPT, lambda works: works[0](), self._drop)
 
-    def _drop(self, _work: Callable[[], None]) -> None:
-        """Note that something will not be done, as the executor is shut down."""
+    def _drop(self, _thing: Any) -> None:
+        """Note that something is dropped: an executor has no time for it, or is shut down."""
 
     def offer(self, work: Callable[[], None]) -> None:
         """Have something done in the group without waiting.
@@ -173,7 +174,7 @@ class Bell(Callback):
             self._rung = True
             self.offer(self._answer)
 
-    def _drop(self, _work: Callable[[], None]) -> None:
+    def _drop(self, _thing: Any) -> None:
         self._rung = False
 
     def _answer(self) -> None:
@@ -202,11 +203,10 @@ class Receiving(Callback):
         self._batches, self._depth = batches, depth
         self._kept: Deque[Any] = deque(maxlen=MOST_KEPT)
         self._bell = Bell(group, self._receive_kept, what)
+        self._seldom = Seldom(10.0)
 
     def _source(self, line: Line) -> Source:
-        return Source(
-            line, self.group, self._depth, self._hand_over, lambda message: None, self._batches
-        )
+        return Source(line, self.group, self._depth, self._hand_over, self._drop, self._batches)
 
     def receive(self, messages: List[Any], may_wait: bool) -> None:
         """Hand messages over.
@@ -226,9 +226,8 @@ class Receiving(Callback):
                 self.group.leave()
                 return
             if len(self._kept) + len(messages) > MOST_KEPT:
-                rospy.logwarn_throttle_identical(
-                    10.0, f"{self.what} does not keep up: messages are lost"
-                )
+                if self._seldom.is_due():
+                    rospy.logwarn("%s does not keep up: messages are lost", self.what)
             self._kept.extend(messages)
             self._bell.ring()
         elif self._batches:

@@ -52,7 +52,7 @@ class NodeTimer(Callback):
         source = self.source
         self._timer.dispatch = self.group.offer if source is None else source.put
 
-    def _drop(self, _work: Callable[[], None]) -> None:
+    def _drop(self, _thing: Any) -> None:
         self._timer.forget_one()
 
     @property

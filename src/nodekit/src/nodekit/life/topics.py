@@ -14,7 +14,9 @@ from nodekit.life.ownership import Owner, Thing
 from nodekit.life.timers import RateFollowers
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.seldom import Seldom
 from nodekit.messaging.service import Service
+from nodekit.messaging.stream_log import shortened
 from nodekit.messaging.subscription import Latest, Subscription
 
 #: Least time between two warnings about messages that are left out, s.
@@ -129,16 +131,14 @@ class TopicMaker(Owner):
         :param group: the callback's group; the node's own by default
         """
 
-        resolved = self.resolve(name)
+        resolved, seldom = self.resolve(name), Seldom(_WARN_EVERY_S)
 
         def only_finite(message: Any) -> None:
             if is_finite(message):
                 callback(message)
-            else:
-                text = "%s: %s is not finite and is left out"
-                rospy.logwarn_throttle_identical(
-                    _WARN_EVERY_S, text % (resolved, " ".join(str(message).split()))
-                )
+            elif seldom.is_due():
+                text = shortened(" ".join(str(message).split()))
+                rospy.logwarn("%s: %s is not finite and is left out", resolved, text)
 
         depth = queue_size or DEPTH
         return self._hear(name, data_class, only_finite if finite else callback, depth, group)

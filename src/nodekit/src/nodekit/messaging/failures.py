@@ -1,10 +1,11 @@
 """Log what a user's function raises: not each time, and without ending what called it."""
 
-import time
 import traceback
 
 import rospy
 import rospy.core
+
+from nodekit.messaging.seldom import Seldom
 
 #: A function's failures are logged at most this often, s.
 LOG_PERIOD_S = 5.0
@@ -16,11 +17,11 @@ class Failures:
     :ivar count: how many there were
     """
 
-    __slots__ = ("count", "_quiet_until")
+    __slots__ = ("count", "_seldom")
 
     def __init__(self) -> None:
         self.count = 0
-        self._quiet_until = 0.0
+        self._seldom = Seldom(LOG_PERIOD_S)
 
     def note(self, what: str, is_ending: bool = False) -> None:
         """Count the exception that is being handled, and log it with its traceback now and then.
@@ -29,10 +30,8 @@ class Failures:
         :param is_ending: whether the function was closed while it was under way
         """
         self.count += 1
-        now = time.monotonic()
         # What fails when the end has begun fails because of it, as a call of a closed client.
         is_ending = is_ending or rospy.core.is_shutdown_requested()
-        if now >= self._quiet_until and not is_ending:
-            self._quiet_until = now + LOG_PERIOD_S
+        if not is_ending and self._seldom.is_due():
             text = "%s failed, %d times by now:\n%s"
             rospy.logerr(text, what, self.count, traceback.format_exc().rstrip())

@@ -1,0 +1,66 @@
+"""What is logged again and again is logged now and then, each thing for itself."""
+
+import math
+from typing import Any, List
+
+import pytest
+import rospy
+from std_msgs.msg import Float32
+
+from nodekit import Node
+from nodekit.execution.groups import Group
+from nodekit.life import callbacks
+from nodekit.life.names import Names
+from nodekit.messaging import seldom
+
+
+@pytest.fixture()
+def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *args: lines.append(text % args))
+    monkeypatch.setattr(rospy, "logwarn_throttle_identical", lambda _, text: lines.append(text))
+    return lines
+
+
+def test_due_once_in_a_period(monkeypatch: "pytest.MonkeyPatch") -> None:
+    now = [100.0]
+    monkeypatch.setattr(seldom.time, "monotonic", lambda: now[0])
+    what = seldom.Seldom(10.0)
+    due = []
+    for now[0] in (100.0, 100.1, 109.9, 110.0, 119.9, 300.0, 301.0):
+        due.append(what.is_due())
+    assert due == [True, False, False, True, False, True, False]
+
+
+def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: List[str]) -> None:
+    node = Node(Names("/space/node", True))
+    heard: List[float] = []
+    ears = [
+        node.subscribe(name, Float32, lambda message: heard.append(message.data), finite=True)
+        for name in ("one", "other")
+    ]
+    for number in (math.nan, math.inf, -math.inf, 1.0):
+        for ear in ears:
+            ear._receive([Float32(number)], True)
+    assert heard == [1.0, 1.0]
+    assert logged == [
+        "/space/one: data: nan is not finite and is left out",
+        "/space/other: data: nan is not finite and is left out",
+    ]
+
+
+def test_what_does_not_keep_up_is_told_of_once_for_each_topic(
+    logged: List[str], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(callbacks, "MOST_KEPT", 0)
+    group = Group()
+    slow = [
+        callbacks.Receiving(group, lambda message: None, name, batches=False)
+        for name in ("/one", "/other")
+    ]
+    with group:
+        for message in range(3):  # type: Any
+            for each in slow:
+                each.receive([message], False)
+    text = "does not keep up: messages are lost"
+    assert logged == [f"/one {text}", f"/other {text}"]

@@ -1,5 +1,6 @@
 """What somebody has made is theirs, and is closed with them."""
 
+import threading
 import time
 import traceback
 from typing import Any, List, Set, TypeVar
@@ -31,6 +32,7 @@ class Owner:
         self._opener = opener
         self._made: List[Any] = []
         self._closed = False
+        self._lock = threading.Lock()
 
     def own(self, thing: Thing) -> Thing:
         """Close something with the rest.
@@ -39,9 +41,10 @@ class Owner:
         :returns: the thing
         :raises Closed: if the owner is closed
         """
-        if self._closed:
-            raise Closed(f"{self} is closed and can make nothing")
-        self._made.append(thing)
+        with self._lock:
+            if self._closed:
+                raise Closed(f"{self} is closed and can make nothing")
+            self._made.append(thing)
         return thing
 
     def disown(self, thing: object) -> None:
@@ -49,7 +52,8 @@ class Owner:
 
         :param thing: what :meth:`own` was given
         """
-        self._made = [other for other in self._made if other is not thing]
+        with self._lock:
+            self._made = [other for other in self._made if other is not thing]
 
     def close(self) -> None:
         """Close all that was made, the latest first; without effect a second time.
@@ -75,8 +79,9 @@ class Owner:
 
         :param groups: takes in the groups whose callbacks may be under way
         """
-        self._closed = True
-        made, self._made = self._made, []
+        with self._lock:
+            self._closed = True
+            made, self._made = self._made, []
         self._opener.forget(made)
         for thing in reversed(made):
             try:

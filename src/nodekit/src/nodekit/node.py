@@ -50,15 +50,16 @@ class Node(Lifetime):
         :param namespace: its namespace; a relative one is in that of the process
         :param cls: its class, called with the node
         :returns: the node, which is closed with this one
-        :raises ParameterError: if one of its parameters is refused; nothing of it stays
+        :raises ParameterError: if one of its parameters is refused
+        :raises Exception: what its class or its start raises; nothing of it stays then either
         """
         names = Names.hosted(namespace, name)
         node = Node(names, Opener() if self._opener.has_started else self._opener)
         try:
             node._guest = cls(node)
+            if node._opener is not self._opener:
+                node.start()
+            return self.own(node)
         except BaseException:
             node.close()
             raise
-        if node._opener is not self._opener:
-            node.start()
-        return self.own(node)

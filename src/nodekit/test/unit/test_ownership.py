@@ -3,8 +3,13 @@
 import threading
 from typing import Any, Iterable, Iterator, List
 
+import pytest
+import rospy
+
+from nodekit import Node
+from nodekit.life.names import Names
 from nodekit.life.opening import Opener
-from nodekit.life.ownership import Owner
+from nodekit.life.ownership import Closed, Owner
 
 
 class Thing:
@@ -38,3 +43,26 @@ def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -
     other.join()
     owner.close()
     assert (late.closed, gone.closed) == (True, False)
+
+
+@pytest.mark.parametrize("fails", ["start", "own"])
+def test_nothing_stays_of_a_hosted_node_that_cannot_start(
+    fails: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    node = Node(Names("/whole", True))
+    node.start()
+    things: List[Thing] = []
+
+    def guest(hosted: Node) -> None:
+        things.append(hosted.own(Thing()))
+        if fails == "own":
+            node.close()
+
+    def start(_hosted: Node) -> None:
+        if fails == "start":
+            raise rospy.ROSException("on purpose")
+
+    monkeypatch.setattr(Node, "start", start)
+    with pytest.raises(Closed if fails == "own" else rospy.ROSException):
+        node.host("part", "/space", guest)
+    assert [thing.closed for thing in things] == [True]

@@ -1,9 +1,14 @@
 """Who follows a key may do with its value what they like."""
 
+import contextlib
 from typing import Any, List
 from unittest import mock
 
+import pytest
+
+from nodekit.live.followers import Entry, Follower
 from nodekit.live.following import Following
+from nodekit.live.master import MasterUnreachable
 from nodekit.parameters.reconciler import Seen
 
 
@@ -19,3 +24,24 @@ def test_what_a_callback_changes_is_its_own() -> None:
     assert told and not following._is_news(["two"])
     following._take(Seen(["two"], [], False, 0.0))
     assert len(told) == 1
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_who_asks_to_be_told_while_being_told_is_told_once_more(fails: bool) -> None:
+    def take(seen: Seen) -> bool:
+        entry.due = True  # as another thread does it
+        if fails:
+            raise MasterUnreachable("on purpose")
+        return True
+
+    entry = Entry(Follower("/key", lambda raw: False, take))
+    with pytest.raises(MasterUnreachable) if fails else contextlib.nullcontext():
+        assert entry.tell("value", 0.0)
+    assert entry.is_due
+
+
+def test_who_is_not_done_is_told_once_more() -> None:
+    answers = [False, True]
+    entry = Entry(Follower("/key", lambda raw: False, lambda seen: answers.pop(0)))
+    assert not entry.tell("value", 0.0) and entry.is_due
+    assert entry.tell("value", 0.0) and not entry.is_due

@@ -69,12 +69,16 @@ class Entry:
         :param raw: value of the key, MISSING where nothing is set
         :param read_at: start of the read, s on the monotonic clock
         """
-        pushed = list(self.pushed)
-        self.due = True  # until it is done, also where this raises
-        if self.follower.take(Seen(raw, pushed, self.forgotten, read_at)):
-            self.due = self.forgotten = False
+        pushed, is_done = list(self.pushed), False
+        self.due = False  # before: who asks meanwhile is to be told once more
+        try:
+            is_done = self.follower.take(Seen(raw, pushed, self.forgotten, read_at))
+        finally:  # also where this raises
+            self.due = self.due or not is_done
+        if is_done:
+            self.forgotten = False
             del self.pushed[: len(pushed)]
-        return not self.due
+        return is_done
 
 
 class Followers:

@@ -16,8 +16,8 @@ from nodekit.life.server import CallError, CallTimeout, Server
 from nodekit.rospy_internals.shutdown import at_shutdown
 from nodekit.transport.service_call import ServiceCall
 
-#: How long a call takes at most where the user does not say, s.
-TIMEOUT_S = 5.0
+#: How long a call takes at most where the user does not say, and what he may say, s.
+TIMEOUT_S, LONGEST_S = 5.0, 1e9
 #: Most calls of one client that are under way at once.
 MOST_CALLS = 200
 #: Time between two looks for a service that is not there yet, s, and between two lines about it.
@@ -136,8 +136,9 @@ class Client:
         :raises CallError: if the request cannot be sent, or too many are under way
         :raises ValueError: if the time-out is none
         """
-        if not (0.0 < timeout < math.inf):
-            raise ValueError(f"timeout: refused {timeout!r} s: must be a number above 0")
+        if not (0.0 < timeout <= LONGEST_S):
+            must = f"must be a number in (0, {LONGEST_S:g}]"
+            raise ValueError(f"timeout: refused {timeout!r} s: {must}")
         if self._is_closed or rospy.is_shutdown():
             raise CallCancelled(f"{self.name} is not called: its client is closed")
         if len(self.under_way) >= MOST_CALLS:
@@ -153,14 +154,15 @@ class Client:
     def wait_for_service(self, timeout: float = math.inf) -> bool:
         """Wait until the service can be called; say each second that it cannot.
 
-        :param timeout: longest wait, s; by default, until the node ends
+        :param timeout: longest wait, s; by default, until the node ends. With 0 it is looked once,
+            which takes up to 0.1 s where the server does not answer
         :returns: whether it can be called now
         """
         began = told = time.monotonic()
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
             with contextlib.suppress(CallError):
-                self.server.look(ServiceCall(min(left, _TELL_EVERY_S)))
+                self.server.look(ServiceCall(min(max(left, _LOOK_EVERY_S), _TELL_EVERY_S)))
                 return True
             if time.monotonic() >= told + _TELL_EVERY_S:
                 told = time.monotonic()

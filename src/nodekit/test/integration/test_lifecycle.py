@@ -848,6 +848,11 @@ class Command(Managed):
         self.assertEqual(self.typed("set", node, "1"), (0, "Transitioning successful\n", ""))
         failed = "lifecycle: activate has failed: /driver is inactive, and its log says why\n"
         self.assertEqual(self.typed("set", node, "activate"), (1, "", failed))
+        unknown = self.typed("set", node, "²")
+        self.assertIn("lifecycle: /driver: transition '²' is not allowed", unknown[2])
+        endless = self.typed("set", node, "activate", "--timeout", "nan")
+        text = "lifecycle: timeout: refused nan s: must be a number in (0, 1e+09]\n"
+        self.assertEqual(endless, (1, "", text))
         self.assertEqual(driver.called, ["on_configure", "on_activate"])
 
 

@@ -36,6 +36,8 @@ def main() -> None:
         sys.exit(f"lifecycle: no master at {error}")
     except CallError as error:
         sys.exit(f"lifecycle: {node} does not answer: {error}")
+    except ValueError as error:  # a time-out that is none
+        sys.exit(f"lifecycle: {error}")
     except KeyboardInterrupt:
         pass
 
@@ -94,7 +96,7 @@ def _list(names: List[str], arguments: Any) -> int:
 def _set(names: List[str], arguments: Any) -> Optional[str]:
     (name,), wanted = names, arguments.transition
     try:
-        transition = requested(_state(name), int(wanted) if wanted.isdigit() else wanted)
+        transition = requested(_state(name), int(wanted) if wanted.isdecimal() else wanted)
     except NotAllowed as refusal:
         return f"lifecycle: {name}: {refusal}"
     request = Transition(transition.id, transition.label)

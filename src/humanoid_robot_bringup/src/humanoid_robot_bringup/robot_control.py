@@ -54,11 +54,16 @@ class RobotControl:
             self._call.add_done_callback(self._on_answer)
 
     def _on_answer(self, call: CallFuture) -> None:
+        if call is not self._call:
+            return  # it was about a goal that has been changed since
         self._call = None
         try:
             answer = call.result()
         except CallError as error:
             rospy.logwarn("the robot cannot be sent: %s", error)
+            return
+        if not answer.success:
+            rospy.logwarn("the robot cannot be sent: %s", answer.message)
             return
         rospy.loginfo("the robot goes to %s", answer.message)
         self._set_at = rospy.Time.now()
@@ -71,7 +76,7 @@ class RobotControl:
             rospy.signal_shutdown("arrived")
 
     def _on_change(self, new: RobotControlParameters, old: RobotControlParameters) -> None:
-        self._set_at = None
+        self._set_at = self._call = None
 
 
 def main() -> None:

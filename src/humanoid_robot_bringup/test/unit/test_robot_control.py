@@ -1,5 +1,6 @@
 """When robot_control.py takes the robot for one that has arrived."""
 
+from types import SimpleNamespace
 from typing import Any, List
 
 import pytest
@@ -38,7 +39,7 @@ class FakeNode:
     def result(self) -> "FakeNode":
         return self
 
-    message = "x 0 m"
+    message, success = "x 0 m", True
 
 
 def progress(phase: str, second: float) -> Progress:
@@ -62,3 +63,46 @@ def test_only_news_of_the_goal_that_was_set_is_an_arrival(monkeypatch: pytest.Mo
     assert ended == []
     node.hear(progress(Progress.ARRIVED, 20.0))
     assert ended == ["arrived"]
+
+
+class SlowNode(FakeNode):
+    """The controller answers when the test has it answer; each goal that it was given is kept."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls: List[Any] = []
+
+    def call_async(self, request: Any) -> Any:
+        answer = SimpleNamespace(message="", success=True, goal=request.x)
+        answer.result = lambda: answer
+        answer.add_done_callback = lambda callback: setattr(answer, "answer", callback)
+        self.calls.append(answer)
+        return answer
+
+    @property
+    def goals(self) -> List[float]:
+        return [call.goal for call in self.calls]
+
+
+def test_goal_that_is_changed_while_the_controller_is_asked_is_sent_too() -> None:
+    node: Any = SlowNode()
+    control = RobotControl(node)
+    node.tick(0.0)
+    old, node.values = node.values, RobotControlParameters(x=2.0)
+    control._on_change(node.values, old)
+    node.calls[0].answer(node.calls[0])
+    node.tick(0.0)
+    assert node.goals == [0.0, 2.0]
+
+
+def test_refused_goal_is_sent_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    warnings: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warnings.append(text % values))
+    node: Any = SlowNode()
+    RobotControl(node)
+    node.tick(0.0)
+    node.calls[0].success, node.calls[0].message = False, "too far"
+    node.calls[0].answer(node.calls[0])
+    node.tick(0.0)
+    assert node.goals == [0.0, 0.0]
+    assert warnings == ["the robot cannot be sent: too far"]

@@ -826,6 +826,8 @@ class Command(Managed):
         status, out, err = self.typed("get", self.space + "/drive")
         self.assertEqual((status, out), (1, ""))
         self.assertIn("lifecycle: /drive is no managed node; there is /driver", err)
+        with mock.patch.object(lifecycle, "master", side_effect=KeyboardInterrupt):
+            self.assertEqual(self.typed("get", node), (130, "", ""))
 
     def test_transitions(self) -> None:
         self.driver("active")

@@ -9,10 +9,8 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ask, master, say_what_there_is
+from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
 from nodekit.executors import SERVICE
-from nodekit.life.server import CallError
-from nodekit.live.master import MasterUnreachable
 
 #: Keys of which the table shows milliseconds.
 _TIMES = ("longest", "longest_wait")
@@ -27,19 +25,13 @@ def main() -> None:
     )
     parser.add_argument("node", metavar="NODE", help="its name")
     node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
-    try:
+    with ending_with_a_sentence("callbacks", node):
         client = master("callbacks")
         if client.lookup_service(f"{node}/{SERVICE}") is None:
             problem = f"callbacks: {node} has no executor"
             say_what_there_is(client, SERVICE, node, problem)
             sys.exit(1)
         print(as_table(yaml.safe_load(ask(f"{node}/{SERVICE}", Trigger).result().message)))
-    except MasterUnreachable as error:
-        sys.exit(f"callbacks: no master at {error}")
-    except CallError as error:
-        sys.exit(f"callbacks: {node} does not answer: {error}")
-    except KeyboardInterrupt:
-        pass
 
 
 def as_table(entries: List[Dict[str, Any]]) -> str:

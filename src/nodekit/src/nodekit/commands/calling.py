@@ -1,15 +1,17 @@
 """Call services of nodes that may not answer."""
 
+import contextlib
 import difflib
 import sys
-from typing import Any, List
+from typing import Any, Iterator, List
 
 import rosgraph
 
 from nodekit.execution.groups import Outside
 from nodekit.life.callbacks import Callback
 from nodekit.life.clients import CallFuture, Client
-from nodekit.live.master import MasterClient
+from nodekit.life.server import CallError
+from nodekit.live.master import MasterClient, MasterUnreachable
 
 #: Longest wait for an answer, s.
 TIMEOUT_S = 2.0
@@ -34,6 +36,23 @@ def master(caller: str) -> MasterClient:
     :param caller: name of the command
     """
     return MasterClient(rosgraph.get_master_uri(), "/" + caller, "")
+
+
+@contextlib.contextmanager
+def ending_with_a_sentence(command: str, node: str) -> Iterator[None]:
+    """End a command where somebody does not answer, and at Ctrl-C; never with status 0.
+
+    :param command: its name
+    :param node: who is asked
+    """
+    try:
+        yield
+    except MasterUnreachable as error:
+        sys.exit(f"{command}: no master at {error}")
+    except CallError as error:
+        sys.exit(f"{command}: {node} does not answer: {error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
 
 
 def owners(client: MasterClient, service: str, namespace: str = "/") -> List[str]:

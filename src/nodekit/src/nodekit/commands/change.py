@@ -8,10 +8,8 @@ import rosgraph
 import rospy
 import yaml
 
-from nodekit.commands.calling import ask, master, say_what_there_is
-from nodekit.life.server import CallError
+from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
 from nodekit.live.change import SERVICE
-from nodekit.live.master import MasterUnreachable
 from nodekit_msgs.srv import SetParameters
 
 
@@ -33,14 +31,8 @@ def main() -> None:
         settings = _settings(arguments.settings)
     except (ValueError, yaml.YAMLError) as error:
         parser.error(str(error))
-    try:
+    with ending_with_a_sentence("change", arguments.namespace):
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))
-    except MasterUnreachable as error:
-        sys.exit(f"change: no master at {error}")
-    except CallError as error:
-        sys.exit(f"change: {arguments.namespace} does not answer: {error}")
-    except KeyboardInterrupt:
-        pass
 
 
 def _settings(words: List[str]) -> Dict[str, Any]:

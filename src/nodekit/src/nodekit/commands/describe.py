@@ -10,10 +10,15 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ask, master, owners, say_what_there_is
+from nodekit.commands.calling import (
+    ask,
+    ending_with_a_sentence,
+    master,
+    owners,
+    say_what_there_is,
+)
 from nodekit.life.server import CallError
 from nodekit.live.describe import SERVICE
-from nodekit.live.master import MasterUnreachable
 from nodekit.parameters.schema import as_table
 
 #: How long those that answer may keep others that did waiting, for the order of the names, s.
@@ -31,12 +36,8 @@ def main() -> None:
     parser.add_argument("namespace", metavar="NAMESPACE", help="a node or a group; / for all")
     parser.add_argument("--yaml", action="store_true", help="print YAML for programs to read")
     arguments = parser.parse_args(rospy.myargv()[1:])
-    try:
+    with ending_with_a_sentence("describe", arguments.namespace):
         sys.exit(_describe(rosgraph.names.make_global_ns(arguments.namespace), arguments.yaml))
-    except MasterUnreachable as error:
-        sys.exit(f"describe: no master at {error}")
-    except KeyboardInterrupt:
-        pass
 
 
 def _describe(namespace: str, wants_yaml: bool) -> int:

@@ -9,10 +9,15 @@ import rospy
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
-from nodekit.commands.calling import ask, master, owners, say_what_there_is
+from nodekit.commands.calling import (
+    ask,
+    ending_with_a_sentence,
+    master,
+    owners,
+    say_what_there_is,
+)
 from nodekit.life.server import CallError
 from nodekit.lifecycle.table import NotAllowed, State, requested
-from nodekit.live.master import MasterUnreachable
 
 #: What managed nodes are known by: a service of which nobody else has the name.
 SERVICE = "get_transition_graph"
@@ -26,20 +31,15 @@ def main() -> None:
     node = getattr(arguments, "node", None)
     node = node and rosgraph.names.make_global_ns(node).rstrip("/")
     try:
-        client = master("lifecycle")
-        if node and client.lookup_service(f"{node}/{SERVICE}") is None:
-            say_what_there_is(client, SERVICE, node, f"lifecycle: {node} is no managed node")
-            sys.exit(1)
-        names = [node] if node else owners(client, SERVICE)
-        sys.exit(arguments.verb(names, arguments))
-    except MasterUnreachable as error:
-        sys.exit(f"lifecycle: no master at {error}")
-    except CallError as error:
-        sys.exit(f"lifecycle: {node} does not answer: {error}")
+        with ending_with_a_sentence("lifecycle", node or "a node"):
+            client = master("lifecycle")
+            if node and client.lookup_service(f"{node}/{SERVICE}") is None:
+                say_what_there_is(client, SERVICE, node, f"lifecycle: {node} is no managed node")
+                sys.exit(1)
+            names = [node] if node else owners(client, SERVICE)
+            sys.exit(arguments.verb(names, arguments))
     except ValueError as error:  # a time-out that is none
         sys.exit(f"lifecycle: {error}")
-    except KeyboardInterrupt:
-        pass
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -57,7 +57,8 @@ install_sudo() { # ROOT
 }
 
 take_refusals() { # SUITE ROOT
-    place='a folder' refuses "stumble over the ' ' in" "$2" student online ./ci/exec true &&
+    furnish "$2" &&
+        place='a folder' refuses "stumble over the ' ' in" "$2" student online ./ci/exec true &&
         refuses "without sudo only root" "$2" student online ./ci/exec true &&
         install_sudo "$2" &&
         refuses "sudo did not let student install" "$2" student online ./ci/exec true &&
@@ -66,7 +67,8 @@ take_refusals() { # SUITE ROOT
 }
 
 take_by_hand() { # SUITE ROOT
-    refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
         by_hand "$2" &&
         succeeds "$2" student offline ./ci/exec rospack find basic_comms &&
         verdict="what it printed was enough"
@@ -76,7 +78,7 @@ take_by_hand() { # SUITE ROOT
 take_launch() { # SUITE ROOT
     local began seconds launch heard=no command
     command=$(page_commands README.md "Two commands" | head -n 1)
-    install_sudo "$2" || return
+    furnish "$2" && install_sudo "$2" || return
     began=$SECONDS
     say "$1: what '$command' needs"
     succeeds "$2" teacher online ./ci/exec true || return
@@ -108,11 +110,13 @@ take_launch() { # SUITE ROOT
 take_test() { # SUITE ROOT
     local command
     command=$(page_commands README.md "Two commands" | tail -n 1)
-    run_tests "$1" "$2" offline "$command${tiers:+ ${tiers//,/ }}"
+    furnish "$2" &&
+        run_tests "$1" "$2" offline "$command${tiers:+ ${tiers//,/ }}"
 }
 
 # The environment with ROS 2 comes from PyPI, which Debian 11 has a Python too old for.
 take_ros2() { # SUITE ROOT
+    furnish "$2" || return
     if [ "$1" != bullseye ]; then
         run_tests "$1" "$2" online "./ci/test ros2"
         return
@@ -136,34 +140,11 @@ run_tests() { # SUITE ROOT online|offline COMMAND
     verdict="tests: $(tail -n 1 "$log")"
 }
 
-# Take a part on a system of its own.
-take() { # PART SUITE
-    taken=take_$1
-    say "$2: $1"
-    with_system "$2" "$1" take_furnished
-}
-
-take_furnished() { # SUITE ROOT
-    furnish "$2" || return
-    verdict="see above"
-    "$taken" "$1" "$2"
-}
-
 main() { # DIRECTORY PART,… TIER,… SUITE…
-    local room=$1 parts=$2 tiers=$3 suite part taken verdict word commit mirror status=0
-    local -a summary
+    local room=$1 parts=$2 tiers=$3 commit mirror
     shift 3
     commit=$(git -C "$workspace" rev-parse HEAD)
-    find_mirror
-    for suite; do
-        for part in ${parts//,/ }; do
-            verdict="no system to try it on"
-            if take "$part" "$suite"; then word=ok; else word=FAILED status=1; fi
-            summary+=("$(printf '%-6s %-9s %-9s %s' "$word" "$suite" "$part" "$verdict")")
-        done
-    done
-    printf '%s\n' "${summary[@]}"
-    exit "$status"
+    take_parts "$parts" "$@"
 }
 
 # A function, so that nothing of this file is still to be read while it runs. (Tests source it.)

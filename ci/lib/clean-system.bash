@@ -102,3 +102,21 @@ with_system() { # SUITE NAME FUNCTION: it gets SUITE ROOT
     rm -rf --one-file-system "$root"
     return "$status"
 }
+
+# Take parts, each on a system of its own, and end with a line for each of them.
+take_parts() { # PART,… SUITE…: calls take_PART, which gets SUITE ROOT and may set verdict
+    local parts=$1 suite part verdict word status=0
+    local -a summary
+    shift
+    find_mirror
+    for suite; do
+        for part in ${parts//,/ }; do
+            verdict="see above"
+            say "$suite: $part"
+            if with_system "$suite" "$part" "take_$part"; then word=ok; else word=FAILED status=1; fi
+            summary+=("$(printf '%-6s %-9s %-9s %s' "$word" "$suite" "$part" "$verdict")")
+        done
+    done
+    printf '%s\n' "${summary[@]}"
+    exit "$status"
+}

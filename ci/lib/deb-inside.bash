@@ -25,7 +25,7 @@ install_as_written() { # ROOT DIRECTORY
         sh -ec "cd $2; ${command#sudo }" < <(yes)
 }
 
-build() { # SUITE ROOT
+take_build() { # SUITE ROOT
     local tree=$2/home/student/tree date version
     date=$(git -C "$workspace" log -1 --format=%cD "$commit")
     furnish "$2" && mkdir "$2/home/student/earlier" "$tree" || return
@@ -81,7 +81,7 @@ runs() { # ROOT WHAT [PART]
 }
 
 # By the page's commands, with a network as they need.
-bridge() { # SUITE ROOT
+take_bridge() { # SUITE ROOT
     local -a command commands
     built_before "$1" && furnish "$2" && mkdir "$2/debs" && cp "$dist/$1"/*.deb "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
     mapfile -t commands < <(page_commands docs/packaging.md "The bridge to ROS 2")
@@ -103,7 +103,7 @@ built_before() { # SUITE
     return 1
 }
 
-prove() { # SUITE ROOT
+take_prove() { # SUITE ROOT
     local files=("$dist/$1"/*.deb) twice
     local -a names
     built_before "$1" || return
@@ -132,20 +132,10 @@ prove() { # SUITE ROOT
 }
 
 main() { # DIRECTORY PART,… SUITE…
-    local room=$1 parts=$2 dist=$workspace/dist suite part verdict word commit mirror place status=0
-    local -a summary
+    local room=$1 parts=$2 dist=$workspace/dist commit mirror place
     shift 2
     commit=$(git -C "$workspace" rev-parse HEAD)
-    find_mirror
-    for suite; do
-        for part in ${parts//,/ }; do
-            verdict="see above"
-            if with_system "$suite" "$part" "$part"; then word=ok; else word=FAILED status=1; fi
-            summary+=("$(printf '%-6s %-8s %-5s %s' "$word" "$suite" "$part" "$verdict")")
-        done
-    done
-    printf '%s\n' "${summary[@]}"
-    exit "$status"
+    take_parts "$parts" "$@"
 }
 
 # A function, so that nothing of this file is still to be read while it runs. (Tests source it.)

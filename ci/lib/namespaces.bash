@@ -5,6 +5,15 @@ die() {
     exit 125
 }
 
+# Of what --only names, each has to be a part that there is; with none, all would seem good.
+judge_parts() { # PART,… ALL-PARTS,…
+    local part
+    [[ $1 == *[!,]* ]] || die "--only takes names of parts, with commas between them: ${2//,/, }."
+    for part in ${1//,/ }; do
+        [[ ,$2, == *,"$part",* ]] || die "there is no part '$part': ${2//,/, }."
+    done
+}
+
 # Run a command as the first process of namespaces of its own, with a directory before its arguments.
 in_namespaces() { # COMMAND ARGUMENT…
     local program

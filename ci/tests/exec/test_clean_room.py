@@ -21,6 +21,7 @@ def test_the_commands_are_those_of_readme() -> None:
     [
         (["--only", "launch,lunch"], "no part 'lunch'"),
         (["--only"], "--only takes names"),
+        (["--only", ","], "--only takes names"),
         (["--tiers"], "--tiers takes names"),
         (["--other"], "Usage: ci/clean-room"),
     ],

@@ -28,7 +28,9 @@ def test_the_commands_are_those_of_the_page() -> None:
 @pytest.mark.parametrize(
     "options, said",
     [
-        (["--only", "bake"], "no part 'bake'"),
+        (["--only", "bake"], "no part 'bake': build, prove, bridge."),
+        (["--only"], "--only takes names"),
+        (["--only", ","], "--only takes names"),
         (["bullseye"], "no suite 'bullseye'"),
         (["--other"], "Usage: ci/deb"),
     ],
@@ -39,6 +41,29 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
     )
     assert result.returncode == 125
     assert said in result.stdout.decode()
+
+
+@pytest.mark.parametrize("script", ["deb-inside", "clean-room-inside"])
+def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
+    options = "build,prove bookworm" if script == "deb-inside" else "build,prove '' bookworm"
+    command = (
+        f"source '{CI}/lib/{script}.bash'; find_mirror() {{ :; }}; "
+        'with_system() { verdict="$3 of $1"; [[ $good == *"$2"* ]]; }; '
+        f"main /nowhere {options}"
+    )
+    for good, status in (("build", 1), ("prove", 1), ("build prove", 0)):
+        result = subprocess.run(
+            ["bash", "-c", f"good='{good}'; {command}"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=30,
+        )
+        assert result.returncode == status
+        lines = [line.split(maxsplit=3) for line in result.stdout.decode().splitlines()]
+        assert lines == [
+            ["ok" if part in good else "FAILED", "bookworm", part, f"take_{part} of bookworm"]
+            for part in ("build", "prove")
+        ]
 
 
 def test_a_file_in_two_packages_is_told_and_a_shared_folder_is_not(tmp_path: pathlib.Path) -> None:

@@ -1,5 +1,6 @@
 """Run one step of the tests, a command, and count what it tested."""
 
+import contextlib
 import dataclasses
 import os
 import pathlib
@@ -87,7 +88,8 @@ class Runner:
         """Make the steps that are running, or only just starting, end soon."""
         self._interrupted = True
         for process in list(self._running):
-            os.killpg(process.pid, signal.SIGINT)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                os.killpg(process.pid, signal.SIGINT)
 
 
 def judge(

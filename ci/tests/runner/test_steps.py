@@ -145,6 +145,16 @@ def test_a_step_is_run_after_the_one_it_needs(
     assert not (tmp_path / "lost").exists()
 
 
+def test_step_that_has_just_ended_keeps_no_other_from_being_interrupted() -> None:
+    runner = Runner()
+    with subprocess.Popen(["true"], start_new_session=True) as gone:
+        gone.wait()
+    with subprocess.Popen(["sleep", "60"], start_new_session=True) as running:
+        runner._running = [gone, running, gone]  # type: ignore[assignment]
+        runner.interrupt()
+        assert running.wait(30) != 0
+
+
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (

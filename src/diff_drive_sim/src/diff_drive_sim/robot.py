@@ -21,6 +21,8 @@ from diff_drive_sim.world import World
 _RAMP_PIECE_S = 0.01
 #: Longest path of a wheel for which the errors of odometry are taken as linear, m.
 _NOISE_PIECE_M = 0.02
+#: Longest time that is driven in one step, s: the pieces of a jump by years would take days.
+LONGEST_STEP_S = 3600.0
 
 
 class Robot:
@@ -85,7 +87,7 @@ class Robot:
     def step(self, dt: float) -> None:
         """Let time pass.
 
-        :param dt: how much, s; nothing moves in 0 or less
+        :param dt: how much, s; nothing moves in 0 or less, nor for longer than LONGEST_STEP_S
         """
         if dt <= 0.0:
             return
@@ -103,6 +105,7 @@ class Robot:
 
     def _drive(self, dt: float) -> None:
         """Drive towards the speeds that are wanted, and on at those."""
+        dt = min(dt, LONGEST_STEP_S)
         target = wheel_speeds(*saturated(*self._wanted, self.settings), *self._geometry)
         start = self.wheels
         ramp = ramp_time(start, target, self.settings.max_wheel_acceleration)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from diff_drive_sim.kinematics import Pose, Wheels, wheel_speeds, wrapped
 from diff_drive_sim.limits import RobotSettings, saturated
-from diff_drive_sim.robot import Robot
+from diff_drive_sim.robot import LONGEST_STEP_S, Robot
 from diff_drive_sim.world import World
 
 BURGER = RobotSettings()
@@ -153,6 +153,15 @@ def test_an_hour_without_a_time_out_is_driven_exactly() -> None:
     assert robot.pose == pytest.approx(
         (0.05 * math.sin(7200.0), 0.05 * (1.0 - math.cos(7200.0)), wrapped(7200.0)), abs=1e-9
     )
+
+
+def test_clock_that_jumps_by_years_is_taken_for_an_hour() -> None:
+    # All of it would be 5e10 pieces of a path: days in which the node does nothing else.
+    robot, other = Robot(forever(odometry_noise=0.01)), Robot(forever(odometry_noise=0.01))
+    for each, seconds in ((robot, 2e9), (other, LONGEST_STEP_S)):
+        each.command(0.22, 2.84)
+        each.step(seconds)
+    assert robot.odometry.pose == other.odometry.pose
 
 
 def test_each_command_acts_anew() -> None:

@@ -112,6 +112,10 @@ class ParameterServices(ParameterCase):
         self.assert_refused("a: &a [*a]", "aliases")
         self.assert_refused("{1: 2}", "/1: ")
         self.assert_refused("{level: !!python/name:os.system }", "no change of parameters: ")
+        for text in ('{level: !!int ""}', '{level: !!bool "x"}'):
+            self.assert_refused(text, "no change of parameters: ")
+        for text in (r"\x01", r"\ufffe"):
+            self.assert_refused(f'{{title: "{text}"}}', f"{self.node.name}/title: refused ")
 
     def test_no_change_tells_the_values(self) -> None:
         for text in ("", "{}"):

@@ -3,6 +3,7 @@
 import copy
 import datetime
 import math
+import xml.parsers.expat
 import xmlrpc.client
 
 import pytest
@@ -137,6 +138,17 @@ def test_int_with_an_open_end_keeps_the_other_end_within_32_bits():
 @pytest.mark.parametrize("raw", ["", "hello world", "1e3", "true", "no: yaml", "\u00e5\u4f60"])
 def test_text_is_taken_as_it_is(raw):
     assert_taken(TEXT, raw, raw)
+
+
+@given(st.characters(whitelist_categories=["Cc", "Cs", "Cn"]) | st.characters())
+def test_text_is_taken_as_far_as_the_parameter_server_can_carry_it(raw):
+    try:
+        wire = xmlrpc.client.dumps((raw,)).encode()
+        xmlrpc.client.loads(wire)
+    except (UnicodeEncodeError, xml.parsers.expat.ExpatError):
+        assert_refused(TEXT, raw)
+    else:
+        assert_taken(TEXT, raw, raw)
 
 
 @pytest.mark.parametrize("raw", [5, 5.0, True, ["a"]])

@@ -383,8 +383,8 @@ def test_start_refuses_all_at_once_in_words() -> None:
     ]
     assert str(several.value.in_namespace("/n")) == (
         "parameter /n/level: refused -1: must be a number in [0, inf); "
-        "parameter /n/title: refused 5: must be text "
-        "(quote it where YAML would read a number or a truth value); "
+        "parameter /n/title: refused 5: must be text without control characters "
+        "(quote it where YAML reads something else); "
         "parameters /n/low, /n/high: refused 10, 5: low must be at most high"
     )
 

@@ -29,7 +29,7 @@ def main() -> None:
     arguments = parser.parse_args(rospy.myargv()[1:])
     try:
         settings = _settings(arguments.settings)
-    except (ValueError, yaml.YAMLError) as error:
+    except (ValueError, LookupError, yaml.YAMLError) as error:
         parser.error(str(error))
     with ending_with_a_sentence("change", arguments.namespace):
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))

@@ -53,7 +53,7 @@ def _settings(text: str) -> Dict[str, Any]:
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
             raise ValueError("aliases (*name) are not taken")
         settings = yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError) as error:
+    except (yaml.YAMLError, RecursionError, LookupError) as error:  # the last of a value's tag
         raise ValueError(f"no YAML: {' '.join(str(error).split())}") from None
     if settings is None:
         return {}

@@ -4,9 +4,13 @@ No text stands for a truth value and no number for text; what is refused is
 refused in words that name the parameter, the value and what is allowed.
 """
 
+import re
 from typing import Any, ClassVar, Generic, Optional, Sequence, Tuple, TypeVar, Union, overload
 
 Value = TypeVar("Value")
+
+#: What XML, and so the parameter server, has no way to carry.
+_NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class ParameterError(ValueError):
@@ -75,8 +79,7 @@ class Parameter(Generic[Value]):
         ...
 
     def __get__(self, instance: Optional[object], owner: type) -> Union["Parameter[Value]", Value]:
-        # Only reached on the class: an instance's own __dict__ comes first, so
-        # that reading a value in a callback costs no more than any attribute.
+        # Only reached on the class: an instance's own __dict__ comes first, as for any attribute.
         return self
 
     @property
@@ -99,10 +102,9 @@ class Parameter(Generic[Value]):
         raise NotImplementedError
 
     def refuse(self, raw: Any) -> ParameterError:
-        """Return the error that says why a value is refused.
+        """Return the error, to be raised, that says why a value is refused.
 
         :param raw: the refused value
-        :returns: the error, to be raised by the caller
         """
         return ParameterError(self.name, raw, self.allowed)
 
@@ -129,10 +131,10 @@ class StringParameter(Parameter[str]):
 
     @property
     def allowed(self) -> str:
-        return "text (quote it where YAML would read a number or a truth value)"
+        return "text without control characters (quote it where YAML reads something else)"
 
     def coerce(self, raw: Any) -> str:
-        if not isinstance(raw, str):
+        if not isinstance(raw, str) or _NOT_IN_XML.search(raw):
             raise self.refuse(raw)
         return raw
 
@@ -199,9 +201,7 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
         return f"{self.min_length} to {self.max_length} of {kind}"
 
     def coerce(self, raw: Any) -> Tuple[Any, ...]:
-        if not isinstance(raw, (list, tuple)):
-            raise self.refuse(raw)
-        if not self.min_length <= len(raw) <= self.max_length:
+        if not isinstance(raw, (list, tuple)) or not self.min_length <= len(raw) <= self.max_length:
             raise self.refuse(raw)
         try:
             return tuple(self.element.coerce(item) for item in raw)

@@ -1,5 +1,6 @@
 """How to log, and what a node can say of itself."""
 
+import contextlib
 from typing import List
 
 import rosgraph
@@ -7,6 +8,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from nodekit import IntParameter, Node, ParameterSet, SingleThreadedExecutor, run
+from nodekit.live.master import MasterClient
 
 
 class LoggingNodeParameters(ParameterSet):
@@ -52,7 +54,10 @@ class LoggingNode:
     def debug_node_info(self, request: TriggerRequest) -> TriggerResponse:
         """Log who this is, and which topics and services there are."""
         namespace, _, name = self._node.name.rpartition("/")
-        state = rosgraph.Master(self._node.name).getSystemState()
+        # With a time-out, which rosgraph.Master has not: where it is over, the caller is told so.
+        master = MasterClient(rosgraph.get_master_uri(), self._node.name, "")
+        with contextlib.closing(master):
+            state = master.system_state()
         topics = sorted({topic for kind in state[:2] for topic, _ in kind})
         services = sorted(service for service, _ in state[2])
         lines: List[str] = [

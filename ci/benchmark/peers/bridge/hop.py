@@ -5,8 +5,10 @@ sent; whoever hears writes into FILE, as JSON, how long each took, us, and how m
 Before that it makes an empty FILE.any when anything has come, FILE.first when a counted one has.
 """
 
+import contextlib
 import json
 import pathlib
+import signal
 import sys
 import threading
 import time
@@ -61,8 +63,17 @@ def send(publish: List[Callable[[Any], Any]], counts: List[Callable[[], int]], c
     time.sleep(REST)
 
 
-def main() -> None:
-    """Send or hear, in one ROS."""
+def end(*_: Any) -> None:
+    """End at Ctrl-C; another one, while that is under way, would only break it off."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.exit(0)
+
+
+def main(at_end: contextlib.ExitStack) -> None:
+    """Send or hear, in one ROS.
+
+    :param at_end: closes what is open
+    """
     heard = Heard()
     if sys.argv[2] == "1":
         import rospy
@@ -78,16 +89,27 @@ def main() -> None:
     else:
         import rclpy
         from basic_comms.msg import SignalMsg as cls2
+        from rclpy.executors import ExternalShutdownException
+        from rclpy.signals import SignalHandlerOptions
 
-        rclpy.init()
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node("hop_" + sys.argv[1])
         if sys.argv[1] == "send":
+            at_end.callback(rclpy.shutdown)
             made = [node.create_publisher(cls2, name, 1000) for name in NAMES]
             send([one.publish for one in made], [one.get_subscription_count for one in made], cls2)
             return
         for name in NAMES:
             node.create_subscription(cls2, name, heard.take, 1000)
-        threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+
+        def spin() -> None:
+            with contextlib.suppress(ExternalShutdownException):
+                rclpy.spin(node)
+
+        spinning = threading.Thread(target=spin, daemon=True)
+        at_end.callback(spinning.join, 2.0)
+        at_end.callback(rclpy.shutdown)
+        spinning.start()
     expected = int(RATE * SECONDS) * TOPICS
     began = time.monotonic()
     while len(heard.took) < expected:
@@ -99,4 +121,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    signal.signal(signal.SIGINT, end)
+    with contextlib.ExitStack() as stack:
+        main(stack)

@@ -16,8 +16,9 @@ from tcpros import Node
 
 #: how long a node works on after it has registered, s
 SETTLED = 1.5
-#: how long a process may take to end when asked to, s
-PATIENCE_S = 5.0
+#: how long a process may take to end when asked to, s: of one that is killed the master goes on to
+#: list all topics and services, and a thousand groups have fifteen thousand to take back
+PATIENCE_S = 20.0
 
 
 class Session:

@@ -10,7 +10,7 @@ class Ros1Graph(NamedTuple):
     """One look at the graph, without the bridge itself.
 
     :param publishers, subscribers: names of nodes by topic
-    :param types: of topics, by topic
+    :param types: of the topics that are published, by topic; ``*`` where no publisher tells
     :param services: name of the node by service
     :param master_pid: process id of the master: another one has forgotten everything
     """
@@ -30,6 +30,9 @@ class Ros1Graph(NamedTuple):
 def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
     """Ask the master, all in one request: while nothing changes, its answer need not be parsed.
 
+    It is not asked for the types of all topics: those it remembers for ever, of topics too that
+    are no more.
+
     :param client: asks it, and nothing else
     :param own: names of nodes that are the bridge's
     :raises MasterUnreachable: if it does not answer
@@ -39,7 +42,9 @@ def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
         found = {name: set(nodes) - own for name, nodes in part}
         return {name: nodes for name, nodes in found.items() if nodes}
 
-    state, types, pid = client.request([("getSystemState",), ("getTopicTypes",), ("getPid",)])
+    state, types, pid = client.request(
+        [("getSystemState",), ("getPublishedTopics", ""), ("getPid",)]
+    )
     try:
         publishers, subscribers, services = map(others, state[2])
         servers = {name: min(nodes) for name, nodes in services.items()}

@@ -1,0 +1,48 @@
+"""What a look at the master's answers shows."""
+
+from typing import Any, List
+
+import pytest
+
+from nodekit import MasterUnreachable
+from ros2_bridge.ros1_graph import look
+
+
+class Master:
+    """Answers as a master does, and remembers types of topics that are no more."""
+
+    STATE = [
+        [["/chatter", ["/talker", "/bridge"]], ["/own", ["/bridge"]]],
+        [["/chatter", ["/listener"]]],
+        [["/reset", ["/plant"]], ["/bridge/x", ["/bridge"]]],
+    ]
+
+    def request(self, calls: List[Any]) -> List[Any]:
+        answers = {
+            ("getSystemState",): self.STATE,
+            ("getPublishedTopics", ""): [["/chatter", "std_msgs/String"], ["/own", "*"]],
+            ("getTopicTypes",): [["/chatter", "std_msgs/String"], ["/gone", "std_msgs/Int8"]],
+            ("getPid",): 7,
+        }
+        return [(1, "", answers[call]) for call in calls]
+
+
+def test_others_and_what_they_publish() -> None:
+    client: Any = Master()
+    graph = look(client, {"/bridge"})
+    assert graph.publishers == {"/chatter": {"/talker"}}
+    assert graph.subscribers == {"/chatter": {"/listener"}}
+    assert (graph.services, graph.master_pid) == ({"/reset": "/plant"}, 7)
+    assert graph.nodes() == {"/talker", "/listener", "/plant"}
+
+
+def test_the_age_of_the_master_does_not_matter() -> None:
+    client: Any = Master()
+    assert "/gone" not in look(client, set()).types
+
+
+def test_what_is_no_master() -> None:
+    client: Any = Master()
+    client.STATE = 3
+    with pytest.raises(MasterUnreachable, match="no answer of a master"):
+        look(client, set())

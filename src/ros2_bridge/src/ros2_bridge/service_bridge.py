@@ -46,7 +46,7 @@ class ServiceBridge:
         """
         in_ros1 = set(ros1.services) - described(set(ros1.services))
         in_ros2 = {name for name, (kind, _) in ros2.items() if not kind.startswith(OWN_WAYS)}
-        self._asked.forget(in_ros1)
+        self._asked.look(in_ros1)
         # A name that both sides have is not called for the other.
         ways = wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1)
         for way in self._patience.gone(self.pairs, ways):

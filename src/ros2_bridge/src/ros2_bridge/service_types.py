@@ -1,5 +1,6 @@
 """Of which type the services of ROS 1 are: their servers tell, each when it is asked."""
 
+import itertools
 import threading
 from typing import Dict, Optional, Set
 
@@ -8,6 +9,8 @@ from nodekit.transport.service_call import ServiceCall
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
+#: Most servers that are asked again at a look: whoever is killed leaves all of them with the master.
+_AGAIN = 2
 
 
 class ServiceTypes:
@@ -17,6 +20,9 @@ class ServiceTypes:
         self._lock = threading.Lock()
         self._asked: Set[str] = set()
         self._found: Dict[str, str] = {}
+        #: Whose servers have not answered, in the order in which they were asked.
+        self._silent: Dict[str, None] = {}
+        self._again: Set[str] = set()
 
     def of(self, name: str) -> Optional[str]:
         """Return the type of a service, None where it is not known yet: then it is asked for."""
@@ -25,22 +31,31 @@ class ServiceTypes:
                 return self._found[name]
             if name in self._asked or len(self._asked) >= _MOST:
                 return None
+            if name in self._silent and name not in self._again:
+                return None
             self._asked.add(name)
+            self._again.discard(name)
         threading.Thread(target=self._ask, args=(name,), daemon=True).start()
         return None
 
-    def forget(self, there: Set[str]) -> None:
-        """Forget all services but these."""
+    def look(self, there: Set[str]) -> None:
+        """Begin a look: forget all services but these, and choose who is asked again."""
         with self._lock:
             self._found = {name: kind for name, kind in self._found.items() if name in there}
+            self._silent = {name: None for name in self._silent if name in there}
+            self._again = set(itertools.islice(self._silent, _AGAIN))
 
     def _ask(self, name: str) -> None:
         call = ServiceCall(_TIMEOUT_S)
         try:
             Server(name, None).look(call)
         except CallError:
-            pass  # it is asked again at the next look
-        with self._lock:
-            self._asked.discard(name)
-            if "type" in call.said:
-                self._found[name] = call.said["type"]
+            pass  # it is asked again when its turn comes
+        finally:
+            with self._lock:
+                self._asked.discard(name)
+                self._silent.pop(name, None)
+                if "type" in call.said:
+                    self._found[name] = call.said["type"]
+                else:
+                    self._silent[name] = None

@@ -1,0 +1,76 @@
+"""Whom the bridge asks for the types of services, and how often."""
+
+import collections
+import threading
+from typing import Any, Counter, Iterator
+
+import pytest
+
+from nodekit.life.server import CallError
+from nodekit.testing.waiting import wait_until
+from ros2_bridge import service_types
+
+
+class Servers:
+    """Stands in for all servers: some answer, some do not, one is a defect."""
+
+    def __init__(self) -> None:
+        self.asked: "Counter[str]" = collections.Counter()
+
+    def __call__(self, name: str, _: Any) -> Any:
+        self.asked[name] += 1
+        server, answers = self, name.startswith("/good")
+
+        class One:
+            def look(self, call: Any) -> None:
+                if name == "/defect":
+                    raise ValueError(server)
+                if not answers:
+                    raise CallError(name)
+                call.said["type"] = "std_srvs/Trigger"
+
+        return One()
+
+
+@pytest.fixture
+def servers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Servers]:
+    made = Servers()
+    monkeypatch.setattr(service_types, "Server", made)
+    monkeypatch.setattr(threading, "excepthook", lambda _: None)
+    yield made
+
+
+def look(types: service_types.ServiceTypes, names: Any) -> None:
+    """Look once, and wait for those who were asked."""
+    types.look(set(names))
+    for name in names:
+        types.of(name)
+    wait_until(lambda: not types._asked, lambda: str(types._asked))
+
+
+def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
+    types = service_types.ServiceTypes()
+    silent = [f"/silent{number}" for number in range(8)]
+    look(types, silent)
+    assert set(servers.asked.values()) == {1} and len(servers.asked) == 8
+    for _ in range(4):
+        look(types, silent)
+    assert set(servers.asked.values()) == {2}  # two at each look, and each of them once
+    look(types, [*silent, "/good"])
+    assert types.of("/good") == "std_srvs/Trigger"  # nobody waits for those
+    assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
+
+
+def test_who_is_gone_is_forgotten(servers: Servers) -> None:
+    types = service_types.ServiceTypes()
+    look(types, ["/good", "/silent"])
+    look(types, [])
+    look(types, ["/good", "/silent"])
+    assert servers.asked == {"/good": 2, "/silent": 2}
+
+
+def test_a_defect_takes_nobody_s_turn(servers: Servers) -> None:
+    types = service_types.ServiceTypes()
+    for _ in range(service_types._MOST + 1):
+        look(types, ["/defect"])
+    assert servers.asked["/defect"] == service_types._MOST + 1

@@ -1,6 +1,7 @@
 """The bridge as ROS 2 sees it: one participant with many nodes."""
 
 import collections
+import ctypes
 import os
 import threading
 import time
@@ -23,6 +24,9 @@ from ros2_bridge.wait_loop import Source, WaitLoop
 _PARTICIPANT = 12
 #: Longest time for taking leave, s: Ctrl-C ends the bridge within 2 s.
 _LEAVE_S = 0.7
+#: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
+#: have, adds up the failures, and would say of each endpoint that there are too many to be told.
+_forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
 def _profile(quality: Quality) -> QoSProfile:
@@ -102,13 +106,15 @@ class Ros2:
     def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
         """Publish a topic: ``publish`` of what is returned takes bytes."""
         with self._lock:
+            publisher = self.node.create_publisher(cls, topic, _profile(quality))
+            _forget_failures()
             self._published[topic] += 1
-            return self.node.create_publisher(cls, topic, _profile(quality))
+            return publisher
 
     def destroy_publisher(self, publisher: Any) -> None:
         """Publish a topic no longer."""
         with self._lock:
-            self._published[publisher.topic_name] -= 1
+            _uncount(self._published, publisher.topic_name)
             self.node.destroy_publisher(publisher)
 
     def subscribe(
@@ -120,10 +126,11 @@ class Ros2:
         :returns: what ends it
         """
         with self._lock:
-            self._heard[topic] += 1
             subscription = self.node.create_subscription(
                 cls, topic, lambda message: None, _profile(quality), raw=True
             )
+            _forget_failures()
+            self._heard[topic] += 1
         handle = subscription.handle
 
         def take(most: int) -> None:
@@ -140,7 +147,7 @@ class Ros2:
 
         def destroy() -> None:
             with self._lock:
-                self._heard[topic] -= 1
+                _uncount(self._heard, topic)
                 self.node.destroy_subscription(subscription)
 
         return lambda: self.messages.remove(source, destroy)
@@ -157,6 +164,7 @@ class Ros2:
         """
         with self._lock:
             service = node.create_service(cls, name, lambda request, response: response)
+            _forget_failures()
 
         def take(most: int) -> None:
             for _ in range(most):
@@ -184,6 +192,7 @@ class Ros2:
         """
         with self._lock:
             client = self.node.create_client(cls, name)
+            _forget_failures()
         source = Source("client", client, take)
         self.calls.add(source)
 
@@ -204,6 +213,11 @@ class Ros2:
                     node.destroy_node()
             rclpy.shutdown(context=self.context)
 
+    def topics(self) -> Set[str]:
+        """Return the topics that we publish or hear."""
+        with self._lock:
+            return {*self._published, *self._heard}
+
     def is_alone_with(self, topic: str) -> bool:
         """Tell quickly whether nobody else has anything to do with a topic."""
         return bool(
@@ -219,6 +233,12 @@ class Ros2:
     def is_ours(self, gid: bytes) -> bool:
         """Tell whether the endpoint of this name is one of our own."""
         return gid.startswith(self.participant)
+
+
+def _uncount(counter: "Counter[str]", topic: str) -> None:
+    counter[topic] -= 1
+    if not counter[topic]:
+        del counter[topic]
 
 
 def _send(service: Any, header: Any, response: Any) -> None:

@@ -13,10 +13,10 @@ from nodekit.live.master import MasterClient
 from nodekit.live.watcher import get_watcher
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals.shutdown import before_shutdown
-from ros2_bridge import ros1_graph, rosout
+from ros2_bridge import ros1_graph
 from ros2_bridge.names_in_ros1 import NamesInRos1
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.pairing import is_never_bridged
+from ros2_bridge.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.ros2_graph import Ros2Graph
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.rosout import Rosout
@@ -81,7 +81,7 @@ class Looking:
         values, in_ros2, topics = self._parameters.values, self._graph.nodes(), self._graph.topics()
         rules = values.openings(self._renaming)
         self._names.look(in_ros2 - ros1.nodes(), is_restarted)
-        self._rosout.look(rosout.TOPIC in topics and bool(topics[rosout.TOPIC].subscribers))
+        self._rosout.look(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
         self._topics.look(rules, ros1, topics)
         services = self._graph.services(in_ros2)
         parameters, most = values.parameters, values.max_nodes

@@ -7,10 +7,12 @@ from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence,
 
 from ros2_bridge.renaming import Renaming
 
+#: The log, which is bridged one way, with the names of the nodes.
+ROSOUT = "/rosout"
 #: Names that each side has for itself, or that are bridged in a way of their own.
 NEVER = (
     *(
-        "/rosout",
+        ROSOUT,
         "/rosout_agg",
         "/parameter_events",
         "/statistics",

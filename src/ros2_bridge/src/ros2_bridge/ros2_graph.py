@@ -1,12 +1,16 @@
 """What others have in ROS 2: nodes, topics and services."""
 
-from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from ros2_bridge.pairing import is_never_bridged
+from nodekit.live.turns import Turns
+from ros2_bridge.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.renaming import Renaming
 from ros2_bridge.ros2_side import Ros2
+
+#: Most of our own topics for whose other users is searched at a look.
+_TOGETHER = 50
 
 
 class Topic(NamedTuple):
@@ -38,6 +42,9 @@ class Ros2Graph:
     def __init__(self, side: Ros2, names: Renaming) -> None:
         self._side, self._names = side, names
         self.nameless: Set[str] = set()
+        self._turns = Turns(_TOGETHER)
+        #: Topics of ours that others use too, as far as was seen.
+        self._shared: Set[str] = set()
 
     def _named(self, name: str) -> Optional[str]:
         """Return the name in ROS 1; what each side has for itself keeps the one it has."""
@@ -51,9 +58,7 @@ class Ros2Graph:
     def topics(self) -> Dict[str, Topic]:
         """Return the topics that others use."""
         found = {}
-        for name, _ in self._side.node.get_topic_names_and_types():
-            if self._side.is_alone_with(name):
-                continue
+        for name in self._used():
             publishers = self._others(self._side.node.get_publishers_info_by_topic(name))
             subscribers = self._others(self._side.node.get_subscriptions_info_by_topic(name))
             if not publishers and not subscribers:
@@ -72,32 +77,64 @@ class Ros2Graph:
             )
         return found
 
+    def _used(self) -> Set[str]:
+        """Return the topics that others use.
+
+        For each question about a topic ROS 2 goes through all endpoints that there are, so it is
+        not asked about each topic of ours, which may be thousands. Those that nodes use, the nodes
+        tell. Whoever is no node, only DDS, is found in turn.
+        """
+        node, ours = self._side.node, self._side.topics()
+        names = {name for name, _ in node.get_topic_names_and_types()} - ours
+        names |= self._shared.union(self._turns.next(sorted(ours)))
+        for other in self._all_nodes():
+            for ask in (
+                node.get_publisher_names_and_types_by_node,
+                node.get_subscriber_names_and_types_by_node,
+            ):
+                names.update(name for name, _ in _asked(ask, other))
+        used = {name for name in names if _is_of_use(name) and not self._side.is_alone_with(name)}
+        self._shared = used & ours
+        return used
+
+    def _all_nodes(self) -> Set[str]:
+        """Return the names in ROS 2 of all nodes that are not ours."""
+        names = self._side.node.get_node_names_and_namespaces()
+        found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
+        return found - self._side.own_names()
+
     def _others(self, endpoints: List[Any]) -> List[Any]:
         return [one for one in endpoints if not self._side.is_ours(bytes(one.endpoint_gid))]
 
     def nodes(self) -> Set[str]:
         """Return the names of the nodes that are not ours."""
-        names = self._side.node.get_node_names_and_namespaces()
-        found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
-        theirs = {name for name in found if not _is_hidden(name)} - self._side.own_names()
+        theirs = {name for name in self._all_nodes() if not _is_hidden(name)}
         return {name for name in map(self._named, theirs) if name is not None}
 
     def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:
         """Return type and node of each service that some nodes of ROS 2 offer."""
         found = {}
         for node in nodes:
-            namespace, _, base = (self._names.in_ros2(node) or node).rpartition("/")
-            try:
-                offered = self._side.node.get_service_names_and_types_by_node(
-                    base, namespace or "/"
-                )
-            except Exception:  # rclpy's own, where the node has just gone
-                continue
-            for name, types in offered:
+            ask = self._side.node.get_service_names_and_types_by_node
+            for name, types in _asked(ask, self._names.in_ros2(node) or node):
                 name_in_ros1 = self._named(name)
                 if name_in_ros1 is not None:
                     found[name_in_ros1] = (types[0], node)
         return found
+
+
+def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
+    """Return names and types that rclpy tells of a node; nothing where it has just gone."""
+    namespace, _, base = node.rpartition("/")
+    try:
+        return list(ask(base, namespace or "/"))
+    except Exception:  # rclpy's own
+        return []
+
+
+def _is_of_use(topic: str) -> bool:
+    """Tell whether it matters who uses a topic."""
+    return topic == ROSOUT or not is_never_bridged(topic)
 
 
 def _full_name(endpoint: Any) -> str:

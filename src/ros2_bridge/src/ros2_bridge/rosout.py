@@ -7,11 +7,11 @@ from rcl_interfaces.msg import Log
 from nodekit import Node
 from nodekit.execution.groups import Outside
 from ros2_bridge import ros1
+from ros2_bridge.pairing import ROSOUT
 from ros2_bridge.renaming import Renaming
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.settings import Quality
 
-TOPIC = "/rosout"
 #: ROS 2's levels by ROS 1's.
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 
@@ -26,7 +26,7 @@ class Rosout:
 
     def __init__(self, node: Node, side: Ros2, names: Renaming) -> None:
         self._node, self._names = node, names
-        self._publisher = side.publisher(Log, TOPIC, Quality(1000, latched=True))
+        self._publisher = side.publisher(Log, ROSOUT, Quality(1000, latched=True))
         self._hearing: Any = None
 
     def look(self, is_read: bool) -> None:
@@ -36,7 +36,7 @@ class Rosout:
         """
         if is_read and self._hearing is None:
             self._hearing = self._node.lifetime()
-            self._hearing.subscribe(TOPIC, ros1.Log, self._forward, group=Outside())
+            self._hearing.subscribe(ROSOUT, ros1.Log, self._forward, group=Outside())
         elif not is_read and self._hearing is not None:
             self._hearing.close()
             self._hearing = None

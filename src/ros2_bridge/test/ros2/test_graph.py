@@ -3,6 +3,7 @@
 import struct
 import subprocess
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 import rospy
@@ -14,6 +15,8 @@ from tf2_msgs.msg import TFMessage
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.renaming import Renaming
+from ros2_bridge.ros2_graph import Ros2Graph
 from test_topics import publisher1
 
 
@@ -115,3 +118,54 @@ def test_pairs_are_printed(ros: both.Both) -> None:
     assert "basic_comms/signal_msg <=> basic_comms/msg/SignalMsg" in pairs
     assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in pairs
     assert "only sensor_msgs/Range of ROS 2 has the field variance" in done.stderr
+
+
+class ManyTopics:
+    """Stands in for our side of a graph: 200 topics of ours, one of which others use too."""
+
+    def __init__(self) -> None:
+        self.node, self.asked = self, 0
+        self.names = [f"/t{number}" for number in range(200)]
+
+    def topics(self) -> Any:
+        return set(self.names)
+
+    def own_names(self) -> Any:
+        return {"/bridge"}
+
+    def is_alone_with(self, topic: str) -> bool:
+        self.asked += 1
+        return topic != "/t150"
+
+    def is_ours(self, gid: bytes) -> bool:
+        return gid != b"theirs"
+
+    def get_topic_names_and_types(self) -> Any:
+        return [(name, []) for name in (*self.names, "/rosout", "/parameter_events")]
+
+    def get_node_names_and_namespaces(self) -> Any:
+        return [("bridge", "/")]
+
+    def get_publishers_info_by_topic(self, topic: str) -> Any:
+        return []
+
+    def get_subscriptions_info_by_topic(self, topic: str) -> Any:
+        assert topic != "/parameter_events"  # hundreds are published, by nodes of ours
+        return [
+            SimpleNamespace(
+                endpoint_gid=b"theirs" if topic == "/t150" else b"ours",
+                topic_type="",
+                node_name="_DDS_",
+                node_namespace="/",
+            )
+        ]
+
+
+def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
+    side: Any = ManyTopics()
+    graph, seen = Ros2Graph(side, Renaming()), []
+    for look in range(8):
+        seen.append("/t150" in graph.topics())
+    first = seen.index(True)
+    assert first < 4 and all(seen[first:])  # whoever is no node is found, and not lost again
+    assert side.asked <= 8 * 53

@@ -3,6 +3,7 @@
 from typing import Callable, Dict, Set, Tuple, Union
 
 from rclpy.node import Node as Ros2Node
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
 from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
@@ -57,12 +58,14 @@ class ServiceBridge:
             if isinstance(pair, ServiceToRos2) and pair.home is not home:
                 self.pairs.pop(way).close()  # its node appears in ROS 2 only now, or no longer
             if way not in self.pairs:
-                self._begin(way, rules, home, ros2)
+                with self._telling.guarding(way.name):
+                    self._begin(way, rules, home, ros2)
 
     def _begin(
         self, way: Way, rules: Rules, home: Ros2Node, ros2: Dict[str, Tuple[str, str]]
     ) -> None:
         names = (way.name, rules.names.in_ros2(way.name) or way.name)
+        validate_full_topic_name(names[1], is_service=True)
         try:
             if way.to_ros2:
                 kind = self._asked.of(way.name)

@@ -43,9 +43,9 @@ class ServiceToRos2:
     ) -> None:
         self.home = home
         self._kind, self._timeout = kind, timeout
+        self._end = side.serve(home, kind.cls, other, self._answer)
         self._made = node.lifetime()
         self._client = self._made.client(name, kind.raw, group=Outside())
-        self._end = side.serve(home, kind.cls, other, self._answer)
 
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
         """Have the service called in a thread of its own: this one is everybody's."""

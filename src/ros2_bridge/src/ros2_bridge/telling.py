@@ -1,8 +1,9 @@
 """Says what is not bridged, each reason once and at most one line a second."""
 
+import contextlib
 import threading
 import time
-from typing import List, Set
+from typing import Iterator, List, Set
 
 import rospy
 
@@ -27,6 +28,19 @@ class Telling:
             if sentence not in self._said:
                 self._said.add(sentence)
                 self._waiting.append(sentence)
+
+    @contextlib.contextmanager
+    def guarding(self, name: str) -> Iterator[None]:
+        """Say why something cannot be bridged, whatever it is: all else must be.
+
+        :param name: of a topic, service or node
+        """
+        try:
+            yield
+        except Exception as error:
+            # Of rclpy's texts some draw below where in the name it is.
+            why = (str(error) or repr(error)).partition("\n")[0].rstrip(":")
+            self.say(f"{name}: {why}")
 
     def look(self) -> None:
         """Log what is waiting, if it is time."""

@@ -2,6 +2,8 @@
 
 from typing import Dict, List, Optional, Union
 
+from rclpy.validate_full_topic_name import validate_full_topic_name
+
 from nodekit import Node
 from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
 from ros2_bridge.ros1_graph import Ros1Graph
@@ -40,17 +42,31 @@ class TopicBridge:
         for way in ways:
             found = ros2.get(way.name)
             pair = self.pairs.get(way)
+            type1 = ros1.types.get(way.name)
+            if pair is not None and not self._has_type(pair, type1, found):
+                self.pairs.pop(way).close()
+                continue  # of the new type at the next look: ROS 2 has the old one until then
             if isinstance(pair, ToRos1) and found is not None and not pair.is_still(found):
                 self.pairs.pop(way).close()
                 pair = None
             if pair is None:
-                self._begin(way, rules, ros1.types.get(way.name), found)
+                with self._telling.guarding(way.name):
+                    self._begin(way, rules, type1, found)
         for way, pair in self.pairs.items():
             if isinstance(pair, ToRos2):
                 found = ros2.get(way.name)
                 pair.look(found is not None and bool(found.subscribers))
             else:
                 pair.look()
+
+    def _has_type(
+        self, pair: Union[ToRos1, ToRos2], type1: Optional[str], found: Optional[Topic]
+    ) -> bool:
+        """Tell whether a topic is still published with the type of its pair."""
+        if isinstance(pair, ToRos2):
+            return type1 in (None, "*", pair.kind.ros1)
+        types = found.types if found is not None else set()
+        return not types or pair.kind.ros1 in map(self._types.ros1_name, types)
 
     def _begin(self, way: Way, rules: Rules, type1: Optional[str], found: Optional[Topic]) -> None:
         try:
@@ -61,6 +77,7 @@ class TopicBridge:
         if kind is None:
             return
         names = (way.name, rules.names.in_ros2(way.name) or way.name)
+        validate_full_topic_name(names[1])  # /robot/1 is one in ROS 1, and none in ROS 2
         if way.to_ros2:
             self.pairs[way] = ToRos2(self._node, self._side, *names, kind, self._qualities)
         elif found is not None:

@@ -135,7 +135,11 @@ class ToRos1:
         self._made = node.lifetime()
         self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
         self._end: Optional[Callable[[], None]] = None
-        self.look()
+        try:
+            self.look()
+        except BaseException:
+            self.close()
+            raise
 
     def look(self) -> None:
         """Hear the topic, or no longer."""

@@ -1,14 +1,20 @@
 """Topics, both ways."""
 
+import contextlib
 import struct
-from typing import Any
+import xmlrpc.client
+from typing import Any, List
 
 import rospy
 from basic_comms.msg import SignalMsg
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from std_msgs.msg import Float32, String
 
 import both
 from nodekit.testing.waiting import wait_until
+
+
+RCLError = _rclpy.RCLError
 
 
 def publisher1(ros: both.Both, topic: str, kind: str, latch: bool = False) -> Any:
@@ -91,3 +97,54 @@ def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) 
         ear.end()
     out1.unregister()
     ros.node.destroy_publisher(out2)
+
+
+def test_another_type_is_noticed(ros: both.Both, bridge: both.Bridge) -> None:
+    def types2() -> Any:
+        return dict(ros.node.get_topic_names_and_types()).get("/changing")
+
+    def types1() -> Any:
+        return dict(rospy.get_master().getTopicTypes()[2]).get("/changing")
+
+    number1 = publisher1(ros, "/changing", "std_msgs/Float32")
+    wait_until(lambda: types2() == ["std_msgs/msg/Float32"], lambda: str(types2()))
+    number1.unregister()  # and at once, before the bridge takes it for gone:
+    text1 = publisher1(ros, "/changing", "std_msgs/String", latch=True)
+    text1.send(struct.pack("<I", 3) + b"abc")
+    ear = ros.hear2("/changing", String, latched=True)
+    assert ear.wait()[0].data == "abc"
+    ear.end()
+    text1.unregister()
+    wait_until(lambda: not types2(), lambda: str(types2()))
+    # The master says of it for ever what it was last.
+    number2 = ros.node.create_publisher(Float32, "/changing", 10)
+    wait_until(lambda: types1() == "std_msgs/Float32", lambda: str(types1()))
+    ros.node.destroy_publisher(number2)
+    text2: List[Any] = []
+
+    def is_made() -> bool:
+        with contextlib.suppress(RCLError):  # the executor still holds the other one
+            text2.append(ros.node.create_publisher(String, "/changing", 10))
+        return bool(text2)
+
+    wait_until(is_made, lambda: "no publisher of another type")
+    wait_until(lambda: types1() == "std_msgs/String", lambda: str(types1()))
+    ros.node.destroy_publisher(text2[0])
+    assert not bridge.logged("Traceback") and not bridge.logged("/changing")
+
+
+def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
+    for number in range(80):  # of a node that was killed: the master goes on to list them
+        name = f"/many/of_a_group/topic{number}"
+        args = ("/killed", name, "basic_comms/signal_msg", "http://localhost:1/")
+        xmlrpc.client.ServerProxy(ros.master.uri).registerPublisher(*args)
+    illegal = publisher1(ros, "/1/number", "std_msgs/Float32")
+    out = publisher1(ros, "/many/last", "basic_comms/signal_msg", latch=True)
+    out.send(struct.pack("<ffdf", 2.0, 6.25, 0.5, -1.5))
+    ear = ros.hear2("/many/last", SignalMsg, latched=True)
+    assert ear.wait()[0].signal_y == -1.5
+    ear.end()
+    assert not bridge.logged("truncated")  # of a type's failures that are none
+    bridge.wait_for_log("not bridged: /1/number", "token that starts with a number")
+    out.unregister()
+    illegal.unregister()

@@ -29,6 +29,8 @@ from ros2_bridge.steps import (
 #: What begins each CDR message: little endian, no options.
 _CDR = b"\0\1\0\0"
 _LENGTH = struct.Struct("<I")
+#: What bytes that are no message make a step raise.
+_FAILURES = (struct.error, ConversionError)
 
 
 class _Compiler:
@@ -120,5 +122,5 @@ class Codec:
     def _convert(self, step: Step, source: Any, out: bytearray) -> int:
         try:
             return step(source, 0, out)
-        except (struct.error, ConversionError) as error:
+        except _FAILURES as error:
             raise ConversionError(f"{self._type}: {error}") from None

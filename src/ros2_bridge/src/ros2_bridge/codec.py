@@ -51,19 +51,18 @@ class _Compiler:
         if not field.is_array:
             return element
         if field.length is not None:
-            return self._fixed_array(field, element)
+            return self._fixed_array(field.base, field.length, element)
         numbers = [piece for piece in element if isinstance(piece, Number)]
-        sizes = {number.size for number in numbers if number not in (SEQ, EMPTY)}
-        if len(numbers) < len(element) or len(sizes) != 1 or SEQ in numbers or EMPTY in numbers:
+        sizes = {number.size for number in numbers}
+        if len(numbers) < len(element) or len(sizes) != 1 or EMPTY in numbers:
             least = sum(piece.bytes1 if isinstance(piece, Number) else 4 for piece in element)
             return [array(chain(element), least)]
         (size,) = sizes
         return [block(size, sum(number.bytes1 for number in numbers) // size)]
 
-    def _fixed_array(self, field: Field, element: List[Piece]) -> List[Piece]:
-        length = field.length or 0
-        if field.base in SIZES and length:
-            return [number(SIZES[field.base], length)]
+    def _fixed_array(self, base: str, length: int, element: List[Piece]) -> List[Piece]:
+        if base in SIZES:
+            return [number(SIZES[base], length)]
         if all(isinstance(piece, Number) for piece in element) and length * len(element) < 1000:
             return element * length
         return [repeated(chain(element), length)]

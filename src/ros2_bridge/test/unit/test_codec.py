@@ -81,6 +81,7 @@ def test_every_kind_of_field_comes_back(data: bytes) -> None:
     assert codec.to_cdr(back) == cdr
     assert len(back) == len(data)
     assert codec.to_ros1(cdr, seq) == back
+    assert codec.to_ros1(cdr) == b"\0\0\0\0" + back[4:]
 
 
 @given(st.data())
@@ -117,6 +118,37 @@ def test_as_genpy_writes_it() -> None:
         + struct.pack("<Idd", 2, 1.5, -2.5)  # at a multiple of 8 by itself
         + struct.pack("<iI", -3, 5)
     )
+
+
+@pytest.mark.parametrize(
+    "definition, data, cdr",
+    [
+        # A message in an array has gaps where its numbers differ in size, and none where not.
+        ("uint8 x\nfloat64 y", "<I Bd Bd", "<I B3x d B7x d"),
+        ("uint16 x\nuint16 y", "<I HH HH", "<I HH HH"),
+        ("empty z\nuint8 x\nuint8 y", "<I BB BB", "<I xBB xBB"),
+    ],
+)
+def test_arrays_of_messages(definition: str, data: str, cdr: str) -> None:
+    text = f"some[] v{SEPARATOR}MSG: pkg/some\n{definition}{SEPARATOR}MSG: pkg/empty\n"
+    codec = Codec("pkg/a", parse("pkg/a", text))
+    numbers = (2, 1, 2, 3, 4)
+    assert codec.to_cdr(struct.pack(data, *numbers)) == b"\0\1\0\0" + struct.pack(cdr, *numbers)
+    assert codec.to_ros1(b"\0\1\0\0" + struct.pack(cdr, *numbers)) == struct.pack(data, *numbers)
+
+
+def test_the_shortest_element_of_an_array() -> None:
+    text = f"some[] v{SEPARATOR}MSG: pkg/some\nstring x\nuint8 y"
+    codec = Codec("pkg/a", parse("pkg/a", text))
+    assert codec.to_ros1(codec.to_cdr(struct.pack("<IIB", 1, 0, 7))) == struct.pack("<IIB", 1, 0, 7)
+
+
+def test_a_refusal_says_what_is_wrong() -> None:
+    codec = Codec("pkg/a", parse("pkg/a", "uint8 x"))
+    with pytest.raises(ConversionError, match="^pkg/a: 2 bytes too many"):
+        codec.to_cdr(b"\1\2\3")
+    with pytest.raises(ConversionError, match=r"b'\\x00\\x00\\x00\\x00' does not begin a little-end"):
+        codec.to_ros1(b"\0\0\0\0\1")
 
 
 def test_what_is_empty_has_one_byte_in_ros2() -> None:

@@ -5,9 +5,11 @@ are the same, and those of a later moment too: no sample is shown in one bin now
 a moment later, and a peak of a single sample is never lost.
 """
 
-from typing import List, Union
+from typing import List, Sequence, Union
 
 import numpy
+
+from topic_scope.ring import Samples
 
 
 def bin_of(time: float, width: float) -> int:
@@ -38,20 +40,39 @@ def extremes(
     :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample, infinity for one
         that no line may cross: with samples of which none is finite, or too long after the last
     """
-    result = numpy.full((count, 2), numpy.nan)
-    ends = (first + 1 + numpy.arange(count)) * width
-    before = numpy.concatenate([[-numpy.inf], times])[numpy.searchsorted(times, ends)]
-    result[ends - before > longest] = numpy.inf
-    bins = numpy.floor(times / width).astype(numpy.int64) - first
-    inside = (bins >= 0) & (bins < count)
-    result[bins[inside & ~numpy.isfinite(values)]] = numpy.inf
-    used = inside & numpy.isfinite(values)
-    bins, values = bins[used], values[used]
+    return all_extremes([(times, values)], first, count, width, [longest])[0]
+
+
+def all_extremes(
+    traces: Sequence[Samples], first: int, count: int, width: float, longest: Sequence[float]
+) -> numpy.ndarray:
+    """Return the extremes of several traces, which have the same bins; see :func:`extremes`.
+
+    All at once, as a frame has few samples of each: it is the calls of numpy that take the time.
+
+    :param traces: at least one
+    :param longest: for each trace
+    :returns: a row for each trace
+    """
+    times, values = (numpy.concatenate(parts) for parts in zip(*traces))
+    size = count + 2  # one more on either side, for what lies outside
+    rows = numpy.repeat(numpy.arange(len(traces)) * size, [len(trace[0]) for trace in traces])
+    bins = numpy.floor(times / width).astype(numpy.int64) - (first - 1)
+    bins = numpy.minimum(numpy.maximum(bins, 0), size - 1) + rows
+    latest = numpy.full(len(traces) * size, -numpy.inf)
+    latest[bins] = times  # of several in a bin the last one stays
+    before = numpy.maximum.accumulate(latest.reshape(-1, size), axis=1)
+    ends = (first + numpy.arange(size)) * width
+    result = numpy.full((len(traces) * size, 2), numpy.nan)
+    result[(ends - before > numpy.array(longest)[:, None]).ravel()] = numpy.inf
+    finite = numpy.isfinite(values)
+    result[bins[~finite]] = numpy.inf
+    bins, values = bins[finite], values[finite]
     if len(bins):
-        starts = numpy.flatnonzero(numpy.append(True, bins[1:] != bins[:-1]))
+        starts = numpy.append(True, bins[1:] != bins[:-1]).nonzero()[0]
         result[bins[starts], 0] = numpy.minimum.reduceat(values, starts)
         result[bins[starts], 1] = numpy.maximum.reduceat(values, starts)
-    return result.ravel()
+    return result.reshape(len(traces), size, 2)[:, 1:-1].reshape(len(traces), -1)
 
 
 def lasts(
@@ -79,6 +100,8 @@ def as_json(values: numpy.ndarray) -> List[Union[float, bool, None]]:
     :param values: what :func:`extremes` returns
     """
     numbers: List[Union[float, bool, None]] = values.tolist()
-    for index in numpy.flatnonzero(~numpy.isfinite(values)):
-        numbers[index] = None if numpy.isnan(values[index]) else False
+    for index in numpy.isnan(values).nonzero()[0].tolist():
+        numbers[index] = None
+    for index in numpy.isinf(values).nonzero()[0].tolist():
+        numbers[index] = False
     return numbers

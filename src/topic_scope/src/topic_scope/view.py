@@ -3,8 +3,10 @@
 import math
 from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 
+import numpy
+
 from topic_scope import protocol
-from topic_scope.decimation import as_json, bin_of, extremes, lasts
+from topic_scope.decimation import all_extremes, as_json, bin_of, lasts
 from topic_scope.looks import Source
 
 #: Returns how far apart samples of one line of a field may be, s.
@@ -101,15 +103,14 @@ class LiveView:
         else:
             first = min(first, bin_of(changed, width))
         count = max(last - first + 1, 0)
-        traces, ends = {}, {}
-        for field in self.fields:
-            longest = longest_step(field)
+        longest, samples, ends = [longest_step(field) for field in self.fields], [], {}
+        for field, step in zip(self.fields, longest):
             # A little more than the bins, whose edges are rounded otherwise.
-            begin = (first - 0.5) * width - (longest if math.isfinite(longest) else 0.0)
-            samples = source(field, begin, (last + 1.5) * width)
-            traces[field] = as_json(extremes(*samples, first, count, width, longest))
+            begin = (first - 0.5) * width - (step if math.isfinite(step) else 0.0)
+            samples.append(source(field, begin, (last + 1.5) * width))
             if self.stepped(field):
-                ends[field] = as_json(lasts(*samples, first, count, width))
+                ends[field] = as_json(lasts(*samples[-1], first, count, width))
+        found = all_extremes(samples, first, count, width, longest) if samples else numpy.empty(0)
         self._open = max(last, first)
         self._complete = self._view.end is not None and now > end + LATE_S
         return {
@@ -118,7 +119,7 @@ class LiveView:
             "bin": width,
             "reset": reset,
             "first": first,
-            "traces": traces,
+            "traces": {field: as_json(row) for field, row in zip(self.fields, found)},
             **({"lasts": ends} if ends else {}),
         }
 

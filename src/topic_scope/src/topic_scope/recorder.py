@@ -1,5 +1,6 @@
 """Records the fields that are looked at: from names to samples."""
 
+import itertools
 import math
 from collections import deque
 from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -174,6 +175,9 @@ class Recorder:
         earliest = now
         taps = self._source.open()
         self._latest = {topic: one for topic, one in self._latest.items() if topic in taps}
+        streams: Dict[str, List[Stream]] = {}
+        for stream in self._streams.values():
+            streams.setdefault(stream.topic, []).append(stream)
         for topic, tap in taps.items():
             for batch in tap.take():
                 layout = self._layouts.received(batch.header)
@@ -182,9 +186,8 @@ class Recorder:
                 self._arrays.setdefault(topic, Arrays()).look(layout, batch.messages[-1])
                 latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
                 self._latest[topic] = (layout, latest)
-                for stream in self._streams.values():
-                    if stream.topic == topic:
-                        earliest = min(earliest, stream.add(layout, batch))
+                for stream in streams.get(topic, []):
+                    earliest = min(earliest, stream.add(layout, batch))
         self._updates.append((now, earliest))
         return now
 
@@ -195,7 +198,8 @@ class Recorder:
         """
         if not self._updates or moment < self._updates[0][0]:
             return -math.inf
-        return min([moment] + [earliest for now, earliest in self._updates if now > moment])
+        new = itertools.takewhile(lambda update: update[0] > moment, reversed(self._updates))
+        return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
         """Return the samples of a field.

@@ -37,14 +37,13 @@ class Ring:
         :param received: when they were received, s
         """
         added = numpy.array([times, values, received])
-        late = self._end
-        if added.shape[1] and len(self) and added[0].min() < self._data[0, self._end - 1]:
-            here = self._data[0, self._start : self._end]
-            late = self._start + int(numpy.searchsorted(here, added[0].min(), "right"))
+        here = self._data[0, self._start : self._end]
+        times = numpy.concatenate([here[-1:], added[0]])
+        if (times[1:] < times[:-1]).any():
+            late = self._start + int(here.searchsorted(added[0].min(), "right"))
             added = numpy.hstack([self._data[:, late : self._end], added])
-        if numpy.any(numpy.diff(added[0]) < 0.0):
-            added = added[:, numpy.argsort(added[0], kind="stable")]
-        self._end = late
+            added = added[:, added[0].argsort(kind="stable")]
+            self._end = late
         self._append(added[:, -self._limit :])
 
     def _append(self, added: numpy.ndarray) -> None:
@@ -101,7 +100,7 @@ class Ring:
 
     def _forget(self, before: float, more: int) -> None:
         times = self._data[0, self._start : self._end]
-        self._start += int(numpy.searchsorted(times, before, "left"))
+        self._start += int(times.searchsorted(before, "left"))
         self._start = max(self._start, self._end + more - self._limit)
 
     def _make_room(self, count: int) -> None:
@@ -116,6 +115,5 @@ class Ring:
 
 
 def _between(samples: numpy.ndarray, start: float, end: float) -> numpy.ndarray:
-    first = int(numpy.searchsorted(samples[0], start, "left"))
-    last = int(numpy.searchsorted(samples[0], end, "right"))
-    return samples[:, first:last]
+    times = samples[0]  # its own method: a call of numpy's function takes three times as long
+    return samples[:, times.searchsorted(start, "left") : times.searchsorted(end, "right")]

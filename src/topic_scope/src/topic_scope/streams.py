@@ -66,7 +66,7 @@ class Trace:
         self._new = 0
         self._function = derived.make(function)
         self._paths = [path + part for part in derived.parts(function)]
-        self._decoders: List[Optional[Decoder]] = []
+        self._decoders: List[Decoder] = []
 
     @property
     def stream(self) -> "Stream":
@@ -75,21 +75,22 @@ class Trace:
 
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""
-        self._decoders = [_decoder(layout, path) for path in self._paths]
+        found = [_decoder(layout, path) for path in self._paths]
+        self._decoders = [decoder for decoder in found if decoder is not None]
         self._longest_step = None
 
-    def add(self, batch: Batch, times: numpy.ndarray) -> None:
+    def add(self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray) -> None:
         """Take the samples of some messages.
 
-        :param batch: the messages
+        :param messages: the messages
         :param times: when they were taken, by their own clock, s
+        :param received: when they were received, s
         """
-        decoders = [decoder for decoder in self._decoders if decoder is not None]
-        if len(decoders) == len(self._paths):
-            rows = numpy.array([decoder.decode(batch.messages) for decoder in decoders])
+        if len(self._decoders) == len(self._paths):
+            rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
             values = self._function(times, rows)
             late = len(times) - len(values)  # what is computed of two begins with the second
-            self.ring.append(times[late:], values, numpy.array(batch.times)[late:])
+            self.ring.append(times[late:], values, received[late:])
             self._new += len(values)
             if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
                 self._longest_step, self._new = None, 0
@@ -134,9 +135,11 @@ class Trace:
     def _between(self, start: float, end: float) -> "tuple[numpy.ndarray, ...]":
         # Sought with some more, as the ends are rounded otherwise than the samples' times.
         offset = self.stream.offset
+        if not offset:
+            return tuple(self.ring.between(start, end))
         times, *others = self.ring.between(start - offset - _MORE_S, end - offset + _MORE_S)
         times = times + offset
-        inside = slice(numpy.searchsorted(times, start), numpy.searchsorted(times, end, "right"))
+        inside = slice(times.searchsorted(start), times.searchsorted(end, "right"))
         return tuple(row[inside] for row in (times, *others))
 
 
@@ -157,7 +160,7 @@ class Stream:
         self._layout: Optional[Record] = None
         self.path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
-        self._latest: Optional[Tuple[Batch, numpy.ndarray]] = None
+        self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
         self._time = time_base.OwnTime(None)
 
     @property
@@ -193,7 +196,9 @@ class Stream:
             return self._add(batch, None)
         own = self._decoder.decode(batch.messages)
         # A part for each time that the clock was set back: of a bag much comes at once.
-        ends = (numpy.flatnonzero(numpy.diff(own) < -time_base.BACK_S) + 1).tolist()
+        ends = ((own[1:] - own[:-1] < -time_base.BACK_S).nonzero()[0] + 1).tolist()
+        if not ends:
+            return self._add(batch, own)
         return min(
             self._add(Batch(batch.header, batch.times[part], batch.messages[part]), own[part])
             for part in map(slice, [0, *ends], [*ends, len(own)])
@@ -208,8 +213,8 @@ class Stream:
                 for trace in self.traces:
                     trace.ring.move(back)
         for trace in self.traces:
-            trace.add(batch, times)
-        self._latest = (Batch(batch.header, batch.times[-1:], batch.messages[-1:]), times[-1:])
+            trace.add(batch.messages, times, received)
+        self._latest = (batch.messages[-1:], times[-1:], received[-1:])
         return float(times.min()) + offset if offset == self.offset else -numpy.inf
 
     def _read_as(self, layout: Record) -> None:

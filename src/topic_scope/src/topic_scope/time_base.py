@@ -145,13 +145,16 @@ class OwnTime:
         return numpy.where(silent, received - self.offset, own), back
 
     def _follow(self, received: numpy.ndarray, differences: numpy.ndarray) -> None:
-        recent = numpy.hstack([self._recent, [received, differences]])[:, -_RECENT:]
-        self._recent = recent[:, recent[0] >= recent[0, -1] - _RECENT_S]
+        recent = numpy.concatenate([self._recent, [received, differences]], axis=1)[:, -_RECENT:]
+        self._recent = recent[:, recent[0].searchsorted(recent[0, -1] - _RECENT_S) :]
+        self._settles_at = min(self._settles_at, received[0] + _RECENT_S)
+        settles = received[-1] >= self._settles_at and self._tolerance != SETTLED_S
+        if not settles and abs(differences - self.offset).max() <= self._tolerance:
+            return  # nothing speaks against what is known: the median would take the time
         median = float(numpy.median(self._recent[1]))
         if self._is_stamp and abs(median) < SAME_CLOCK_S:
             median = 0.0
-        self._settles_at = min(self._settles_at, received[0] + _RECENT_S)
-        if received[-1] >= self._settles_at and self._tolerance != SETTLED_S:
+        if settles:
             self.offset, self._tolerance = median, SETTLED_S
         if abs(median - self.offset) > self._tolerance:
             self.offset = median

@@ -58,14 +58,12 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
     band = HYSTERESIS * (high - low)
     # Short pulses leave a mean that is close to where they come from on one side only.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
-    ups, _ = edges(times, values, level, band)
+    ups = rises(times, values, level, band)
     return (len(ups) - 1) / float(ups[-1] - ups[0]) if len(ups) > 1 else None
 
 
-def edges(
-    times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
-) -> "Tuple[numpy.ndarray, numpy.ndarray]":
-    """Return when a trace crosses a level upwards, and when downwards, in turn.
+def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float) -> numpy.ndarray:
+    """Return when a trace crosses a level upwards, s.
 
     :param times: ascending, s
     :param values: finite
@@ -74,27 +72,20 @@ def edges(
     """
     side = (values > level + band).astype(numpy.int8) - (values < level - band)
     sure = numpy.flatnonzero(side)
-    before, after = side[sure[:-1]], side[sure[1:]]
-    rising, falling = sure[1:][(before < 0) & (after > 0)], sure[1:][(before > 0) & (after < 0)]
-    return (
-        _moments(times, values, level, values < level, rising),
-        _moments(times, values, level, values > level, falling),
-    )
-
-
-def _moments(
-    times: numpy.ndarray,
-    values: numpy.ndarray,
-    level: float,
-    is_before: numpy.ndarray,
-    arrivals: numpy.ndarray,
-) -> numpy.ndarray:
-    """Return when a trace crosses a level before it arrives on the other side of it."""
+    arrivals = sure[1:][(side[sure[:-1]] < 0) & (side[sure[1:]] > 0)]
     # Of all samples on the way, the last one before the level and the one behind it.
-    last = numpy.maximum.accumulate(numpy.where(is_before, numpy.arange(len(values)), 0))[arrivals]
+    indices = numpy.where(values < level, numpy.arange(len(values)), 0)
+    last = numpy.maximum.accumulate(indices)[arrivals]
     part = (level - values[last]) / (values[last + 1] - values[last])
     moments: numpy.ndarray = times[last] + part * (times[last + 1] - times[last])
     return moments
+
+
+def edges(
+    times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
+) -> "Tuple[numpy.ndarray, numpy.ndarray]":
+    """Return when a trace crosses a level upwards, and when downwards; as :func:`rises`."""
+    return rises(times, values, level, band), rises(times, -values, -level, band)
 
 
 def _finite(number: float) -> Optional[float]:

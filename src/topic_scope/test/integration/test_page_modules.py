@@ -2,27 +2,19 @@
 """The parts of the page that only compute, called one by one in the browser."""
 
 import random
-import unittest
 from typing import Any, Dict, List
 
 import rostest
-from browsing.browser import Browser
-from browsing.scope_process import ScopeProcess
+from browsing.page_test import BrowserTest
 
 
-class Modules(unittest.TestCase):
+class Modules(BrowserTest):
     """Numbers, bins, sliders and the layout of the graph."""
-
-    browser: Browser
 
     @classmethod
     def setUpClass(cls) -> None:
-        scope = ScopeProcess()
-        cls.addClassCleanup(scope.stop)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
-        scope.wait_until_served()
-        cls.browser.open(scope.url)
+        super().setUpClass()
+        cls.browser.open(cls.scope.url)
 
     def test_ticks_are_round_and_inside(self) -> None:
         ranges = [[0, 1], [-5, 0], [1e-6, 3e-6], [999.9, 1000.1], [-2e7, 3e7], [-0.03, 0.02]]

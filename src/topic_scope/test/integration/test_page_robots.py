@@ -2,13 +2,11 @@
 """The page shows robots, sends them to goals, drives them, and has managed nodes' transitions."""
 
 import subprocess
-import unittest
 
 import roslib.packages
 import rospy
 import rostest
-from browsing.browser import Browser
-from browsing.scope_process import ScopeProcess
+from browsing.page_test import BrowserTest
 from browsing.waiting import wait_until
 from geometry_msgs.msg import Point
 from selenium.webdriver.common.action_chains import ActionChains
@@ -19,19 +17,13 @@ from wire.robot import Robot
 PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
 
 
-class PageRobots(unittest.TestCase):
+class PageRobots(BrowserTest):
     """What a user does with a robot."""
-
-    browser: Browser
 
     @classmethod
     def setUpClass(cls) -> None:
-        scope = ScopeProcess()
-        cls.addClassCleanup(scope.stop)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
-        scope.wait_until_served()
-        cls.browser.open(scope.url)
+        super().setUpClass()
+        cls.browser.open(cls.scope.url)
 
     def wait_text(self, selector: str, text: str) -> None:
         """Wait until something is said."""

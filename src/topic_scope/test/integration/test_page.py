@@ -493,6 +493,19 @@ class Page(PageTest):
         pages[0].close()
         self.browser.wait_connected()
 
+    def test_loads_again_what_has_not_come(self) -> None:
+        self.expected_errors = ["numbers.js"]
+        cdp = self.browser.driver.execute_cdp_cmd
+        cdp("Network.enable", {})
+        self.addCleanup(cdp, "Network.disable", {})
+        # As when a network of this computer comes or goes: the browser gives up what it is loading.
+        cdp("Network.setBlockedURLs", {"urls": ["*/static/js/numbers.js"]})
+        self.browser.driver.get(self.scope.url)
+        self.assertEqual(self.browser.text("#link"), "loading")
+        cdp("Network.setBlockedURLs", {"urls": []})
+        self.browser.wait_connected()
+        self.assertIsNone(self.browser.run("return sessionStorage.getItem('tries')"))
+
     def wait_banner(self, text: str) -> None:
         """Wait until the banner says something; nothing to have it gone."""
         banner = "#banner:not([hidden]) #banner-text"

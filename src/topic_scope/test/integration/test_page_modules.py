@@ -185,6 +185,7 @@ class Modules(BrowserTest):
           globalThis.WebSocket = class {
             constructor() { this.events = {}; sockets.push(this); }
             addEventListener(name, listener) { this.events[name] = listener; }
+            close() {}
           };
           const connection = new module.Connection(
             "ws://nowhere", () => {}, (state, wait) => { if (state === "lost") waits.push(wait); });
@@ -213,6 +214,31 @@ class Modules(BrowserTest):
         self.assertEqual(len(waits), len(expected))
         for wait, least in zip(waits, expected):
             self.assertTrue(least <= wait <= 1.25 * least, waits)
+
+    def test_a_server_that_says_nothing_is_left_as_is_a_former_connection(self) -> None:
+        code = """(() => {
+          const sockets = [], timers = [], states = [];
+          const natives = { WebSocket, setTimeout };
+          globalThis.WebSocket = class {
+            constructor() { this.events = {}; this.closed = false; sockets.push(this); }
+            addEventListener(name, listener) { this.events[name] = listener; }
+            close() { this.closed = true; this.events.close({ reason: "" }); }
+          };
+          globalThis.setTimeout = (work, wait) => timers.push({ work, wait });
+          const connection = new module.Connection(
+            "ws://nowhere", (message) => states.push(message), (state) => states.push(state));
+          connection.connect();
+          timers[0].work();
+          connection.connect();
+          connection.connect();
+          sockets[1].events.message({ data: "1" });
+          sockets[2].events.message({ data: "2" });
+          Object.assign(globalThis, natives);
+          return [states, timers[0].wait, sockets.map(({ closed }) => closed)];
+        })()"""
+        states, wait, closed = self.browser.call("connection.js", code)
+        self.assertEqual(states, ["connecting", "lost", "connecting", "connecting", "connected", 2])
+        self.assertEqual((wait, closed), (10000, [True, True, False]))
 
     def test_typed_numbers(self) -> None:
         texts = ["1.5", " -2,25 ", "−3", "1e3", "", "fast"]

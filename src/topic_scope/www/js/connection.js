@@ -2,6 +2,7 @@
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
+const WELCOME_MS = 10000; // a server says something at once: one that does not by then is none
 
 /** Sends and receives objects; connects again after a loss, each time after a longer wait. */
 export class Connection {
@@ -25,12 +26,17 @@ export class Connection {
   connect() {
     clearTimeout(this.timer);
     this.onChange("connecting", 0, "");
+    const former = this.socket;
     const socket = new WebSocket(this.url);
     this.socket = socket;
+    former?.close();
+    this.timer = setTimeout(() => socket.close(), WELCOME_MS);
     let isWelcome = false; // a server that has no place for this page closes without a message
     socket.addEventListener("message", (event) => {
+      if (socket !== this.socket) return;
       if (!isWelcome) {
         isWelcome = true;
+        clearTimeout(this.timer);
         this.wait = FIRST_WAIT_MS;
         this.onChange("connected", 0, "");
       }
@@ -42,6 +48,7 @@ export class Connection {
   }
 
   retryLater(reason) {
+    clearTimeout(this.timer);
     const wait = this.wait * (1 + Math.random() / 4); // not all pages of a class at once
     this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     this.timer = setTimeout(() => this.connect(), wait);

@@ -81,7 +81,7 @@ def phase(samples: Samples, reference: Samples) -> Optional[float]:
     angles = [_angle(*part, hertz, begin, end) for part in ((times, values), (others, turns))]
     if angles[0] is None or angles[1] is None:
         return None
-    return 180.0 - (180.0 - math.degrees(angles[0] - angles[1])) % 360.0
+    return _finite(180.0 - (180.0 - math.degrees(angles[0] - angles[1])) % 360.0)
 
 
 def _angle(
@@ -180,9 +180,9 @@ def _duty(shape: _Shape) -> Optional[float]:
         return None
     band = HYSTERESIS * shape.height
     ups, downs = edges(shape.times, shape.values, shape.at(0.5), band)
-    if len(ups) < 2:
+    if not len(ups) or ups[-1] <= ups[0]:
         return None
-    downs = downs[downs > ups[0]][: len(ups) - 1]
+    downs = downs[downs >= ups[0]][: len(ups) - 1]
     return 100.0 * float((downs - ups[:-1]).sum() / (ups[-1] - ups[0]))
 
 

@@ -22,7 +22,7 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
     result: Dict[str, Optional[float]] = dict.fromkeys(
         ("rate", "value", "min", "max", "vpp", "mean", "rms", "deviation", "frequency", "nan")
     )
-    if len(times) > 1:
+    if len(times) and times[-1] > times[0]:
         result["rate"] = (len(times) - 1) / float(times[-1] - times[0])
     finite = numpy.isfinite(values)
     if len(values):
@@ -59,7 +59,9 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
     # Short pulses leave a mean that is close to where they come from on one side only.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
     ups = rises(times, values, level, band)
-    return (len(ups) - 1) / float(ups[-1] - ups[0]) if len(ups) > 1 else None
+    if not len(ups) or ups[-1] <= ups[0]:  # the stamps of a simulation that stands are the same
+        return None
+    return (len(ups) - 1) / float(ups[-1] - ups[0])
 
 
 def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float) -> numpy.ndarray:

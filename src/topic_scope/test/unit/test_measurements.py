@@ -78,10 +78,13 @@ def test_no_phase_without_a_wave() -> None:
     assert phase((TIMES[:2], TIMES[:2]), wave) is None
 
 
-@given(st.lists(st.floats(), max_size=60))
-@example([-1.2e308, 0.0, -1.2e308, -1.2e308, 0.0])  # whose sum is not finite
-def test_anything_is_measured_and_the_result_is_finite(values: List[float]) -> None:
-    times, numbers = numpy.arange(float(len(values))), numpy.array(values, float)
+@given(st.lists(st.floats() | st.sampled_from([0.0, 1.0, 2.0]), max_size=60), st.integers(0, 20))
+@example([-1.2e308, 0.0, -1.2e308, -1.2e308, 0.0], 0)  # whose sum is not finite
+@example([0.0, 2.0, 0.0, 2.0, 0.0, 2.0], 4)
+def test_anything_is_measured_and_the_result_is_finite(values: List[float], still: int) -> None:
+    # The stamps of a simulation whose time stands for a while are the same.
+    times = numpy.maximum(numpy.arange(float(len(values))), still)
+    numbers = numpy.array(values, float)
     found = list(figures(times, numbers).values()) + [phase((times, numbers), (times, numbers))]
     assert all(number is None or math.isfinite(number) for number in found)
     assert found[0] is None or found[0] >= 0.0

@@ -5,7 +5,7 @@ from typing import List
 
 import numpy
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from topic_scope.statistics import measure
@@ -43,9 +43,11 @@ def test_what_has_no_period_has_no_frequency(values: List[float]) -> None:
     assert measure(numpy.arange(len(values)), numpy.array(values))["frequency"] is None
 
 
-@given(st.lists(st.floats(), max_size=50))
-def test_anything_is_measured_and_the_result_is_finite(values: List[float]) -> None:
-    result = measure(numpy.arange(float(len(values))), numpy.array(values, float))
+@given(st.lists(st.floats(), max_size=50), st.sampled_from([1.0, 0.0]))
+@example([0.0, 2.0, 0.0, 2.0, 0.0], 0.0)
+def test_anything_is_measured_and_the_result_is_finite(values: List[float], step: float) -> None:
+    # All stamps are the same where the time of a simulation stands.
+    result = measure(step * numpy.arange(len(values)), numpy.array(values, float))
     assert all(number is None or math.isfinite(number) for number in result.values())
     finite = [value for value in values if math.isfinite(value)]
     assert result["min"] == (min(finite) if finite else None)

@@ -7,6 +7,8 @@ from topic_scope import protocol
 from topic_scope.charts import ChartFeed
 from topic_scope.checks import RequestError
 from topic_scope.looks import Looks
+from topic_scope.measuring import statistics_of
+from topic_scope.recorder import Recorder
 from topic_scope.trigger import TriggerWatch
 from topic_scope.view import LiveView, default_view
 from topic_scope.wishes import Chart, Measure
@@ -56,6 +58,32 @@ class Page:
         self.view.stepped = looks.is_stepped
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)
+
+    def watch(self, recorder: Recorder, now: float) -> None:
+        """Look for what the page's trigger waits for.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        """
+        crossing = self.trigger.update(now, self.view.window, self.looks.scaled(recorder.samples))
+        if crossing is not None:
+            self.put(crossing)
+
+    def frame(self, recorder: Recorder, now: float, measures: bool) -> List[Dict[str, Any]]:
+        """Return what is to be sent now, with all that is new of the traces.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        :param measures: whether they are measured, too
+        """
+        samples, longest = self.looks.scaled(recorder.samples), recorder.longest_step
+        if measures:
+            self.put(statistics_of(recorder, samples, self.view, self.measure, now))
+        chart = self.chart.update(now, samples, longest, self.view)
+        if chart is not None:
+            self.put(chart)
+        frame = self.view.frame(now, samples, recorder.changed_since, longest)
+        return self.take() + ([frame] if frame is not None else [])
 
     def is_due(self, now: float) -> bool:
         """Tell whether it is the page's turn to get a frame.

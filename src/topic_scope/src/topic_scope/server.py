@@ -1,8 +1,10 @@
 """The oscilloscope between its pages and what it shows; all of it runs in the thread of the web."""
 
 import time
+import traceback
 from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 
+import rospy
 import tornado.ioloop
 
 from topic_scope import protocol
@@ -13,7 +15,7 @@ from topic_scope.differences import DifferenceRecorder
 from topic_scope.fields import FieldError
 from topic_scope.greeting import choices_message, hello
 from topic_scope.looks import Looks
-from topic_scope.measuring import left_out, statistics_of, warn_of
+from topic_scope.measuring import left_out, warn_of
 from topic_scope.options import Options
 from topic_scope.origin import Origin
 from topic_scope.page import Page
@@ -29,6 +31,7 @@ FRAME_S = 0.025
 WARN_AFTER_S = 5.0
 #: Time between two measurements of the traces, s.
 STATISTICS_S = 0.25
+_LOG_PERIOD_S = 10.0
 
 
 class Server:
@@ -93,11 +96,15 @@ class Server:
     # --- From pages --------------------------------------------------------------------------
 
     def open(self, connection: Socket) -> Page:
-        """Welcome a page, as soon as it is known what there is on the graph."""
+        """Tell a page what there is, and welcome it as soon as it is known what can be shown."""
         page = Page(self._options.window)
         self.sockets.append(connection)
         if self._knows_topics:
             self._welcome(page)
+        else:  # of all this, whether the master answers: so it knows that somebody is there
+            for message in self._origin.messages():
+                if message["type"] == "master":
+                    page.put(message)
         return page
 
     def close(self, connection: Socket) -> None:
@@ -215,28 +222,23 @@ class Server:
         measures = time.monotonic() >= self._statistics_at + STATISTICS_S
         if measures:
             self._statistics_at = time.monotonic()
-        recorder = self._recorder
         for connection in list(self.sockets):
             page = connection.page
-            if page is None or not self._knows_topics:
+            if page is None:
                 continue
-            if self._is_halted:
-                if connection.is_ready:
-                    connection.send(page.take())
-                continue
-            samples = page.looks.scaled(recorder.samples)
-            crossing = page.trigger.update(now, page.view.window, samples)
-            if crossing is not None:
-                page.put(crossing)
-            began, used = time.monotonic(), time.thread_time()
-            if not connection.is_ready or not page.is_due(began):
-                continue  # the next frame holds what this one would have
-            if measures:
-                page.put(statistics_of(recorder, samples, page.view, page.measure, now))
-            chart = page.chart.update(now, samples, recorder.longest_step, page.view)
-            if chart is not None:
-                page.put(chart)
-            frame = page.view.frame(now, samples, recorder.changed_since, recorder.longest_step)
-            connection.send(page.take() + ([frame] if frame is not None else []))
+            try:
+                if self._is_halted or not self._knows_topics:
+                    if connection.is_ready:
+                        connection.send(page.take())
+                else:
+                    self._send_frame(connection, page, now, measures)
+            except Exception:  # of any kind: the other pages have theirs all the same
+                rospy.logerr_throttle(_LOG_PERIOD_S, f"no frame: {traceback.format_exc()}")
+
+    def _send_frame(self, connection: Socket, page: Page, now: float, measures: bool) -> None:
+        page.watch(self._recorder, now)
+        began, used = time.monotonic(), time.thread_time()
+        if connection.is_ready and page.is_due(began):  # the next frame holds what this one would
+            connection.send(page.frame(self._recorder, now, measures))
             # By the processor: what others do on this machine is not the page's work.
             page.took(began, began + time.thread_time() - used)

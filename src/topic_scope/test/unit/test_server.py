@@ -1,0 +1,71 @@
+"""What pages are sent, by a server whose origin and sockets are a test's own."""
+
+import asyncio
+from typing import Any, Dict, Iterator, List
+from unittest import mock
+
+import pytest
+
+from topic_scope import options
+from topic_scope.layouts import Layouts
+from topic_scope.server import Server
+from topic_scope.waiting import master_message
+
+SILENT = master_message("The master does not answer.")
+
+
+class Origin:
+    """A graph without topics, of which nothing is known at first."""
+
+    def __init__(self) -> None:
+        self.source = mock.Mock(**{"clock.now.return_value": 1.7e9, "open.return_value": {}})
+        self.layouts = Layouts()
+        self.start = self.ring = self.leave = mock.Mock()
+
+    def hello(self) -> Dict[str, Any]:
+        return {"readonly": False}
+
+    def messages(self) -> List[Dict[str, Any]]:
+        return [{"type": "panels", "panels": []}, SILENT]
+
+
+class Socket:
+    """The connection of a page."""
+
+    is_ready = True
+
+    def __init__(self, server: Server) -> None:
+        self.sent: List[Dict[str, Any]] = []
+        self.page = server.open(self)  # type: ignore[arg-type]
+
+    def send(self, messages: List[Dict[str, Any]]) -> None:
+        self.sent += messages
+
+
+@pytest.fixture
+def server() -> Iterator[Server]:
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    yield Server(options.parse([]), Origin())  # type: ignore[arg-type]
+    asyncio.set_event_loop(None)
+    loop.close()
+
+
+def test_a_page_hears_of_the_master_before_it_has_answered(server: Server) -> None:
+    socket = Socket(server)
+    server._send_frames()
+    assert socket.sent == [SILENT]
+    server.on_topics({})
+    server._send_frames()
+    types = [message["type"] for message in socket.sent[1:]]
+    assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
+
+
+def test_what_goes_wrong_for_one_page_keeps_no_frame_from_the_others(server: Server) -> None:
+    server.on_topics({})
+    broken, whole = Socket(server), Socket(server)
+    broken.page.frame = mock.Mock(side_effect=ArithmeticError)  # type: ignore[method-assign]
+    with mock.patch("rospy.logerr_throttle") as log:
+        server._send_frames()
+    assert "ArithmeticError" in log.call_args[0][1]
+    assert not broken.sent and whole.sent[-1]["type"] == "frame"

@@ -2,7 +2,7 @@
 
 import { clockText, zoneText } from "./clock.js";
 import { make } from "./dom.js";
-import { drawQuietly } from "./plot.js";
+import { drawQuietly } from "./drawing.js";
 
 const RATIO = 2; // pixels of the picture for one of the page, at least
 const LINE = 17; // height of a line of text, pixels

@@ -3,6 +3,7 @@
 import { clockTicks, dateText, zoneText } from "./clock.js";
 import { dashOf } from "./colours.js";
 import { make } from "./dom.js";
+import { drawQuietly, erase } from "./drawing.js";
 import { AutoRange, ticks } from "./numbers.js";
 import { axisName, axisOf, plotCount } from "./traces.js";
 
@@ -16,22 +17,6 @@ const TICK_PIXELS = 6; // that dygraphs leaves beside labels
 const RIGHT_GAP = 6; // pixels, where there is no axis
 const BELOW = 22; // pixels below a plot that has no time axis, for the lowest number beside it
 const SPARSE_PIXELS = 9; // samples at least so far apart are marked
-const OUTSIDE = /^\d+ points out of [XY] bounds:/;
-
-/**
- * Draw without a word on the console about samples that lie outside of what is shown: that of
- * Debian 13 says so with each drawing, but it is what a plot is moved and magnified for.
- * @param {function(): void} drawing
- */
-export function drawQuietly(drawing) {
-  const { warn } = console;
-  console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
-  try {
-    drawing();
-  } finally {
-    console.warn = warn;
-  }
-}
 
 /** One plot: those of the traces that are in it. */
 export class Plot {
@@ -163,22 +148,8 @@ export class Plot {
     drawQuietly(() => this.graph.updateOptions(options));
     const now = this.area;
     if (now.x === x && now.y === y && now.w === w && now.h === h) return;
-    this.erase();
+    erase(this.canvases);
     drawQuietly(() => this.graph.updateOptions(options));
-  }
-
-  /**
-   * Take away what is drawn, also beside the plot. By itself dygraphs erases only where it is about
-   * to draw: of an area that was larger before, as a title or wider numbers have come, an axis would
-   * stay. What it has cut the canvas to has to go as well: at broken pixels that erases by halves.
-   */
-  erase() {
-    for (const canvas of this.canvases) {
-      const context = canvas.getContext("2d");
-      context.restore();
-      context.clearRect(0, 0, canvas.width, canvas.height);
-      context.save();
-    }
   }
 
   series(fields, buffer) {

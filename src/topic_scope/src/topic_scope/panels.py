@@ -120,6 +120,14 @@ def _read(text: str) -> List[Dict[str, Any]]:
     return described
 
 
+def _labels(pairs: Any) -> List[Tuple[float, str]]:
+    """Return what the numbers of an enum are called."""
+    try:
+        return [(value, str(word)) for value, word in pairs if type(value) in (int, float)]
+    except (TypeError, ValueError):
+        return []
+
+
 def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
     name = str(described.get("name"))
     try:
@@ -135,5 +143,6 @@ def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
         "help": parameter.help,
         **{end: getattr(parameter, end, None) for end in _ENDS},
         "choices": list(getattr(parameter, "choices", [])),
+        "labels": _labels(described.get("labels", [])),
     }
     return name, Entry(parameter, shown), value

@@ -69,7 +69,7 @@ def values_in(config: "Config") -> Dict[str, Any]:
 
 
 def described(description: "ConfigDescription", values: "Config") -> List[Dict[str, Any]]:
-    """Return a description as nodekit has it.
+    """Return a description as nodekit has it; a number of an enum has ``labels`` besides.
 
     :param description: as the node publishes it
     :param values: those in force
@@ -93,9 +93,8 @@ def described(description: "ConfigDescription", values: "Config") -> List[Dict[s
             }
             if words and kind == "str":
                 entries[name].update({"type": "enum", "choices": list(words.values())})
-            elif words:
-                list_of = ", ".join(f"{value!r}: {word}" for word, value in words.items())
-                entries[name]["help"] += f" ({list_of})"
+            elif words and kind in _NO_END:
+                entries[name]["labels"] = [[value, word] for word, value in words.items()]
     return list(entries.values())
 
 

@@ -148,9 +148,13 @@ class Panels(PageTest):
         self.addCleanup(foreign.close)
         row = ".panel[data-node='/foreign'] .parameter[data-name='{}'] ".format
         self.browser.wait_for(row("gain"))
-        self.assertEqual(self.browser.count(".panel[data-node='/foreign'] .parameter"), 4)
+        self.assertEqual(self.browser.count(".panel[data-node='/foreign'] .parameter"), 5)
         self.browser.choose(row("mode") + "select", "fast")
         wait_until(lambda: foreign.values["mode"] == "fast", lambda: foreign.values)
+        self.assertEqual(self.browser.text(row("rate") + "option"), "Low High")
+        self.browser.choose(row("rate") + "select", "100")
+        wait_until(lambda: foreign.values["rate"] == 100, lambda: foreign.values)
+        self.assertEqual(self.browser.value(row("rate") + "select"), "100")
         gain = self.browser.find(row("gain") + ".value")
         for text, told in (("11", "must be"), ("7", "/foreign made of it gain = 5.0")):
             gain.send_keys(Keys.CONTROL, "a")

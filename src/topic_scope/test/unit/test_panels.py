@@ -67,6 +67,7 @@ def test_a_panel_says_what_was_declared() -> None:
         "above": 0.0,
         "below": None,
         "choices": [],
+        "labels": [],
     }
     assert (shown("slope")["minimum"], shown("slope")["below"]) == (-1.0, 1.0)
     assert [shown("free")[end] for end in ("minimum", "maximum", "above", "below")] == [None] * 4

@@ -62,6 +62,15 @@ def test_what_is_no_enum_has_no_words(text: str) -> None:
     assert _words(text) == {}
 
 
-def test_an_enum_of_numbers_is_told_in_words() -> None:
-    entries = {entry["name"]: entry for entry in described(description(COUNTS), config_of(VALUES))}
-    assert entries["count"]["help"] == "the count (1: Few, 9: Many)"
+def test_the_numbers_of_an_enum_have_their_words() -> None:
+    entries = described(description(COUNTS), config_of(VALUES))
+    shown = Panel("/foreign", yaml.safe_dump(entries), {}).message()["parameters"]
+    labels = {entry["name"]: entry["labels"] for entry in shown}
+    assert labels == {"gain": [], "count": [(1, "Few"), (9, "Many")], "on": [], "mode": []}
+
+
+@pytest.mark.parametrize("pairs", [3, [3], [["a", "b"]], [[1, 2, 3]], None])
+def test_labels_that_make_no_sense_are_left_out(pairs: object) -> None:
+    entry = {"name": "a", "type": "int", "default": 1, "value": 1, "labels": pairs}
+    text = yaml.safe_dump([entry])
+    assert Panel("/foreign", text, {}).message()["parameters"][0]["labels"] == []

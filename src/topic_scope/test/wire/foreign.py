@@ -10,6 +10,14 @@ _PARAMETERS: List[Tuple[str, str, Any, Any, Any, str]] = [
     ("count", "int", 3, -(2**31), 2**31 - 1, ""),
     ("on", "bool", True, False, True, ""),
     (
+        "rate",
+        "int",
+        10,
+        10,
+        100,
+        str({"enum": [{"name": "Low", "value": 10}, {"name": "High", "value": 100}]}),
+    ),
+    (
         "mode",
         "str",
         "slow",

@@ -27,7 +27,7 @@ export class Parameter {
     this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
     this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
     this.control.setAttribute("aria-label", parameter.name);
-    this.slider = this.numeric && !readonly ? this.makeSlider() : null;
+    this.slider = this.numeric && !readonly && !parameter.labels.length ? this.makeSlider() : null;
     this.ends = this.slider && make("div", { class: "travel" }, make("i"), this.slider, make("i"));
     const range = allowed(parameter);
     this.element = make(
@@ -43,13 +43,17 @@ export class Parameter {
   }
 
   makeControl() {
-    const { kind, choices } = this.parameter;
+    const { kind, choices, labels } = this.parameter;
     if (kind === "bool") {
       return make("input", { type: "checkbox", change: () => this.want(this.control.checked) });
     }
     if (kind === "enum") {
       const options = choices.map((choice) => make("option", { value: choice }, choice));
       return make("select", { change: () => this.want(this.control.value) }, ...options);
+    }
+    if (labels.length) {
+      const options = labels.map(([value, word]) => make("option", { value: typed(value, 7) }, word));
+      return make("select", { change: () => this.want(Number(this.control.value)) }, ...options);
     }
     return make("input", {
       type: "text",

@@ -1,4 +1,4 @@
-"""basic_comms' cw1.launch shows its signals in the scope when it is asked to."""
+"""Launch files show signals in the scope: cw1.launch of basic_comms, and scope.launch."""
 
 import os
 import shlex
@@ -52,3 +52,13 @@ def test_both_signals_are_chosen(
     options = parse(words_of(scope, variables))
     assert options.fields == (begin + "/signal/signal_y", begin + "/proc_signal/data")
     assert options.open_browser and options.is_local and options.next_port
+
+
+def test_fields_of_a_launch_file_are_in_two_plots() -> None:
+    arguments = ["fields:=/a/x /a/y", "below:=/b/x:y /c", "__ns:=/"]
+    (scope,) = load_launch("topic_scope", "scope.launch", *arguments).nodes
+    variables = setup_env(scope, local_machine(), "http://localhost:11311", dict(os.environ))
+    options = parse(words_of(scope, variables))
+    assert options.fields == ("/a/x", "/a/y", "/b/x", "/b/y", "/c")
+    lower = {name: {"plot": 2} for name in ("/b/x", "/b/y", "/c")}
+    assert options.setup == {"traces": lower}

@@ -4,6 +4,7 @@ import difflib
 from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Tuple, Union
 
 from topic_scope.definitions import layout_of
+from topic_scope.derived import terms
 from topic_scope.fields import (
     FieldError,
     Key,
@@ -103,6 +104,27 @@ def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Co
         for name in expand(expression):
             columns += _columns(name, first_messages)
     return list(dict.fromkeys(columns))
+
+
+def choose_lines(
+    expressions: List[str], first_messages: Mapping[str, Any]
+) -> "List[Tuple[Column, ...]]":
+    """Return what a list of names stands for: numbers, or each two whose difference is meant.
+
+    :param expressions: as for :func:`choose`, or two of them with ``-`` between
+    :param first_messages: a message of each topic, by its global name
+    :raises FieldError: as :func:`choose`, and if a difference is not of one number and another
+    """
+    lines: List[Tuple[Column, ...]] = []
+    for expression in expressions:
+        parts = [choose([part], first_messages) for part in terms(expression)]
+        if len(parts) == 1:
+            lines += [(column,) for column in parts[0]]
+        elif any(len(columns) != 1 for columns in parts):
+            raise FieldError(f"{expression}: one of these names stands for several fields")
+        else:
+            lines.append((parts[0][0], parts[1][0]))
+    return list(dict.fromkeys(lines))
 
 
 def all_columns(first_messages: Mapping[str, Any]) -> List[Column]:

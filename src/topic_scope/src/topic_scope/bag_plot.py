@@ -19,6 +19,7 @@ from topic_scope.derived import make, parts
 from topic_scope.fields import Path
 from topic_scope.time_base import longest_step, path_of, placed
 from topic_scope.values import getter
+from topic_scope.xy import paired
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
@@ -117,6 +118,16 @@ def collect(columns: List[Column], samples: Iterable[Sample]) -> List[Series]:
         for recorded in by_topic.get(sample.topic, []):
             recorded.add(sample)
     return [recorded.series() for recorded in everything]
+
+
+def difference(first: Series, second: Series) -> Series:
+    """Return a series less another one on the straight line between two of its points."""
+    points = (numpy.array(first.times), numpy.array(first.values))
+    # Where a line ends a NaN stands, so none has to be found again.
+    less, values = paired((numpy.array(second.times), numpy.array(second.values)), points, math.inf)
+    apart = values - less
+    apart[~(numpy.abs(apart) <= _LARGEST)] = numpy.nan
+    return Series(f"{first.name}-{second.name}", first.times, array("d", apart))
 
 
 def draw(everything: List[Series]) -> Figure:

@@ -10,6 +10,7 @@ from typing import Collection, Dict, List, Mapping, Optional, Tuple
 import numpy
 
 from topic_scope import fields
+from topic_scope.derived import terms
 from topic_scope.fields import FieldError
 from topic_scope.recorder import Recorder
 from topic_scope.ring import Samples
@@ -17,12 +18,6 @@ from topic_scope.streams import Recorded, Stream
 from topic_scope.xy import paired
 
 Span = Tuple[float, float]
-
-
-def terms(name: str) -> Tuple[str, ...]:
-    """Return the names of the two fields of a difference, or the one name of anything else."""
-    first, minus, second = name.partition("-/")
-    return (first, "/" + second) if minus else (name,)
 
 
 def expand(expression: str) -> List[str]:

@@ -8,7 +8,7 @@ from typing import Iterator, List, Optional
 
 from tqdm import tqdm
 
-from topic_scope.bag_columns import Column, Elements, choose
+from topic_scope.bag_columns import Column, Elements, choose_lines
 from topic_scope.bag_csv import write_csv
 from topic_scope.bag_reading import BagError, BagReader, Sample
 from topic_scope.fields import FieldError
@@ -49,8 +49,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="plot_bag",
         description="Plot numbers that a bag holds, or write them to a CSV file.",
-        epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], or a topic "
-        "for all its numbers.",
+        epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
+        "all its numbers, or /topic/x-/other/y for the difference of two fields.",
     )
     parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
@@ -98,10 +98,20 @@ def _nanoseconds(text: str) -> int:
 
 
 def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
-    columns = choose(arguments.fields, {topic: bag.first_message(topic) for topic in bag.topics})
-    if len(columns) > LINES and _format(arguments.output) != "csv":
+    messages = {topic: bag.first_message(topic) for topic in bag.topics}
+    lines = choose_lines(arguments.fields, messages)
+    columns = list(dict.fromkeys(column for line in lines for column in line))
+    if _format(arguments.output) == "csv":
+        for line in lines:
+            if len(line) > 1:
+                name = "-".join(column.name for column in line)
+                raise FieldError(
+                    f"{name}: a difference can be drawn only, as a row of a .csv is of one "
+                    "message: name both fields"
+                )
+    elif len(lines) > LINES:
         raise FieldError(
-            f"these are {len(columns)} lines, and {LINES} at most can be told apart: "
+            f"these are {len(lines)} lines, and {LINES} at most can be told apart: "
             "name fewer fields, or write a .csv"
         )
     samples = _in_range(bag, columns, arguments.start, arguments.end)
@@ -113,9 +123,16 @@ def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
                 write_csv(file, columns, samples)
             else:
                 # It takes a second to load, which an error need not wait for.
-                from topic_scope.bag_plot import collect, draw, save
+                from topic_scope.bag_plot import collect, difference, draw, save
 
-                save(draw(collect(columns, samples)), partial, _format(arguments.output))
+                series = dict(zip(columns, collect(columns, samples)))
+                drawn = [
+                    difference(*(series[column] for column in line))
+                    if len(line) > 1
+                    else series[line[0]]
+                    for line in lines
+                ]
+                save(draw(drawn), partial, _format(arguments.output))
         os.replace(partial, arguments.output)
     finally:
         if os.path.exists(partial):

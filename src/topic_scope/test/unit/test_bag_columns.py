@@ -6,7 +6,7 @@ import pytest
 from std_msgs.msg import Bool, Float64MultiArray, Header, String
 
 from basic_comms.msg import signal_msg
-from topic_scope.bag_columns import all_columns, choose
+from topic_scope.bag_columns import all_columns, choose, choose_lines
 from topic_scope.fields import FieldError
 
 MESSAGES = {
@@ -95,3 +95,18 @@ def test_all_columns_can_be_chosen_by_their_names() -> None:
     arm = [column.name for column in everything if column.topic == "/robot/arm"]
     assert arm == ["/robot/arm/layout/data_offset"] + names("/robot/arm/data")
     assert choose([column.name for column in everything], MESSAGES) == everything
+
+
+def test_a_difference_is_a_line_of_two_numbers() -> None:
+    words = ["/robot/arm/data[0]-/signal/signal_y.derivative", "/switch", "/switch/data"]
+    lines = choose_lines(words, MESSAGES)
+    assert [[column.name for column in line] for line in lines] == [
+        ["/robot/arm/data[0]", "/signal/signal_y.derivative"],
+        ["/switch/data"],
+    ]
+
+
+@pytest.mark.parametrize("name", ["/signal-/switch/data", "/switch/data-/signal/time_x:signal_y"])
+def test_a_difference_of_several_fields_is_refused(name: str) -> None:
+    with pytest.raises(FieldError, match="one of these names stands for several"):
+        choose_lines([name], MESSAGES)

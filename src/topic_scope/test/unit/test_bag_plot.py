@@ -13,7 +13,7 @@ from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
 from topic_scope.bag_columns import Column
-from topic_scope.bag_plot import Series, collect, draw, save
+from topic_scope.bag_plot import Series, collect, difference, draw, save
 from topic_scope.bag_reading import Sample
 
 SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))
@@ -63,6 +63,16 @@ def test_a_line_ends_where_several_samples_are_missing() -> None:
     (series,) = collect([Column("/x", ("data",))], samples)
     assert repr(list(series.values)) == repr([1.0] * 5 + [math.nan] + [1.0] * 2)
     assert list(series.times) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.4, 2.0, 2.1]
+
+
+def test_a_difference_is_taken_between_two_points_and_not_across_a_gap() -> None:
+    first = Series("/x/data", array("d", [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), array("d", [5.0] * 6))
+    times = array("d", [0.5, 1.5, 2.5, 2.5, 3.5, 4.5])
+    second = Series("/y/data", times, array("d", [0.0, 1.0, 2.0, math.nan, 3.0, -1e301]))
+    found = difference(first, second)
+    assert found.name == "/x/data-/y/data" and found.times == first.times
+    nothing = math.nan
+    assert repr(list(found.values)) == repr([nothing, 4.5, 3.5, nothing, nothing, nothing])
 
 
 def test_lines_legend_and_titles() -> None:

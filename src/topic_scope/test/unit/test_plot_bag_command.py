@@ -193,3 +193,12 @@ def test_ctrl_c_ends_it_without_a_trace(
         call(monkeypatch, bag, "/x/data", "-o", "out.csv")
     assert caught.value.code == 130
     assert capsys.readouterr().err == ""
+
+
+def test_a_difference_is_drawn_and_not_written(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    call(monkeypatch, bag, "/x/data-/y/data", "/x", "-o", "out.svg")
+    assert "/x/data-/y/data" in Path("out.svg").read_text()
+    said = failure(monkeypatch, capsys, bag, "/x/data-/y/data", "-o", "out.csv")
+    assert "/x/data-/y/data: a difference can be drawn only" in said and "name both fields" in said

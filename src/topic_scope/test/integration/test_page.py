@@ -309,6 +309,18 @@ class Page(PageTest):
         )
         self.assertEqual([shown[0], shown[1], shown[4]], [0, 844, 844])
         self.assertTrue(0 < shown[2] < 60 and shown[3] <= 391, shown)
+        self.browser.resize(390, 844)
+        # All figures are in the width of the page, each beside its head.
+        wait_until(
+            lambda: self.browser.run(
+                "const table = document.querySelector('.traces');"
+                "const right = (cell) => cell.getBoundingClientRect().right;"
+                "return table.scrollWidth <= 390 && [...table.querySelectorAll('[data-cell]')]"
+                ".every((cell) => cell.dataset.head && right(cell) > 0 && right(cell) < 390);"
+            ),
+            lambda: self.browser.run("return document.querySelector('.traces').scrollWidth"),
+        )
+        self.browser.resize(844, 390)
         self.touch("touchStart", (400, 200))
         self.touch("touchStart", (400, 200), (500, 200))
         for apart in range(110, 210, 20):

@@ -73,7 +73,7 @@ export class Legend {
   row(field) {
     const { state } = this;
     const { hidden, right, colours } = state.values;
-    const cells = new Map(this.columns.map(([key]) => [key, make("td", { "data-cell": key })]));
+    const cells = new Map(this.columns.map(([key, text]) => [key, make("td", { "data-cell": key, "data-head": text })]));
     const shown = make("input", {
       type: "checkbox",
       "aria-label": `show ${field}`,

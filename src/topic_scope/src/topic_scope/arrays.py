@@ -2,7 +2,8 @@
 
 import re
 import struct
-from typing import Dict, List, Optional
+from functools import partial
+from typing import Callable, Dict, List, Optional, Sequence
 
 from topic_scope.decoding import COUNT, NotThere, follow, steps_to, texts
 from topic_scope.definitions import Array, Record
@@ -55,6 +56,24 @@ def names_in(layout: Record, data: bytes, path: Path) -> List[str]:
         return []
 
 
+def with_names(path: Path, names_at: Callable[[Path], Sequence[str]]) -> Path:
+    """Return a place with the names of elements for their indices, where they have some.
+
+    :param path: with indices
+    :param names_at: returns the names of the elements of an array
+    """
+    found: Path = ()
+    for part in path:
+        if isinstance(part, int):
+            names = names_at(found)
+            name = names[part] if part < len(names) else ""
+            # Two may have one name, and not all can be written.
+            if names.count(name) == 1 and _KEY.match(name):
+                part = Key(name)
+        found += (part,)
+    return found
+
+
 def has_names(layout: Record) -> bool:
     """Tell whether elements of arrays in a message have names."""
     parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
@@ -89,6 +108,7 @@ class Arrays:
 
     def __init__(self) -> None:
         self._known: Dict[Path, int] = {}
+        self._named: Dict[Path, Path] = {}
         self._layout: Optional[Record] = None
         self._message = b""
 
@@ -123,13 +143,16 @@ class Arrays:
 
         :param path: with indices
         """
-        found: Path = ()
-        for part in path:
-            if isinstance(part, int) and self._layout is not None:
-                names = names_in(self._layout, self._message, found)
-                name = names[part] if part < len(names) else ""
-                # Two may have one name, and not all can be written.
-                if names.count(name) == 1 and _KEY.match(name):
-                    part = Key(name)
-            found += (part,)
-        return found
+        layout = self._layout
+        if layout is None:
+            return path
+        return with_names(path, partial(names_in, layout, self._message))
+
+    def first_named(self, path: Path) -> Path:
+        """As :meth:`named`, and again so from then on: what is shown stands still."""
+        if path not in self._named:
+            name = self.named(path)
+            if name == path or len(self._named) >= _ARRAYS:
+                return name
+            self._named[path] = name
+        return self._named[path]

@@ -1,9 +1,11 @@
 """Which numbers of a bag's messages were asked for."""
 
 import difflib
+from functools import partial
 from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Tuple, Union
 
-from topic_scope.definitions import layout_of
+from topic_scope.arrays import with_names
+from topic_scope.definitions import Record, layout_of
 from topic_scope.derived import terms
 from topic_scope.fields import (
     FieldError,
@@ -11,10 +13,12 @@ from topic_scope.fields import (
     Path,
     ending,
     expand,
+    names_of,
     numeric_fields,
     parted,
     resolve,
     split,
+    to_path,
     to_text,
 )
 from topic_scope.time_base import path_of
@@ -149,11 +153,20 @@ def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
         message = first_messages[topic]
         layout = layout_of(type(message))
         path_of(base, layout)
-        found = resolve(layout, rest, lengths_in(message), function)
+        found = [field.path for field in resolve(layout, rest, lengths_in(message), function)]
+        if found != [to_path(rest)]:  # of what stands for a part, elements have their names
+            found = [with_names(path, partial(_names_at, layout, message)) for path in found]
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         raise FieldError(f"{name}: {error}; {_hint(bare, known, first_messages)}") from error
-    return [Column(topic, field.path, base, function) for field in found]
+    return [Column(topic, path, base, function) for path in found]
+
+
+def _names_at(layout: Record, message: Any, array: Path) -> List[str]:
+    try:
+        return list(value_at(message, names_of(layout, array)) or ())
+    except FieldError:
+        return []
 
 
 def _hint(name: str, known: List[str], topics: Collection[str]) -> str:

@@ -116,9 +116,11 @@ class Recorder:
             return [name]
         topic, text = place
         time_base.path_of(base, layout)
-        lengths = self._arrays.get(topic, fields.one_element)
-        found = fields.resolve(layout, text, lengths, function)
-        return [_name(topic, field.path) + name[len(bare) :] for field in found]
+        arrays = self._arrays.get(topic, Arrays())
+        found = [field.path for field in fields.resolve(layout, text, arrays, function)]
+        if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
+            found = [arrays.first_named(path) for path in found]
+        return [_name(topic, path) + name[len(bare) :] for path in found]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.

@@ -38,6 +38,16 @@ def test_indices_become_names_where_these_are_clear() -> None:
     assert named(Arrays(), 1) == ["position[0]"]
 
 
+def test_what_has_got_a_name_keeps_it_whoever_publishes_next() -> None:
+    arrays = Arrays()
+    assert arrays.first_named(("position", 0)) == ("position", 0)
+    for names in (("arm", "leg"), ("left", "right")):
+        buffer = io.BytesIO()
+        JointState(name=list(names), position=[0.0] * 2).serialize(buffer)
+        arrays.look(LAYOUT, buffer.getvalue())
+        assert to_text(arrays.first_named(("position", 0))) == "position[arm]"
+
+
 def test_an_array_is_as_long_as_it_has_ever_been() -> None:
     arrays = heard("a", "b", "c")
     assert arrays(("position",)) == 3

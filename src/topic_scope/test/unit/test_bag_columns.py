@@ -3,6 +3,7 @@
 from typing import List
 
 import pytest
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, Header, String
 
 from basic_comms.msg import signal_msg
@@ -52,6 +53,13 @@ def test_topic_alone_stands_for_all_its_numbers() -> None:
 def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -> None:
     assert names("/robot/arm/data") == [f"/robot/arm/data[{index}]" for index in range(3)]
     assert names("/robot/arm/data[7]") == ["/robot/arm/data[7]"]
+
+
+def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
+    joints = JointState(name=["arm", "leg", "leg"], position=[1.0, 2.0, 3.0])
+    columns = choose(["/j/position", "/j/position[0]"], {"/j": joints})
+    named = ["/j/position[arm]", "/j/position[1]", "/j/position[2]", "/j/position[0]"]
+    assert [column.name for column in columns] == named
 
 
 @pytest.mark.parametrize(

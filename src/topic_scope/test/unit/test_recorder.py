@@ -189,6 +189,9 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
     assert after["/j/position[leg]"] == after["/j/position[arm]"] == "/j"
     made.want([], taps.time)
     assert taps.wanted == []
+    # What stands for several has these names, too; what is named by its index stays so.
+    assert made.expand("/j/position") == ["/j/position[leg]", "/j/position[arm]"]
+    assert made.expand("/j/position[1]@stamp") == ["/j/position[1]@stamp"]
     # It is recorded under the name that is listed, and begins with what has come: where that is
     # latched nothing else may.
     made.want(["/j/position[arm]"], taps.time)

@@ -109,7 +109,9 @@ class Ring:
         capacity = self._data.shape[1]
         while capacity < 2 * (kept.shape[1] + count) and capacity < 2 * self._limit:
             capacity *= 2
-        data = numpy.empty((3, max(capacity, kept.shape[1] + count)))
+        capacity = max(capacity, kept.shape[1] + count)
+        # In its place where that does: memory that is taken and given back again and again tears.
+        data = self._data if capacity == self._data.shape[1] else numpy.empty((3, capacity))
         data[:, : kept.shape[1]] = kept
         self._data, self._start, self._end = data, 0, kept.shape[1]
 

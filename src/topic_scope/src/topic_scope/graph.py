@@ -13,8 +13,9 @@ class Rates:
     """Rates from the counts of messages that nodes keep for each of their connections."""
 
     def __init__(self) -> None:
-        self._counts: Dict[Tuple[str, str, Any], Tuple[float, int]] = {}
-        self._rates: Dict[Tuple[str, str], float] = {}
+        #: By node; by topic, and connection: both come and go.
+        self._counts: Dict[str, Dict[Tuple[str, Any], Tuple[float, int]]] = {}
+        self._rates: Dict[str, Dict[str, float]] = {}
 
     def note(self, node: str, statistics: Any, now: float) -> None:
         """Take note of a node's counts.
@@ -24,16 +25,17 @@ class Rates:
             (http://wiki.ros.org/ROS/Slave_API)
         :param now: when it was asked, s
         """
+        known, self._counts[node] = self._counts.get(node, {}), {}
+        self._rates[node] = {}
         for topic, _, connections in statistics[0]:
             rates = []
             for connection, _, count, *_ in connections:
-                then, before = self._counts.get((node, topic, connection), (now, count))
-                self._counts[node, topic, connection] = (now, count)
+                then, before = known.get((topic, connection), (now, count))
+                self._counts[node][topic, connection] = (now, count)
                 if now > then and count >= before:
                     rates.append((count - before) / (now - then))
-            self._rates.pop((node, topic), None)
             if rates:
-                self._rates[node, topic] = max(rates)
+                self._rates[node][topic] = max(rates)
 
     def of(self, node: str, topic: str) -> Optional[float]:
         """Return how often a node publishes, None if that is not known.
@@ -42,12 +44,12 @@ class Rates:
         :param topic: on which topic
         :returns: the rate, Hz
         """
-        return self._rates.get((node, topic))
+        return self._rates.get(node, {}).get(topic)
 
     def keep(self, nodes: "set[str]") -> None:
         """Forget all other nodes."""
-        self._counts = {key: count for key, count in self._counts.items() if key[0] in nodes}
-        self._rates = {key: rate for key, rate in self._rates.items() if key[0] in nodes}
+        self._counts = {node: counts for node, counts in self._counts.items() if node in nodes}
+        self._rates = {node: rates for node, rates in self._rates.items() if node in nodes}
 
 
 def message(state: GraphState, rates: Rates, without: str) -> Dict[str, Any]:

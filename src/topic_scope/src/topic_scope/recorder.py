@@ -68,6 +68,8 @@ class Recorder:
     def set_topics(self, types: Mapping[str, str]) -> None:
         """Take note of the topics that there are, and of the type of each."""
         self._types = types
+        kept = {*types, *(topic for topic, _ in self._streams)}
+        self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
 
     def choices(self) -> List[Choice]:
         """List the fields that can be chosen now."""

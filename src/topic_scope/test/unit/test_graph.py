@@ -74,3 +74,11 @@ def test_a_node_that_was_restarted_begins_anew() -> None:
     assert rates.of("/gen", "/signal") == pytest.approx(10.0)
     rates.keep({"/other"})
     assert rates.of("/gen", "/signal") is None
+
+
+def test_connections_and_topics_that_are_gone_are_forgotten() -> None:
+    rates = Rates()
+    for number in range(100):
+        rates.note("/gen", counts(f"/topic{number // 2}", (number // 2, number)), float(number))
+    assert rates.of("/gen", "/topic48") is None and rates.of("/gen", "/topic49") == 1.0
+    assert len(rates._counts["/gen"]) == len(rates._rates["/gen"]) == 1

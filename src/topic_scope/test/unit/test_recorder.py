@@ -260,3 +260,15 @@ def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
         for begin, end in zip(ends, ends[1:])
     ]
     assert numpy.concatenate(parts).tolist() == list(range(len(times)))
+
+
+def test_the_arrays_of_topics_that_are_gone_are_forgotten() -> None:
+    taps = FakeTaps()
+    made = recording(taps, "/a/data")
+    taps.send(Float32, 1.0)
+    made.update()
+    made.set_topics({})
+    assert list(made._arrays) == ["/a"]  # it is recorded, and may come again
+    made.want([], taps.time + 100.0)
+    made.set_topics({})
+    assert not made._arrays

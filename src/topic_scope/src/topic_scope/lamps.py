@@ -85,8 +85,9 @@ class Lamps:
 
     def _on_state(self, topic: str, text: str) -> None:
         for node, told in self._topics.items():
-            if told == topic:
-                self._states[node] = " ".join(text.split()[:1])[:_LONGEST]
+            word = " ".join(text.split()[:1])[:_LONGEST]
+            if told == topic and self._states.get(node) != word:
+                self._states[node] = word
                 self._tell(self.message())
 
 

@@ -1,6 +1,7 @@
 """Follows what is on the graph, in a thread of its own: the master may keep one waiting."""
 
 import threading
+import traceback
 from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 
 import rosgraph
@@ -12,6 +13,7 @@ from topic_scope.taps import Taps
 
 #: Time between two looks at the graph, s.
 PERIOD_S = 1.0
+_LOG_PERIOD_S = 60.0
 
 Registrations = List[Tuple[str, List[str]]]
 
@@ -78,5 +80,7 @@ class MasterWatch:
             except (OSError, rospy.ROSException) as error:  # MasterUnreachable is an OSError
                 rospy.logdebug("the master does not answer: %s", error)
                 on_silence(rosgraph.get_master_uri())
+            except Exception:  # of any kind: without this thread nothing new would be seen
+                rospy.logerr_throttle(_LOG_PERIOD_S, f"the graph: {traceback.format_exc()}")
             self._bell.wait(PERIOD_S)
             self._bell.clear()

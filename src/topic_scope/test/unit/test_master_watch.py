@@ -1,0 +1,36 @@
+"""The thread that asks the master goes on, whatever happens."""
+
+import threading
+from typing import List
+from unittest import mock
+
+from nodekit.live.master import SystemState
+from nodekit.testing.waiting import wait_until
+from topic_scope import master_watch
+from topic_scope.layouts import Layouts
+from topic_scope.master_watch import GraphState, MasterWatch
+
+
+def test_an_exception_does_not_end_it() -> None:
+    states: List[GraphState] = []
+    over = threading.Event()
+    taps = mock.Mock(**{"adjust.side_effect": [ValueError("a name that is none"), None, None]})
+    master = mock.Mock()
+    master.system_state.return_value = SystemState([("/a", ["/node"])], [], [])
+    master.topic_types.return_value = {"/a": "std_msgs/Float32"}
+    patches = (
+        mock.patch.object(master_watch, "MasterClient", return_value=master),
+        mock.patch("rospy.is_shutdown", over.is_set),
+        mock.patch("rospy.logerr_throttle"),
+    )
+    with patches[0], patches[1], patches[2] as log:
+        watch = MasterWatch(taps, Layouts())
+        watch.start(states.append, mock.Mock())
+        watch.ring()
+        wait_until(lambda: states, lambda: "no state")
+        over.set()
+        watch.ring()
+        threads = threading.enumerate
+        wait_until(lambda: "master" not in [one.name for one in threads()], lambda: "it goes on")
+    assert "a name that is none" in log.call_args[0][1]
+    assert states[0].published_types == {"/a": "std_msgs/Float32"}

@@ -2,20 +2,11 @@
 
 const OUTSIDE = /^\d+ points out of [XY] bounds:/;
 
-/**
- * Draw without a word on the console about samples that lie outside of what is shown: that of
- * Debian 13 says so with each drawing, but it is what a plot is moved and magnified for.
- * @param {function(): void} drawing
- */
-export function drawQuietly(drawing) {
-  const { warn } = console;
-  console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
-  try {
-    drawing();
-  } finally {
-    console.warn = warn;
-  }
-}
+const { warn } = console;
+
+// That of Debian 13 says with each drawing that samples lie outside of what is shown, but that is
+// what a plot is moved and magnified for. It draws by itself too, where its size has changed.
+console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
 
 /**
  * Take away what is drawn, also beside the plot. By itself dygraphs erases only where it is about

@@ -2,7 +2,6 @@
 
 import { clockText, zoneText } from "./clock.js";
 import { make } from "./dom.js";
-import { drawQuietly } from "./drawing.js";
 
 const RATIO = 2; // pixels of the picture for one of the page, at least
 const LINE = 17; // height of a line of text, pixels
@@ -28,11 +27,11 @@ function sharply(drawn, ratio, act) {
   const own = Object.getOwnPropertyDescriptor(window, "devicePixelRatio");
   Object.defineProperty(window, "devicePixelRatio", { value: ratio, configurable: true });
   try {
-    drawQuietly(() => redraw(drawn));
+    redraw(drawn);
     act();
   } finally {
     Object.defineProperty(window, "devicePixelRatio", own);
-    drawQuietly(() => redraw(drawn));
+    redraw(drawn);
   }
 }
 

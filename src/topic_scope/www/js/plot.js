@@ -3,7 +3,7 @@
 import { clockTicks, dateText, zoneText } from "./clock.js";
 import { dashOf } from "./colours.js";
 import { make } from "./dom.js";
-import { drawQuietly, erase } from "./drawing.js";
+import { erase } from "./drawing.js";
 import { AutoRange, ticks } from "./numbers.js";
 import { axisName, axisOf, plotCount } from "./traces.js";
 
@@ -64,7 +64,7 @@ export class Plot {
 
   /** Take the room that there is. */
   resize() {
-    drawQuietly(() => this.graph.resize());
+    this.graph.resize();
   }
 
   /** Go away. */
@@ -145,11 +145,11 @@ export class Plot {
       y2label: titleOf("y2"),
     };
     const { x, y, w, h } = this.area;
-    drawQuietly(() => this.graph.updateOptions(options));
+    this.graph.updateOptions(options);
     const now = this.area;
     if (now.x === x && now.y === y && now.w === w && now.h === h) return;
     erase(this.canvases);
-    drawQuietly(() => this.graph.updateOptions(options));
+    this.graph.updateOptions(options);
   }
 
   series(fields, buffer) {

@@ -99,7 +99,7 @@ take_launch() { # SUITE ROOT
     done
     seconds=$((SECONDS - began))
     verdict="first sample after $seconds s"
-    kill -INT "$launch" 2>/dev/null || :
+    kill "$launch" 2>/dev/null || : # a command in the background would ignore Ctrl-C until roslaunch runs
     wait "$launch" || :
     if [ "$heard" = yes ] && [ "$seconds" -lt "$limit" ]; then return 0; fi
     verdict="no sample on /proc_signal within $limit s"

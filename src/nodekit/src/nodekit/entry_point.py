@@ -17,6 +17,7 @@ def main(node: str) -> None:
     :param node: name of the module, e.g. ``basic_comms.nodes.talker``
     """
     try:
+        _replace_closed_output()
         with _ended_by_interrupt():
             import_ros()
             _judge_namespace()
@@ -24,6 +25,16 @@ def main(node: str) -> None:
         module.main()
     except KeyboardInterrupt:
         end(0)  # Ctrl-C before rospy took over the signal
+
+
+def _replace_closed_output() -> None:
+    """Let a node write where it was started without an output, as by ``>&-``: nobody reads it.
+
+    Python has no object for it then, and the first line of rospy's log would end the node.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))
 
 
 @contextlib.contextmanager

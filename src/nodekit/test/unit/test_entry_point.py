@@ -41,6 +41,25 @@ def test_messages_are_imported_without_numpy(tmp_path):
     assert_ends_well(run_main(tmp_path, text))
 
 
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_a_node_without_an_output_does_without(tmp_path, closed):
+    (tmp_path / "some_node.py").write_text(
+        "import logging, sys\n"
+        "from nodekit.rospy_internals.logs import mend_logs\n"
+        "from rosgraph.roslogging import RosStreamHandler\n"
+        "def main():\n"
+        "    mend_logs()\n"
+        "    logging.getLogger().addHandler(RosStreamHandler())\n"
+        "    logging.getLogger().setLevel('INFO')\n"
+        "    logging.getLogger().info('lost')\n"
+        "    logging.getLogger().error('lost')\n"
+        "    sys.exit(5)\n"
+    )
+    program = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {RUN}" % "some_node"
+    done = subprocess.run(["sh", "-c", f'exec "$@" {closed}', "sh", sys.executable, "-c", program])
+    assert done.returncode == 5
+
+
 def test_an_interrupt_ends_the_process_whatever_an_import_makes_of_it(tmp_path):
     text = (
         "import os, signal, sys, time\n"

@@ -259,11 +259,12 @@ def test_nonsense_and_defects_end_one_connection_only(served, warnings, said):
     assert len(warnings) == 1
 
 
-def test_accepting_goes_on_when_there_was_no_room_for_a_connection(monkeypatch, served, warnings):
+@pytest.mark.parametrize("number", [errno.EMFILE, errno.EPROTO, errno.EPERM])
+def test_accepting_goes_on_when_one_could_not_be_accepted(monkeypatch, served, warnings, number):
     """rospy's own thread ends with this error, and nobody can connect any more."""
     monkeypatch.setattr(accepting, "_PAUSE_S", 0.01)
     accept = socket.socket.accept
-    errors = [OSError(errno.EMFILE, "no room"), ConnectionAbortedError(), BlockingIOError()]
+    errors = [OSError(number, "no room"), ConnectionAbortedError(), BlockingIOError()]
 
     def fail_first(sock):
         if errors:

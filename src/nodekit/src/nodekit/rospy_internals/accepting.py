@@ -33,11 +33,13 @@ LONGEST_HEADER = 1_000_000
 
 #: Longest wait for somebody who does not read why he is refused, s.
 _ANSWER_S = 0.1
-#: Pause where the system has no room for one more connection, s.
+#: Pause where a connection cannot be accepted, as where the system has no room for one more, s.
 _PAUSE_S = 0.5
 #: Most characters of a reason that are logged: rospy's own tell all topics, and the whole header.
 _LONGEST_REASON = 500
-_NO_ROOM = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+#: What accepting raises on a socket that is closed. All else is about one connection, or passes:
+#: Linux hands over what went wrong in the network by then, see accept(2).
+_CLOSED = (errno.EBADF, errno.EINVAL, errno.ENOTSOCK)
 
 _LENGTH = struct.Struct("<I")
 #: rospy's own methods, and what they must use to be understood here.
@@ -176,7 +178,7 @@ class _Acceptor:
         except (BlockingIOError, ConnectionAbortedError):
             return
         except OSError as error:
-            if error.errno not in _NO_ROOM:
+            if error.errno in _CLOSED:
                 raise
             rospy.logwarn("cannot accept a connection: %s", error)
             time.sleep(_PAUSE_S)

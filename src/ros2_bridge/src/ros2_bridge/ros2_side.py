@@ -1,6 +1,7 @@
 """The bridge as ROS 2 sees it: one participant with many nodes."""
 
 import collections
+import contextlib
 import ctypes
 import os
 import threading
@@ -12,6 +13,7 @@ from typing import Any, Callable, Counter, Dict, List, Set, Tuple
 import rclpy
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -242,4 +244,5 @@ def _uncount(counter: "Counter[str]", topic: str) -> None:
 
 
 def _send(service: Any, header: Any, response: Any) -> None:
-    service.send_response(response, header)
+    with contextlib.suppress(_rclpy.InvalidHandle):  # it has been closed since it was called
+        service.send_response(response, header)

@@ -6,6 +6,7 @@ executors take eight times as much of the processor for the same.
 
 import contextlib
 import threading
+import time
 import traceback
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 
@@ -15,6 +16,8 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 #: Most messages, requests or answers that are taken from one source before the others' turn.
 _MOST = 1000
 _KINDS = ("subscription", "client", "service")
+#: Pause before it is waited again where that has failed, s.
+_PAUSE_S = 0.2
 
 
 class Source(NamedTuple):
@@ -51,7 +54,7 @@ class WaitLoop:
     def add(self, source: Source) -> None:
         """Take from a source from now on."""
         with self._lock:
-            self._sources[source.entity.handle.pointer] = source
+            self._sources[id(source.entity)] = source
             self._changed = True
         self._ring()
 
@@ -61,7 +64,7 @@ class WaitLoop:
         :param destroy: called once it is not waited for any more
         """
         with self._lock:
-            self._sources.pop(source.entity.handle.pointer, None)
+            self._sources.pop(id(source.entity), None)
             self._leaving.append(destroy)
             self._changed = True
         self._ring()
@@ -79,16 +82,20 @@ class WaitLoop:
 
     def _run(self) -> None:
         while not self._ended:
-            with self._lock:
-                sources = list(self._sources.values())
-                leaving, self._leaving = self._leaving, []
-                self._changed = False
-            for destroy in leaving:
-                _guarded(destroy)
-            with contextlib.ExitStack() as held:
-                wait_set, by_kind = self._fill(sources, held)
-                while not (self._changed or self._ended):
-                    self._wait(wait_set, by_kind)
+            if not _guarded(self._wait_until_changed) and not self._ended:
+                time.sleep(_PAUSE_S)
+
+    def _wait_until_changed(self) -> None:
+        with self._lock:
+            sources = list(self._sources.values())
+            leaving, self._leaving = self._leaving, []
+            self._changed = False
+        for destroy in leaving:
+            _guarded(destroy)
+        with contextlib.ExitStack() as held:
+            wait_set, by_kind = self._fill(sources, held)
+            while not (self._changed or self._ended):
+                self._wait(wait_set, by_kind)
 
     def _fill(
         self, sources: List[Source], held: contextlib.ExitStack
@@ -126,10 +133,15 @@ class WaitLoop:
                     _guarded(mine[pointer].take, _MOST)
 
 
-def _guarded(function: Callable[..., None], *arguments: Any) -> None:
-    """Call a function; what it raises is logged, and ends nothing that others rely on."""
+def _guarded(function: Callable[..., None], *arguments: Any) -> bool:
+    """Call a function; what it raises is logged, and ends nothing that others rely on.
+
+    :returns: whether it has raised nothing
+    """
     try:
         function(*arguments)
     except Exception:
         if not rospy.is_shutdown():
             rospy.logerr_throttle(1.0, traceback.format_exc())
+        return False
+    return True

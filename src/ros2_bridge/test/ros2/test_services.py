@@ -10,10 +10,11 @@ import rospy
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from rclpy.callback_groups import ReentrantCallbackGroup
-from std_srvs.srv import SetBool
+from std_srvs.srv import SetBool, Trigger
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.ros2_side import Ros2
 
 ADD = "my_robot_package_interfaces/AddTwoInts"
 
@@ -82,3 +83,29 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
         return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
 
     wait_until(is_gone, lambda: "/add is still offered in ROS 1")
+
+
+def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: pytest.MonkeyPatch) -> None:
+    side = Ros2("/beside_the_tests")
+    loop, sends = side.calls, []
+    wait, failures = loop._wait, ["of ROS 2"]
+
+    def fail_once(*given: Any) -> None:
+        if failures:
+            raise RuntimeError(failures.pop())
+        wait(*given)
+
+    def answer(_: Any, send: Any) -> None:
+        sends.append(send)
+        send(Trigger.Response(success=True))
+
+    monkeypatch.setattr(loop, "_wait", fail_once)
+    home = side.make_node("/home")
+    end = side.serve(home, Trigger, "/ping", answer)
+    assert ros.call2(Trigger, "/ping").success and not failures
+    side.destroy_node(home)  # and with it what it offers, before that is ended
+    wait_until(lambda: home not in side._nodes, lambda: "it stays")
+    end()
+    assert not loop._sources
+    sends[0](Trigger.Response())  # as one does whose answer was not ready in time
+    side.close()

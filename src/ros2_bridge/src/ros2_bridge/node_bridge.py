@@ -142,7 +142,7 @@ class NodeBridge:
             if name not in self.mirrors:
                 other = self._names.in_ros2(name) or name
                 self.mirrors[name] = ParametersToRos1(
-                    self._node, self._side, self._client, name, other, self._telling
+                    self._side, self._client, name, other, self._telling
                 )
             elif is_restarted:
                 self.mirrors[name].read()

@@ -2,15 +2,17 @@
 
 import queue
 import threading
+import traceback
 from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
-from nodekit import MasterUnreachable, Node
-from nodekit.execution.groups import Outside
+from nodekit import MasterUnreachable
+from nodekit.live.following import Following, open_all
 from nodekit.live.master import MasterClient
+from nodekit.live.watcher import get_watcher
 from ros2_bridge import parameter_messages as messages
 from ros2_bridge.parameter_sources import unfit
 from ros2_bridge.parameter_values import DOUBLE, DOUBLES, as_kind, flat, kind_of, ros1_key
@@ -27,14 +29,13 @@ class ParametersToRos1:
 
     All is done by one thread, one thing after the other.
 
-    :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param client: asks the master
     :param name, other: global name of the node in ROS 1 and in ROS 2
     """
 
     def __init__(
-        self, node: Node, side: Ros2, client: MasterClient, name: str, other: str, telling: Telling
+        self, side: Ros2, client: MasterClient, name: str, other: str, telling: Telling
     ) -> None:
         self._name, self._master, self._telling = name, client, telling
         self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
@@ -44,12 +45,16 @@ class ParametersToRos1:
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_read = False
-        self._made = node.lifetime()
+        self._following = Following(name, get_watcher(), self._take_tree)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
         threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
         self.read()
-        self._made.follow(name, self._take_tree, group=Outside())
+        try:
+            open_all([self._following])
+        except BaseException:
+            self.close()
+            raise
 
     def read(self) -> None:
         """Write all that the node has to the server, as when that has just been restarted."""
@@ -70,7 +75,7 @@ class ParametersToRos1:
 
     def close(self) -> None:
         """End it; what the node had is taken from the server again."""
-        self._made.close()
+        self._following.close()
         for one in (self._list, self._get, self._set):
             one.close()
         self._work.put(lambda: self._write([], list(self._values)))
@@ -84,7 +89,10 @@ class ParametersToRos1:
             try:
                 self._work.get()()
             except (NoAnswer, MasterUnreachable) as error:
+                self._is_read = False  # the server may lack something
                 rospy.logwarn_throttle(10.0, f"parameters of {self._name} in ROS 2: {error}")
+            except Exception:  # of a node that answers what makes no sense
+                rospy.logerr_throttle(10.0, traceback.format_exc())
 
     def _read(self) -> None:
         names = self._list.call(ListParameters.Request(), _TIMEOUT_S).result.names
@@ -102,9 +110,15 @@ class ParametersToRos1:
             elif value is not None:
                 self._values[name], self._kinds[name] = value, message.type
                 written[self._key(name)] = value
-        self._master.write(written)
+        self._tell_server(written)
         gone = [name for name in gone if self._values.pop(name, None) is not None]
         self._master.request([("deleteParam", self._key(name)) for name in gone])
+
+    def _tell_server(self, values: Dict[str, Any]) -> None:
+        """Set parameters there, and look once more: the same may be set again from there."""
+        self._master.write(values)
+        if values:
+            self._following.tell_again()
 
     def _is_news(self, name: str, message: Any) -> bool:
         """Tell whether a change is none that came from the server.
@@ -136,7 +150,7 @@ class ParametersToRos1:
                 rospy.logwarn(
                     "%s=%r is refused by ROS 2: %s; %r stays", self._key(name), value, why, old
                 )
-                self._master.write({self._key(name): old})
+                self._tell_server({self._key(name): old})
             else:
                 self._values[name] = value
 
@@ -147,7 +161,9 @@ class ParametersToRos1:
             return "no parameter of ROS 2 has such a value"
         request = SetParameters.Request(parameters=[Parameter(name=name, value=message)])
         try:
-            (result,) = self._set.call(request, _TIMEOUT_S).results
+            results = self._set.call(request, _TIMEOUT_S).results
         except NoAnswer as error:
             return str(error)
-        return "" if result.successful else result.reason or "without a reason"
+        if len(results) != 1:
+            return f"the node answers with {len(results)} results"
+        return "" if results[0].successful else results[0].reason or "without a reason"

@@ -137,6 +137,14 @@ class ParametersToRos2:
         threading.Thread(target=self._look_until_done, daemon=True).start()
 
     def _look_until_done(self) -> None:
+        try:
+            self._look_until_in_force()
+        except Exception:  # or nobody would ever look again
+            with self._lock:
+                self._is_looking = False
+            raise
+
+    def _look_until_in_force(self) -> None:
         looks = 0
         while True:
             with self._lock:

@@ -1,5 +1,6 @@
 """Parameters, both ways."""
 
+import threading
 from typing import Any, Iterator, List
 
 import pytest
@@ -18,6 +19,7 @@ from rclpy.parameter import Parameter as Value
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.parameters_to_ros2 import ParametersToRos2
 
 GENERATOR = "/signal_generator"
 
@@ -149,3 +151,51 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     ros.executor.remove_node(node)
     node.destroy_node()
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")
+
+
+def test_a_node_of_ros2_whose_answers_make_no_sense(ros: both.Both, bridge: both.Bridge) -> None:
+    node = Node("odd_of_ros2", start_parameter_services=False)
+    asked: List[Any] = []
+
+    def listed(_: Any, response: Any) -> Any:
+        response.result.names = ["gain"]
+        return response
+
+    def got(_: Any, response: Any) -> Any:
+        response.values = [Value("gain", value=1.5).get_parameter_value()]
+        return response
+
+    def taken(request: Any, response: Any) -> Any:
+        asked.append(request.parameters)
+        return response  # no result for what was to be set
+
+    node.create_service(ListParameters, "~/list_parameters", listed)
+    node.create_service(GetParameters, "~/get_parameters", got)
+    node.create_service(SetParameters, "~/set_parameters", taken)
+    ros.executor.add_node(node)
+    key = "/odd_of_ros2/gain"
+    wait_until(lambda: rospy.get_param(key, None) == 1.5, lambda: "not on the server")
+    for number in range(2):  # who bridges it outlives the first
+        rospy.set_param(key, 2.5)
+        wait_until(lambda: len(asked) > number, lambda: str(asked))
+        wait_until(lambda: rospy.get_param(key) == 1.5, lambda: "not put back")
+    ros.executor.remove_node(node)
+    node.destroy_node()
+
+
+def test_a_look_that_fails_is_not_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    twin: Any = ParametersToRos2.__new__(ParametersToRos2)
+    twin._lock, twin._is_looking = threading.Lock(), False
+    looks: List[int] = []
+    monkeypatch.setattr(threading, "excepthook", lambda _: None)
+
+    def look() -> Any:
+        looks.append(1)
+        if len(looks) == 1:
+            raise RuntimeError("of ROS 2")
+        return {}
+
+    twin._look = look
+    for count in (1, 2):
+        twin._look_soon({})
+        wait_until(lambda: len(looks) == count and not twin._is_looking, lambda: str(looks))

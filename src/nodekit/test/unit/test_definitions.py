@@ -1,12 +1,15 @@
 """What the definition of a message says."""
 
+import struct
 from typing import Optional
 
 import pytest
+from genpy.base import SIMPLE_TYPES_DICT
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float64MultiArray, Header
 
 from nodekit.transport.definitions import (
+    SIZES,
     Constant,
     DefinitionError,
     Field,
@@ -57,6 +60,10 @@ def test_a_line_that_makes_no_sense_is_refused(line: str) -> None:
 )
 def test_constant_of_a_line(line: str, constant: Optional[Constant]) -> None:
     assert constant_in(line) == constant
+
+
+def test_numbers_are_as_long_as_genpy_writes_them() -> None:
+    assert SIZES == {name: struct.calcsize(note) for name, note in SIMPLE_TYPES_DICT.items()}
 
 
 def test_definitions_of_real_messages() -> None:

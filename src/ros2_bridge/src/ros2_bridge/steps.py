@@ -7,8 +7,9 @@ import struct
 from typing import Any, Callable, List, Tuple, Union
 
 _LENGTH = struct.Struct("<I")
-_LETTERS = {1: "B", 2: "H", 4: "I", 8: "Q"}
-_PADDING = tuple(bytes(size) for size in range(8))
+_LETTERS = {2: "H", 4: "I", 8: "Q"}
+#: Before a length, and behind one before numbers.
+_PADDING = tuple(bytes(size) for size in range(5))
 #: Most elements of an array whose elements have no bytes in ROS 1.
 _MOST_EMPTY = 1_000_000
 

@@ -127,6 +127,8 @@ def test_as_genpy_writes_it() -> None:
         ("uint8 x\nfloat64 y", "<I Bd Bd", "<I B3x d B7x d"),
         ("uint16 x\nuint16 y", "<I HH HH", "<I HH HH"),
         ("empty z\nuint8 x\nuint8 y", "<I BB BB", "<I xBB xBB"),
+        ("uint8 x\nempty z\nuint8 y", "<I BB BB", "<I BxB BxB"),
+        ("empty z\nuint8 x\nuint32 y", "<I BI BI", "<I xB2xI xB2xI"),
     ],
 )
 def test_arrays_of_messages(definition: str, data: str, cdr: str) -> None:
@@ -137,10 +139,18 @@ def test_arrays_of_messages(definition: str, data: str, cdr: str) -> None:
     assert codec.to_ros1(b"\0\1\0\0" + struct.pack(cdr, *numbers)) == struct.pack(data, *numbers)
 
 
-def test_the_shortest_element_of_an_array() -> None:
-    text = f"some[] v{SEPARATOR}MSG: pkg/some\nstring x\nuint8 y"
-    codec = Codec("pkg/a", parse("pkg/a", text))
-    assert codec.to_ros1(codec.to_cdr(struct.pack("<IIB", 1, 0, 7))) == struct.pack("<IIB", 1, 0, 7)
+@pytest.mark.parametrize(
+    "base, data",
+    [
+        ("some", struct.pack("<IIB", 1, 0, 7)),
+        ("Header", struct.pack("<I4I", 1, 0, 1, 2, 0)),
+        ("none", struct.pack("<I", 3)),
+    ],
+)
+def test_the_shortest_elements_of_an_array(base: str, data: bytes) -> None:
+    parts = f"{SEPARATOR}MSG: pkg/some\nstring x\nuint8 y{SEPARATOR}MSG: pkg/none\n{HEADER}"
+    codec = Codec("pkg/a", parse("pkg/a", f"{base}[] v{parts}"))
+    assert codec.to_ros1(codec.to_cdr(data)) == data
 
 
 def test_a_refusal_says_what_is_wrong() -> None:
@@ -149,6 +159,8 @@ def test_a_refusal_says_what_is_wrong() -> None:
         codec.to_cdr(b"\1\2\3")
     with pytest.raises(ConversionError, match=r"b'\\x00\\x00\\x00\\x00' does not begin a little-end"):
         codec.to_ros1(b"\0\0\0\0\1")
+    with pytest.raises(ConversionError, match="9 bytes are announced, and 1 are there"):
+        Codec("pkg/a", parse("pkg/a", "string x")).to_cdr(b"\x09\0\0\0x")
 
 
 def test_what_is_empty_has_one_byte_in_ros2() -> None:

@@ -55,7 +55,8 @@ class TopicBridge:
         for way, pair in self.pairs.items():
             if isinstance(pair, ToRos2):
                 found = ros2.get(way.name)
-                pair.look(found is not None and bool(found.subscribers))
+                listeners = found is not None and bool(found.subscribers)
+                pair.look(listeners, ros1.publishers.get(way.name, set()))
             else:
                 pair.look()
 

@@ -2,7 +2,7 @@
 
 import contextlib
 import threading
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Set
 
 import rospy
 
@@ -13,6 +13,9 @@ from ros2_bridge.ros2_graph import Topic
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.settings import Qualities
 from ros2_bridge.types import MessageType
+
+#: Most senders of a topic of ROS 2 whose messages are counted, until it is begun anew.
+_MOST_SENDERS = 1000
 
 
 class Count:
@@ -47,14 +50,17 @@ class ToRos2:
         self._lock = threading.Lock()
         self._latched = False
         self._latches: Dict[str, bytes] = {}
+        self._callers: Set[str] = set()
         self._hearing: Any = None
         self._publisher = side.publisher(kind.cls, other, qualities.of(topic))
 
-    def look(self, listeners: bool) -> None:
+    def look(self, listeners: bool, callers: Set[str]) -> None:
         """Hear the topic, or no longer.
 
         :param listeners: whether somebody listens in ROS 2
+        :param callers: who publishes it in ROS 1
         """
+        self._callers = callers or self._callers  # none: the master has been restarted
         if listeners and self._hearing is None:
             self._hearing = self._node.lifetime()
             self._hearing.subscribe_batches(
@@ -87,6 +93,9 @@ class ToRos2:
         """Publish so that those who come later get it too, the latest of each latching node."""
         with self._lock:
             is_new = caller not in self._latches
+            if is_new:  # what nodes have left that are no more, is forgotten
+                kept = {one: last for one, last in self._latches.items() if one in self._callers}
+                self._latches = kept
             self._latches[caller] = data
             if not is_new:
                 self._publisher.publish(data)
@@ -100,7 +109,7 @@ class ToRos2:
 
     def close(self) -> None:
         """End it."""
-        self.look(False)
+        self.look(False, set())
         with self._lock:
             self._side.destroy_publisher(self._publisher)
 
@@ -189,6 +198,8 @@ class ToRos1:
             rospy.logwarn_throttle(
                 1.0, f"{self.topic}: {lost} messages were lost on the way from ROS 2"
             )
+        if len(self._last) >= _MOST_SENDERS:
+            self._last.clear()
         self._last[sender] = number
 
     def close(self) -> None:

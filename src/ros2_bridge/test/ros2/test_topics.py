@@ -3,7 +3,8 @@
 import contextlib
 import struct
 import xmlrpc.client
-from typing import Any, List
+from types import SimpleNamespace
+from typing import Any, List, cast
 
 import rospy
 from basic_comms.msg import SignalMsg
@@ -12,6 +13,8 @@ from std_msgs.msg import Float32, String
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.settings import Qualities
+from ros2_bridge.topics import ToRos1, ToRos2
 
 
 RCLError = _rclpy.RCLError
@@ -148,3 +151,26 @@ def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
     bridge.wait_for_log("not bridged: /1/number", "token that starts with a number")
     out.unregister()
     illegal.unregister()
+
+
+def test_what_gone_nodes_have_latched_is_forgotten() -> None:
+    side: Any = SimpleNamespace(published=[], destroy_publisher=lambda _: None)
+    side.publisher = lambda *_: SimpleNamespace(publish=side.published.append)
+    kind: Any = SimpleNamespace(cls=None)
+    pair = ToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(1000, None))
+    for number in range(9):  # each from a node with a name of its own
+        pair.look(False, {"/first", f"/rostopic_{number}"})
+        pair._latch("/first", b"0")
+        pair._latch(f"/rostopic_{number}", b"%d" % (number + 1))
+    assert pair._latches == {"/first": b"0", "/rostopic_8": b"9"}
+    pair.look(False, set())
+    pair._latch("/second", b"10")
+    assert side.published[-3:] == [b"0", b"9", b"10"]  # the master was restarted: all stay
+
+
+def test_senders_without_number_are_not_all_remembered() -> None:
+    pair: Any = ToRos1.__new__(ToRos1)
+    pair._last = {}
+    for number in range(5000):
+        pair._note(b"%d" % number, 1)
+    assert len(pair._last) <= 1000

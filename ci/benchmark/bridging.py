@@ -58,7 +58,7 @@ def rest(bench: Bench, subject: str) -> Figures:
             wait_until(file.with_suffix(".any").exists, LIMIT, "message through the bridge")
             first = time.monotonic() - began
     with bridge(bench.session) as pid:
-        time.sleep(3.0)
+        time.sleep(8.0)  # a node's parameters come 5 s after it, if it does not describe them
         return {"first_s": first, "cpu_percent": cpu_share([pid], bench.seconds(6.0, 3.0))}
 
 

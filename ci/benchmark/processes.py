@@ -16,9 +16,11 @@ from tcpros import Node
 
 #: how long a node works on after it has registered, s
 SETTLED = 1.5
-#: how long a process may take to end when asked to, s: of one that is killed the master goes on to
-#: list all topics and services, and a thousand groups have fifteen thousand to take back
-PATIENCE_S = 20.0
+#: how long a process may take to end when asked to, s: a thousand groups have fifteen thousand
+#: registrations to take back
+PATIENCE_S = 10.0
+#: longest time for what is left of those that were killed, s
+CLEANUP_S = 60.0
 
 
 class Session:
@@ -50,6 +52,7 @@ class Session:
         self._running: List["subprocess.Popen[bytes]"] = []
         self._logs: Dict[int, pathlib.Path] = {}
         self._numbers = 0
+        self._is_ending = False
 
     def __enter__(self) -> "Session":
         try:
@@ -72,6 +75,7 @@ class Session:
         wait_until(answers, 30.0, "answer from the master")
 
     def _end_all(self) -> None:
+        self._is_ending = True
         # The master last: the nodes take their leave of it.
         self.stop(*self._running[1:])
         self.stop(*self._running)
@@ -161,10 +165,13 @@ class Session:
                 with contextlib.suppress(subprocess.TimeoutExpired):
                     process.wait(max(0.0, give_up - time.monotonic()))
         lasted = time.monotonic() - began
+        killed = [process for process in processes if process.returncode == -signal.SIGKILL]
         for pid in started:
             with contextlib.suppress(ProcessLookupError):
                 if self._is_of_session(pid):
                     os.kill(pid, signal.SIGKILL)
+        if killed and not self._is_ending:
+            self._clean_up()
         for process in processes:
             for pipe in (process.stdin, process.stdout):
                 if pipe is not None:
@@ -172,6 +179,19 @@ class Session:
             if process in self._running:
                 self._running.remove(process)
         return lasted
+
+    def _clean_up(self) -> None:
+        """Have the master forget those that were killed, who would be part of what comes next."""
+        command = ["rosnode", "cleanup"]
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            subprocess.run(
+                command,
+                env=self.environment,
+                input=b"y\n",
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=CLEANUP_S,
+            )
 
     def _is_of_session(self, pid: int) -> bool:
         """Tell whether a process is still there, and no other that has got its number since."""

@@ -9,7 +9,7 @@ from nodekit.transport.service_call import ServiceCall
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
-#: Most servers that are asked again at a look: whoever is killed leaves all of them with the master.
+#: Most servers that are asked again at a look: the master lists all of those that were killed.
 _AGAIN = 2
 
 

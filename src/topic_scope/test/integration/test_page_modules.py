@@ -422,7 +422,8 @@ class Modules(BrowserTest):
             self.assertGreater((high - low) / travel["step"], 6, (case, travel))
 
     def test_slider_does_not_go_back_to_the_answer_to_an_earlier_value(self) -> None:
-        parameter = {"name": "level", "kind": "float", "minimum": 0, "maximum": 10, "value": 1}
+        ends = {"minimum": 0, "maximum": 10, "labels": []}
+        parameter = {"name": "level", "kind": "float", "value": 1, **ends}
         places = self.browser.call(
             "parameter.js",
             "(() => { const it = new module.Parameter(a[0], false, () => {});"

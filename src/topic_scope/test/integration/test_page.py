@@ -486,6 +486,7 @@ class Page(PageTest):
         scope.wait_until_served()
         self.browser.open(scope.url)
         self.wait_banner(f"There is no ROS master at {uri} yet: the scope waits for it.")
+        self.assertEqual(self.samples(), [], "a file all the same")
         master = subprocess.Popen(["rosmaster", "--core", "-p", port])
         self.addCleanup(master.kill)
         self.wait_banner("")

@@ -10,8 +10,9 @@ import { make } from "./dom.js";
  */
 export function csvAddress(fields, { from, to }) {
   const query = new URLSearchParams(fields.map((field) => ["field", field]));
-  query.append("start", from);
-  query.append("end", to);
+  for (const [name, time] of [["start", from], ["end", to]]) {
+    if (Number.isFinite(time)) query.append(name, time); // not before there is anything to see
+  }
   return `/data.csv?${query}`;
 }
 

@@ -269,6 +269,7 @@ class DiffDrive(unittest.TestCase):
             lambda: "the type stays",
         )
         self.drive(0.2, 0.0, "", TwistStamped)
+        self.advance(2.0)  # the command ends: what moves it then is the next one, of the other type
         self.hush("", TwistStamped)
         rospy.set_param("/diff_drive/controller_type", "rviz")
         self.log.wait_for(lambda line: "controller_type: 'gazebo' -> 'rviz'" in line.msg)

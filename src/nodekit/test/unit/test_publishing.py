@@ -1,6 +1,7 @@
 """The publisher inside rospy's own objects, with sockets in place of subscribers and no master."""
 
 import contextlib
+import os
 import socket
 import struct
 import threading
@@ -311,7 +312,12 @@ def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(ope
 
     gone.then = then
     theirs.close()
+    held = []
+    while not held or held[-1] < descriptor:  # so that none below it is free
+        held.append(os.dup(0))
     publisher.publish(String("second"))  # finds that it has gone
+    for number in held:
+        os.close(number)
     threads[0].join(TIME_OUT)
     (new,) = impl(publisher).connections
     assert new.fileno() == descriptor

@@ -49,7 +49,7 @@ class PageRobots(BrowserTest):
         # A click on the picture: where that is, the page says itself.
         browser.find("#goal-pick").click()
         canvas = browser.find("#robot-canvas")
-        steps = ActionChains(browser.driver).move_to_element_with_offset(canvas, 100, -50)
+        steps = ActionChains(browser.driver).move_to_element(canvas).move_by_offset(100, -50)
         steps.click_and_hold().move_by_offset(0, -40).release().perform()
         (goal,) = wait_until(lambda: robot.goals[:], lambda: browser.text("#notice"))
         self.wait_text("#goal-state", "Sent on /goal")

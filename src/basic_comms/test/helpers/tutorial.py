@@ -27,7 +27,7 @@ class Reader:
     :param limit: how long a page may take in all, s
     """
 
-    def __init__(self, timeout: float = 40.0, limit: float = 300.0) -> None:
+    def __init__(self, timeout: float = 100.0, limit: float = 300.0) -> None:
         self._timeout = timeout
         self._limit = limit
         self._home = tempfile.TemporaryDirectory()

@@ -85,7 +85,7 @@ class Copy:
 
 
 @pytest.fixture
-def copy(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
+def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> Copy:
     for role in ("AUTHOR", "COMMITTER"):
         monkeypatch.setenv(f"GIT_{role}_NAME", "somebody")
         monkeypatch.setenv(f"GIT_{role}_EMAIL", "somebody@example.invalid")

@@ -49,7 +49,9 @@ def progress(phase: str, second: float) -> Progress:
     return told
 
 
-def test_only_news_of_the_goal_that_was_set_is_an_arrival(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_news_of_the_goal_that_was_set_is_an_arrival(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
     ended: List[str] = []
     monkeypatch.setattr(rospy, "signal_shutdown", ended.append)
     monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(10))
@@ -95,7 +97,7 @@ def test_goal_that_is_changed_while_the_controller_is_asked_is_sent_too() -> Non
     assert node.goals == [0.0, 2.0]
 
 
-def test_refused_goal_is_sent_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refused_goal_is_sent_again(monkeypatch: "pytest.MonkeyPatch") -> None:
     warnings: List[str] = []
     monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warnings.append(text % values))
     node: Any = SlowNode()

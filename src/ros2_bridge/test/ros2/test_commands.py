@@ -115,7 +115,7 @@ def test_service_list_type_find_and_call(ros: both.Both, camera: both.Running) -
     assert service in found
 
 
-def test_interface_show_and_list(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_interface_show_and_list(monkeypatch: "pytest.MonkeyPatch") -> None:
     """Course 001-command-11, 001-if-1."""
     monkeypatch.setenv("AMENT_PREFIX_PATH", sys.prefix)  # as ci/ros2 does
     listed, prefix = get_resource("rosidl_interfaces", "robot_custom_interfaces")

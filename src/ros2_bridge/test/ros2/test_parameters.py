@@ -183,7 +183,7 @@ def test_a_node_of_ros2_whose_answers_make_no_sense(ros: both.Both, bridge: both
     node.destroy_node()
 
 
-def test_a_look_that_fails_is_not_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_look_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") -> None:
     twin: Any = ParametersToRos2.__new__(ParametersToRos2)
     twin._lock, twin._is_looking = threading.Lock(), False
     looks: List[int] = []

@@ -85,7 +85,7 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
     wait_until(is_gone, lambda: "/add is still offered in ROS 1")
 
 
-def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
     side = Ros2("/beside_the_tests")
     loop, sends = side.calls, []
     wait, failures = loop._wait, ["of ROS 2"]

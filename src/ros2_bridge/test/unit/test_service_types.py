@@ -33,7 +33,7 @@ class Servers:
 
 
 @pytest.fixture
-def servers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Servers]:
+def servers(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Servers]:
     made = Servers()
     monkeypatch.setattr(service_types, "Server", made)
     monkeypatch.setattr(threading, "excepthook", lambda _: None)

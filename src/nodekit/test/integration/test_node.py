@@ -456,10 +456,9 @@ class Closing(OnMaster):
         held, first = tracemalloc.get_traced_memory()[0], tracemalloc.take_snapshot()
         for _ in range(90):
             round_()
-        gc.collect()
+        wait_until(lambda: facts() == before, lambda: f"{facts()}, not {before}")
         linecache.clearcache()
         grown = tracemalloc.get_traced_memory()[0] - held
-        wait_until(lambda: facts() == before, lambda: f"{facts()}, not {before}")
         if grown / 90.0 >= 2000.0:
             most = tracemalloc.take_snapshot().compare_to(first, "lineno")[:8]
             self.fail("\n".join([f"{grown / 90.0:.0f} B a round", *map(str, most)]))

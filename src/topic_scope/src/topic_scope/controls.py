@@ -119,7 +119,9 @@ class Controls:
             if isinstance(result, DescriptionError):
                 rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
             return
-        self._panels[node], self._followings[node] = result
+        self._panels[node], following = result
+        self._followings[node] = following
+        following.tell_again()  # what came before there was a panel is lost
         self._tell(self.message())
 
     def _on_values(self, node: str, raw: Any) -> None:

@@ -2,6 +2,7 @@
 """Panels: what nodes say of themselves, values that are set and refused, services, the graph."""
 
 import subprocess
+import time
 from typing import Any
 
 import roslib.packages
@@ -190,6 +191,20 @@ class Controls(ScopeTest):
         page.wait_for(
             "panels", lambda told: "/guest" not in [panel["node"] for panel in told["panels"]]
         )
+
+    def test_a_change_while_a_panel_is_made_is_not_lost(self) -> None:
+        page = self.page()
+        rospy.set_param("/slow/a", 1)
+        self.addCleanup(rospy.delete_param, "/slow")
+
+        def describe(request: Any) -> Any:
+            rospy.set_param("/slow/a", 2)
+            time.sleep(0.5)  # the scope learns of it before it has the description
+            return _describe_guest(request)
+
+        service = rospy.Service("/slow/describe", Trigger, describe)
+        self.addCleanup(service.shutdown)
+        page.wait_for("value", lambda told: (told["node"], told["value"]) == ("/slow", 2))
 
     def test_a_description_that_makes_no_sense_is_no_panel(self) -> None:
         page = self.panelled()

@@ -10,9 +10,8 @@ import { make } from "./dom.js";
  */
 export function csvAddress(fields, { from, to }) {
   const query = new URLSearchParams(fields.map((field) => ["field", field]));
-  for (const [name, time] of [["start", from], ["end", to]]) {
-    if (Number.isFinite(time)) query.append(name, time); // not before there is anything to see
-  }
+  query.append("start", Math.max(0, from)); // which is before all time as long as there is no sample
+  query.append("end", to);
   return `/data.csv?${query}`;
 }
 

@@ -514,7 +514,7 @@ class Plots(PageTest):
         )
         found = self.browser.text(".hover")
         self.assertRegex(found, r"\d\d:\d\d:\d\d\.\d\d")
-        self.assertRegex(found, SIGNAL + r"\s+−?[0-2]\.\d{4}\s+" + PROCESSED)
+        self.assertRegex(found, SIGNAL + r"\s+−?[0-9.]{5,6}(e-\d+)?\s+" + PROCESSED)
 
 
 def _span(address: str) -> Tuple[float, float]:

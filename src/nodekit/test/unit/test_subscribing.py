@@ -8,10 +8,12 @@ import time
 
 import pytest
 import rospy
+import rospy.impl.tcpros_base
 import rospy.topics
 from hypothesis import given
 from hypothesis import strategies as st
-from rospy.exceptions import TransportException, TransportTerminated
+from rosgraph.network import write_ros_handshake_header
+from rospy.exceptions import TransportException, TransportInitError, TransportTerminated
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
@@ -357,6 +359,27 @@ def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
     plain = rospy.Publisher(TOPIC, String, queue_size=10)
     assert not ear.impl.has_connection("http://here"), "a plain one needs a connection"
     plain.unregister()
+
+
+def test_connection_that_a_publisher_refuses_is_none_any_more(stack, monkeypatch):
+    monkeypatch.setattr(rospy.impl.tcpros_base, "_is_use_tcp_keepalive", bool)  # asks the master
+    ear, uri = Ear(stack), "http://there"
+    connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
+    connection.set_endpoint_id(uri)
+    assert ear.impl.add_connection(connection) and ear.impl.has_connection(uri)
+    listener = stack.enter_context(socket.create_server(("localhost", 0)))
+
+    def refuse():
+        peer, _ = listener.accept()
+        with peer:
+            write_ros_handshake_header(peer, {"error": "not a publisher"})
+
+    refusing = threading.Thread(target=refuse)
+    refusing.start()
+    stack.callback(refusing.join, TIME_OUT)
+    with pytest.raises(TransportInitError, match="not a publisher"):
+        connection.connect("localhost", listener.getsockname()[1], uri, timeout=TIME_OUT)
+    assert not ear.impl.has_connection(uri)
 
 
 def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):

@@ -19,6 +19,7 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
+from nodekit.rospy_internals.connecting import leave_where_refused
 from nodekit.rospy_internals.reading import Reader
 from nodekit.rospy_internals.topic_types import refuse_another
 
@@ -232,17 +233,18 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
         """Add a publisher's connection.
 
         :param c: rospy's object for it
-        :returns: whether it is wanted: the topic is open, and would not hear everything twice
+        :returns: whether it is wanted: the topic is open, and hears nothing twice
         """
         # The node may have closed its publisher when this was begun, and made another since.
         if self._hears_here(c.endpoint_id):
             return False
-        # A limit of the queue, which a plain rospy.Subscriber may have set, is kept by rospy alone.
-        if type(c) is TCPROSTransport and self.queue_size is None:
-            c.receive_once = Reader(c).receive_once
+        if type(c) is TCPROSTransport:
+            leave_where_refused(self, c)
+            # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
+            if self.queue_size is None:
+                c.receive_once = Reader(c).receive_once
         return bool(super().add_connection(c))
 
     def _hears_here(self, uri: str) -> bool:
-        return uri == rospy.get_node_uri() and self.hears(
-            get_topic_manager().get_publisher_impl(self.resolved_name)
-        )
+        publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
+        return uri == rospy.get_node_uri() and self.hears(publisher)

@@ -11,10 +11,11 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from analysis import percentile
 from context import Bench, Figures
+from cost import cpu_share, resident_memory
 from observers import wait_until
 from peers import RCLPY as PYTHON_OF_ROS2
 from peers import SCRIPTS, WORKSPACE, rclpy_environment
-from processes import Session, cpu_share, resident_memory
+from processes import Session
 from stacks import RCLPY
 
 ROSPY, TO_ROS2, TO_ROS1 = "rospy", "to_ros2", "to_ros1"

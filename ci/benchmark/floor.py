@@ -9,8 +9,8 @@ import time
 from typing import List, Tuple
 
 from context import Figures
+from cost import cpu_share
 from peers import SCRIPTS
-from processes import cpu_share
 
 FLOOR = "floor"
 

@@ -6,9 +6,10 @@ from typing import List
 
 import stacks
 from context import Bench, Figures
+from cost import cpu_share, descendants, resident_memory
 from observers import Counter, wait_until
 from peers import SCRIPTS
-from processes import SETTLED, cpu_share, descendants, resident_memory
+from processes import SETTLED
 from tcpros import Node
 
 RATE = 10.0

@@ -7,8 +7,8 @@ import time
 import stacks
 from analysis import percentile
 from context import Bench, Figures
+from cost import cpu_share
 from observers import Recorder, wait_until
-from processes import cpu_share
 
 SETS, BURST = 50, 200
 AMPLITUDE = struct.Struct("<f")

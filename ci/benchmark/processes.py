@@ -1,4 +1,4 @@
-"""A ROS master of the benchmark's own, the processes started on it, and what they cost."""
+"""A ROS master of the benchmark's own, and the processes started on it."""
 
 import contextlib
 import os
@@ -7,8 +7,9 @@ import signal
 import socket
 import subprocess
 import time
-from typing import Dict, Iterable, Iterator, List, Optional
+from typing import Dict, Iterator, List, Optional
 
+from cost import descendants
 from observers import wait_until
 from peers import HERE, SCRIPTS
 from steps import end_leftovers
@@ -182,10 +183,9 @@ class Session:
 
     def _clean_up(self) -> None:
         """Have the master forget those that were killed, who would be part of what comes next."""
-        command = ["rosnode", "cleanup"]
         with contextlib.suppress(subprocess.TimeoutExpired):
             subprocess.run(
-                command,
+                ["rosnode", "cleanup"],
                 env=self.environment,
                 input=b"y\n",
                 stdout=subprocess.DEVNULL,
@@ -213,54 +213,3 @@ class Session:
             yield [process.pid for process in processes]
         finally:
             self.stop(*reversed(processes))
-
-
-def cpu_time(pids: Iterable[int]) -> float:
-    """Return the processor time that processes have used so far, s; 0 of those that are gone."""
-    seconds = 0.0
-    for pid in pids:
-        with contextlib.suppress(OSError):
-            seconds += time.clock_gettime(cpu_clock(pid))
-    return seconds
-
-
-def cpu_clock(pid: int) -> int:
-    """Return the clock of the processor time of another process, its ended threads included.
-
-    It is read at once, unlike the files of its threads, which may come and go meanwhile.
-    """
-    return ~pid << 3 | 2  # as clock_getcpuclockid(3) of Linux's C libraries makes it
-
-
-def cpu_share(pids: List[int], seconds: float) -> float:
-    """Watch for a while how much of one core processes use, %."""
-    began, used = time.monotonic(), cpu_time(pids)
-    time.sleep(seconds)
-    return 100.0 * (cpu_time(pids) - used) / (time.monotonic() - began)
-
-
-def resident_memory(pids: Iterable[int]) -> float:
-    """Return the resident set of processes together, MB."""
-    kilobytes = 0
-    for pid in pids:
-        with contextlib.suppress(OSError):
-            for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
-                if line.startswith("VmRSS:"):
-                    kilobytes += int(line.split()[1])
-    return kilobytes / 1024.0
-
-
-def descendants(pid: int) -> List[int]:
-    """Return the numbers of all processes below one."""
-    parents: Dict[int, int] = {}
-    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            # The name in parentheses may hold anything; the parent is the second field after it.
-            parents[int(stat.parent.name)] = int(stat.read_text().rpartition(")")[2].split()[1])
-    found: List[int] = []
-    wanted = [pid]
-    while wanted:
-        children = [child for child, parent in parents.items() if parent in wanted]
-        found += children
-        wanted = children
-    return found

@@ -5,8 +5,8 @@ from typing import List
 
 import stacks
 from context import Bench, Figures
+from cost import cpu_share, resident_memory
 from observers import Recorder
-from processes import cpu_share, resident_memory
 
 FLEET, SCAN, START = "100 robots", "a robot that scans", "start of a robot"
 SUBJECTS = [FLEET, SCAN, START]

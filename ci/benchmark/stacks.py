@@ -9,9 +9,10 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import record
 from analysis import Sample
+from cost import cpu_share
 from observers import Recorder, wait_until
 from peers import HERE, SCRIPTS, WORKSPACE, Peers, rclpy_environment
-from processes import Session, cpu_share
+from processes import Session
 
 OURS, ROSCPP, RELAY, RCLPY, COURSE = "basic_comms", "roscpp", "relay", "rclpy", "course"
 #: The workspace's own, with a process node that is managed, and active.

@@ -4,9 +4,9 @@ import time
 
 import stacks
 from context import Bench, Figures
+from cost import resident_memory
 from observers import Recorder
 from peers import SCRIPTS
-from processes import resident_memory
 
 LAUNCH = {
     stacks.OURS: ["basic_comms", "cw1.launch"],

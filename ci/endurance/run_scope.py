@@ -9,9 +9,9 @@ from statistics import median
 from typing import Any, List, NamedTuple, Tuple
 
 from checks import Check, at_least, at_most, told
+from cost import cpu_time
 from observers import wait_until
 from peers import WORKSPACE
-from processes import cpu_time
 from surroundings import Soak
 from usage import Sampler, added
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from processes import cpu_time
+from cost import cpu_time
 
 #: Burns processor time in threads that end, and says how much, in s.
 BURN = """

@@ -62,6 +62,13 @@ def test_nothing_is_late_before_anything_has_come() -> None:
     assert (monitor.is_late, monitor.count, monitor.worst) == (False, 0, 0.0)
 
 
+def test_first_samples_may_come_before_the_simulated_clock() -> None:
+    monitor = fed([(0.0, [0.0]), (0.0, [0.1]), (BEGIN + 0.2, [0.2]), (BEGIN + 0.3, [0.3])])
+    assert (monitor.is_late, monitor.worst) == (False, 0.0)
+    take(monitor, BEGIN + 0.4 + LATE_S, [0.4])
+    assert monitor.is_late
+
+
 def test_late_begins_at_one_bound_and_is_over_beyond_the_other() -> None:
     monitor = fed([(BEGIN, [0.0])])
     take(monitor, BEGIN + 1.0 + LATE_S, [1.0])

@@ -41,13 +41,16 @@ class LatenessMonitor:
     def update(self, now: float, samples: Sequence[Any]) -> bool:
         """Take in samples that came together.
 
-        :param now: when they came, on a clock that runs as the signal does, s
+        :param now: when they came, on a clock that runs as the signal does, s; 0 is what a
+            simulated clock says until it is heard
         :param samples: the samples, the oldest first; each has its time in s as ``time_x``
         :returns: whether samples have begun or ceased to be late
         """
         first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
             return False  # none of a signal
+        if now == 0.0:
+            return False  # a simulated clock that has not told its time yet: no lag to go by
         lateness = now - first - self._lag if first > self._time else 0.0
         if lateness >= LATE_S and self._clock_has_followed(now, first):
             lateness = 0.0

@@ -32,8 +32,8 @@ class Registrations:
 
         :param node: its global name
         """
-        types = dict(self._master.getTopicTypes())
         names = self._names()
+        types = dict(self._master.getTopicTypes())  # afterwards: what has a name has a type then
         services = names["services"] - self._earlier["services"]
         types.update((name, rosservice.get_service_type(name)) for name in services)
         return {

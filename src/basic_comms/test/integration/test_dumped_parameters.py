@@ -15,6 +15,7 @@ import os
 import pathlib
 import subprocess
 import tempfile
+import time
 import unittest
 from typing import Any, Callable, Dict, Iterator, List, Tuple
 from unittest import mock
@@ -30,6 +31,7 @@ from lifecycle_msgs.srv import ChangeState
 from nodekit import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
+from nodekit.testing.waiting import TIMEOUT_S
 from nodekit_msgs.srv import SetParameters
 
 SOURCES = pathlib.Path(__file__).resolve().parents[4] / "src"
@@ -109,13 +111,21 @@ class Settings:
         values: Dict[str, Any] = yaml.safe_load(self._call("change", SetParameters, "{}").values)
         return values
 
-    def offered(self) -> Dict[str, Any]:
-        """Return what others may rely on."""
-        return {
-            "name": self._node.rpartition("/")[2],
-            "parameters": {entry["name"]: entry["type"] for entry in self.described},
-            **self._registered.of(self._node),
-        }
+    def offered(self, promised: Dict[str, Any]) -> Dict[str, Any]:
+        """Return what others may rely on, once that is what is promised, or after a time-out.
+
+        An action is served from a node's first step on, which need not have come yet.
+        """
+        deadline = time.monotonic() + TIMEOUT_S
+        while True:
+            offered = {
+                "name": self._node.rpartition("/")[2],
+                "parameters": {entry["name"]: entry["type"] for entry in self.described},
+                **self._registered.of(self._node),
+            }
+            if not any(promises.broken(promised, offered)) or time.monotonic() > deadline:
+                return offered
+            time.sleep(0.05)
 
     def change(self) -> List[str]:
         """Change each parameter that has another value; return the names of these."""
@@ -143,8 +153,9 @@ class Dumped(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.root = register("test_dumped_parameters")
         cls.root.start()
+        promised = promises.read()["nodes"]
         for module, settings in cls.started("/before"):
-            cls.offered[module] = settings.offered()
+            cls.offered[module] = settings.offered(promised.get(module, {}))
             cls.changed[module] = settings.change()
             cls.before[module] = settings.in_force()
         with tempfile.NamedTemporaryFile(suffix=".yaml") as file:

@@ -448,6 +448,43 @@ def test_what_was_latched_before_opening_is_sent_then(unopened, connect, monkeyp
     assert [receive(subscriber).data for _ in range(2)] == ["last", "new"]
 
 
+def after(function, do):
+    """Return a function that has something done, once, before it returns."""
+    to_do = [do]
+
+    def wrapped(*args, **kwds):
+        result = function(*args, **kwds)
+        if to_do:
+            to_do.pop()()
+        return result
+
+    return wrapped
+
+
+def test_what_is_latched_while_it_opens_is_newer_than_what_was_before(
+    unopened, connect, monkeypatch
+):
+    for module in (rospy.core, rospy.topics):
+        monkeypatch.setattr(module, "is_initialized", lambda: True)
+    publisher = unopened(String, latch=True)
+    publisher.publish(String("before"))
+    publish = after(rospy.Publisher, lambda: publisher.publish(String("meanwhile")))
+    monkeypatch.setattr(rospy, "Publisher", publish)
+    publisher.open()
+    assert receive(connect(publisher)).data == "meanwhile"
+
+
+def test_what_is_being_latched_while_it_opens_is_sent(unopened, connect, monkeypatch):
+    for module in (rospy.core, rospy.topics):
+        monkeypatch.setattr(module, "is_initialized", lambda: True)
+    publisher = unopened(String, latch=True)
+    monkeypatch.setattr(
+        rospy.msg, "args_kwds_to_message", after(rospy.msg.args_kwds_to_message, publisher.open)
+    )
+    publisher.publish(data="now")
+    assert receive(connect(publisher)).data == "now"
+
+
 def test_what_was_not_latched_before_opening_is_not_sent(unopened, connect):
     publisher = unopened(String)
     publisher.publish(String("early"))

@@ -1,5 +1,6 @@
 """Publishers that send at once, and that a stalled subscriber cannot hold up."""
 
+import threading
 from typing import Any, List, NamedTuple, Optional, Sequence
 
 import rospy
@@ -50,6 +51,8 @@ class Publisher:
         self._latch = latch
         self._lifespan = lifespan
         self._first: Any = None
+        #: Held where what is published is kept, or from then on sent.
+        self._lock = threading.Lock()
         self._publisher: Optional[rospy.Publisher] = None
         self._topic: Optional[publishers.OutgoingTopic] = None
         self._is_closed = False
@@ -62,15 +65,23 @@ class Publisher:
         if mismatch:
             rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
         name, data_class = self.resolved_name, self.data_class
+        topic: Optional[publishers.OutgoingTopic] = None
         with registration.topic_lock():
             if not mismatch:
-                self._topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
-            self._publisher = rospy.Publisher(
+                topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
+            publisher = rospy.Publisher(
                 name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
             )
-        first, self._first = self._first, None
-        if first is not None:
-            self.publish(first)
+        while True:  # another thread may publish meanwhile, and what is latched is the newest
+            with self._lock:
+                first, self._first = self._first, None
+                if first is None:
+                    self._publisher, self._topic = publisher, topic
+                    return
+            if topic is not None:
+                topic.publish_all((first,))
+            else:
+                publisher.publish(first)
 
     def close(self) -> None:
         """Publish no longer."""
@@ -90,13 +101,18 @@ class Publisher:
         if topic is not None and len(args) == 1 and type(args[0]) is self.data_class and not kwds:
             topic.publish_all(args)
             return
+        if self._publisher is None and self._latch and not self._is_closed:
+            message = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
+            with self._lock:
+                if self._publisher is None:
+                    self._first = message
+                    return
+            args, kwds = (message,), {}  # it was opened just now
         publisher = self._publisher
         if publisher is not None:
             publisher.publish(*args, **kwds)
         elif self._is_closed:
             raise rospy.ROSException(f"publish() to a closed publisher of {self.resolved_name}")
-        elif self._latch:
-            self._first = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send several messages in one go, which takes hardly longer than one.

@@ -7,6 +7,7 @@ import pytest
 from std_msgs.msg import String
 
 from nodekit.execution.groups import Group
+from nodekit.life.timers import NodeTimer
 from nodekit.lifecycle.gate import Gate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.timing.clocks import MonotonicClock
@@ -111,4 +112,51 @@ def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
     meanwhile = lambda: in_thread(gate.let_tick, False) if gate.ticks else None  # noqa: E731
     timer.follow()
     assert timer._timer.timetable.deadline is None
+    timer.close()
+
+
+@pytest.mark.parametrize("managed", [True, False])
+def test_rate_of_before_a_change_is_not_set_after_that_of_it(
+    scheduler: Scheduler, managed: bool
+) -> None:
+    rates = [5.0]
+    meanwhile: Optional[Callable[[], None]] = None
+
+    def rate() -> float:
+        found = rates[-1]
+        if meanwhile is not None and len(rates) == 1:
+            rates.append(7.0)
+            meanwhile()
+        return found
+
+    options = scheduler, Group(), rate, lambda elapsed: None, 0.0, "timer"
+    gate = Gate()
+    gate.let_tick(True)
+    timer = ManagedTimer(gate, *options) if managed else NodeTimer(*options)
+    NodeTimer.start_together([timer])
+    meanwhile = lambda: in_thread(timer.follow)  # noqa: E731
+    timer.follow()
+    assert timer._timer.timetable._rate == 7.0
+    timer.close()
+
+
+def test_managed_timer_has_the_rate_that_is_wanted_last(
+    scheduler: Scheduler, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    gate = Gate()
+    gate.let_tick(True)
+    timer = ManagedTimer(gate, scheduler, Group(), 5.0, lambda elapsed: None, 0.0, "timer")
+    set_rate = timer._timer.set_rate
+    other = threading.Thread(target=timer.set_rate, args=(7.0,), daemon=True)
+
+    def set_while_another_one_is_set(rate: float) -> None:
+        if other.ident is None:
+            other.start()
+            other.join(0.1)  # or it waits for its turn
+        set_rate(rate)
+
+    monkeypatch.setattr(timer._timer, "set_rate", set_while_another_one_is_set)
+    timer.set_rate(6.0)
+    other.join(TIMEOUT_S)
+    assert timer._timer.timetable._rate == 7.0
     timer.close()

@@ -1,5 +1,7 @@
 """The timers of a node: in its callback group, and following its parameters."""
 
+import itertools
+import threading
 from typing import Any, Callable, Iterable, List, Optional, Union
 
 import rospy
@@ -45,6 +47,9 @@ class NodeTimer(Callback):
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
+        self._lock = threading.Lock()
+        #: Numbers the questions for the rate; the latest that was answered, and set.
+        self._questions, self._answered = itertools.count(1), 0
 
     def attach(self, line: Optional[Line]) -> None:
         """Have the calls made by an executor, or none; see :meth:`.Callback.attach`."""
@@ -71,8 +76,13 @@ class NodeTimer(Callback):
     def follow(self) -> None:
         """Ask for the rate, where it is a function; one that fails leaves the old rate."""
         if callable(self._rate) and self._is_started:
+            question = next(self._questions)
             try:
-                self._timer.set_rate(self._rate())
+                rate = self._rate()
+                with self._lock:
+                    if question > self._answered:  # or it has been asked since, and answered
+                        self._answered = question
+                        self._timer.set_rate(rate)
             except Exception as error:
                 rospy.logerr("%s keeps its rate: %s: %s", self.what, type(error).__name__, error)
 

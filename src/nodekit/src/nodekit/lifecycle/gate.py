@@ -211,7 +211,8 @@ class ManagedTimer(NodeTimer):
             elif callable(self._wanted):
                 super().follow()
             else:
-                self._timer.set_rate(self._wanted)
+                with self._lock:  # so that what is wanted last is set last
+                    self._timer.set_rate(self._wanted)
 
     def close(self) -> None:
         """Make no call any more."""

@@ -10,9 +10,9 @@ import contextlib
 import itertools
 import os
 import threading
+import weakref
 from typing import Any, Dict, Optional
 
-import rospy
 import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -23,6 +23,7 @@ from nodekit.life.lifetime import Lifetime
 from nodekit.life.ownership import Closed
 from nodekit.life.timers import NodeTimer
 from nodekit.node import Node
+from nodekit.rospy_internals.shutdown import at_shutdown
 
 #: Base name of the service that tells of a node's callbacks.
 SERVICE = "executor"
@@ -46,7 +47,7 @@ class _Executor:
         for count in range(1, threads + 1):
             name = f"executor-{number}-{count}"
             threading.Thread(target=self._work, name=name, daemon=True).start()
-        rospy.on_shutdown(lambda: self.shutdown(0.0))
+        _executors.add(self)
 
     def add_node(self, node: Node) -> None:
         """Make the calls of a node from now on: its timers, subscriptions, services, changes.
@@ -137,3 +138,14 @@ def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
         "longest": round(source.longest, 6),
         "longest_wait": round(source.longest_wait, 6),
     }
+
+
+_executors: "weakref.WeakSet[_Executor]" = weakref.WeakSet()
+
+
+def _shut_all_down() -> None:
+    for executor in list(_executors):
+        executor.shutdown(0.0)
+
+
+at_shutdown(_shut_all_down)

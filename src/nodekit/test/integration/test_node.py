@@ -18,6 +18,7 @@ import rostest
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
+from nodekit.executors import SingleThreadedExecutor
 from nodekit.life.names import Names
 from nodekit.node import Node
 from nodekit.parameters.declaration import (
@@ -310,6 +311,7 @@ class Closing(OnMaster):
         maker.every(10.0, calls, steady=True)
         maker.follow("beside", calls)
         maker.stream_log()
+        maker.before_end(lambda: calls())
 
     def test_nothing_is_called_after_close(self) -> None:
         node, calls = self.node(), []  # type: Any
@@ -437,10 +439,13 @@ class Closing(OnMaster):
             node.parameters(Settings, on_change=lambda new, old: None)
             heard = threading.Event()
             self.fill(node, node, lambda *_: heard.set())
+            executor = SingleThreadedExecutor()
+            executor.add_node(node)
             node.start()
             self.assertTrue(heard.wait(TIMEOUT_S))
             rospy.ServiceProxy(self.space + "/one/serve", Trigger)()
             node.close()
+            executor.shutdown()
 
         def facts() -> Tuple[Any, ...]:
             gc.collect()

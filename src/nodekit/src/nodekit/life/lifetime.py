@@ -1,5 +1,6 @@
 """What a node makes, and how long it lives."""
 
+import contextlib
 from functools import partial
 from typing import Any, Callable, Collection, Optional, Type
 
@@ -121,7 +122,8 @@ class Lifetime(TopicMaker):
         :param callback: what to call, in no group; it has less than 2 s
         """
         last = self.own(Callback(Outside(), callback, f"{self.name}: before_end"))
-        before_shutdown(last.call)
+        forgetting = self.own(contextlib.ExitStack())
+        forgetting.callback(before_shutdown(last.call))
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
         """Have a function called whenever the node stops being active, while it still publishes.

@@ -1,7 +1,9 @@
 """How rospy ends."""
 
 import threading
-from typing import Callable
+import traceback
+from functools import partial
+from typing import Callable, List
 
 import rospy
 import rospy.core
@@ -41,9 +43,26 @@ def at_shutdown(function: Callable[[], None]) -> None:
         function()
 
 
-def before_shutdown(function: Callable[[], None]) -> None:
+#: What is called first of all. Lists are changed and copied in one step, also amid a signal.
+_first: List[Callable[[], None]] = []
+
+
+def before_shutdown(function: Callable[[], None]) -> Callable[[], None]:
     """Have a function called first of all when the node ends, while all of it still works.
 
-    :param function: what to call
+    :param function: what to call, before those that were given earlier
+    :returns: a function that ends this
     """
-    rospy.core._client_shutdown_hooks.insert(0, function)
+    _first.insert(0, function)
+    return partial(_first.remove, function)
+
+
+def _call_first() -> None:
+    for function in list(_first):
+        try:
+            function()
+        except Exception:  # as rospy does it: the others are called all the same
+            traceback.print_exc()
+
+
+rospy.core._client_shutdown_hooks.insert(0, _call_first)

@@ -188,13 +188,21 @@ class Clients(unittest.TestCase):
         began = time.monotonic()
         self.assertFalse(client.wait_for_service(0.2))
         self.assertLess(time.monotonic() - began, TIMEOUT_S / 2)
+        master = rosgraph.Master(self.space + "/liar")
+
+        def register_at(uri: str) -> None:
+            master.registerService(self.space + "/nowhere", uri, "http://localhost:1/")
+            self.addCleanup(master.unregisterService, self.space + "/nowhere", uri)
+
+        for uri in ("rosrpc://nonsense:x", "rosrpc://localhost:99999", f"rosrpc://{'a' * 64}:1"):
+            register_at(uri)
+            with self.assertRaisesRegex(CallError, f"cannot be called: .*{uri}"):
+                client.call(TriggerRequest())
+            self.assertFalse(client.wait_for_service(0.0))
         with socket.socket() as silent:
             silent.bind(("localhost", 0))
             silent.listen(1)
-            uri = f"rosrpc://localhost:{silent.getsockname()[1]}"
-            master = rosgraph.Master(self.space + "/liar")
-            master.registerService(self.space + "/nowhere", uri, "http://localhost:1/")
-            self.addCleanup(master.unregisterService, self.space + "/nowhere", uri)
+            register_at(f"rosrpc://localhost:{silent.getsockname()[1]}")
             with self.assertRaises(CallTimeout):
                 client.call(TriggerRequest(), timeout=0.2)
 

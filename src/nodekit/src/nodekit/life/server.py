@@ -90,5 +90,9 @@ class Server:
             found = master.lookup_service(self.name)
         if found is None:
             raise ConnectionError("nobody offers it")
-        host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
+        try:
+            host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
+            host.encode("idna")  # as connecting to it does
+        except ValueError as error:
+            raise ConnectionError(f"it is offered at {found!r}: {error}") from None
         return host, port

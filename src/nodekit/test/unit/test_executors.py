@@ -7,12 +7,15 @@ from typing import Any, Callable, Iterator, List, Optional, Type
 
 import pytest
 import rospy
+from std_msgs.msg import String
 
 from nodekit.execution.groups import Group, ReentrantGroup
 from nodekit.execution.line import Line
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
-from nodekit.life.callbacks import Answering, Bell, Callback, Receiving
+from nodekit.life.callbacks import DEPTH, Answering, Bell, Callback, Receiving
+from nodekit.life.names import Names
 from nodekit.life.timers import NodeTimer
+from nodekit.node import Node
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
@@ -337,6 +340,24 @@ def test_close_waits_for_what_is_under_way_but_not_for_what_only_waits() -> None
 def test_number_of_threads_is_judged(threads: int) -> None:
     with pytest.raises(ValueError, match=f"refused {threads}: must be"):
         MultiThreadedExecutor(threads)
+
+
+@pytest.mark.parametrize("queue_size, kept", [(None, DEPTH), (3, 3), (-1, 50)])
+def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) -> None:
+    made, node, heard = SingleThreadedExecutor(), Node(Names("/one", True)), []  # type: Any
+    made.add_node(node)
+    node.subscribe("topic", String, heard.append, queue_size)
+    (waiting,) = (each for each in node.callbacks() if isinstance(each, Receiving))
+    with waiting.group:
+        waiting.receive(list(range(50)), True)
+    assert made.shutdown(TIMEOUT_S)
+    assert heard == list(range(50))[-kept:]
+
+
+@pytest.mark.parametrize("queue_size", [0, -2, 1.5, "10"])
+def test_queue_size_is_judged(queue_size: Any) -> None:
+    with pytest.raises(ValueError, match=f"queue_size: refused {queue_size!r}: must be"):
+        Node(Names("/one", True)).subscribe("topic", String, print, queue_size)
 
 
 @pytest.mark.parametrize("other", [True, False])

@@ -125,10 +125,12 @@ class TopicMaker(Owner):
         :param data_class: message class
         :param callback: called with each message
         :param queue_size: with an executor, how many messages wait for it, :data:`.DEPTH` by
-            default, the newest ones. Not used without one: while the callback is busy, messages
-            wait with the sender
+            default, the newest ones; -1, as with rospy, for as many as may be,
+            :data:`.MOST_KEPT`. Not used without one: while the callback is busy, messages wait
+            with the sender
         :param finite: leave out, with a warning, messages that have NaN or infinity in a field
         :param group: the callback's group; the node's own by default
+        :raises ValueError: if the queue size is none
         """
 
         resolved, seldom = self.resolve(name), Seldom(_WARN_EVERY_S)
@@ -140,7 +142,7 @@ class TopicMaker(Owner):
                 text = shortened(" ".join(str(message).split()))
                 rospy.logwarn("%s: %s is not finite and is left out", resolved, text)
 
-        depth = queue_size or DEPTH
+        depth = _depth(queue_size)
         return self._hear(name, data_class, only_finite if finite else callback, depth, group)
 
     def subscribe_batches(
@@ -223,3 +225,15 @@ class TopicMaker(Owner):
         :param name: relative, private (``~name``) or global
         """
         return self._surroundings.names.resolve(name)
+
+
+def _depth(queue_size: Optional[int]) -> int:
+    """Return how many messages wait for an executor."""
+    if queue_size is None:
+        return DEPTH
+    if queue_size == -1:
+        return MOST_KEPT
+    if isinstance(queue_size, int) and queue_size > 0:
+        return queue_size
+    allowed = "must be a whole number from 1 on, or -1 for no limit of its own"
+    raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")

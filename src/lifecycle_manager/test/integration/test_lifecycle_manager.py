@@ -7,7 +7,6 @@ import signal
 import threading
 import unittest
 from typing import Any, Callable, Dict, List
-from unittest import mock
 
 import rospy
 import rostest
@@ -28,6 +27,7 @@ from nodekit_msgs.srv import ManageNodes, ManageNodesRequest, ManageNodesRespons
 HERE = os.path.dirname(os.path.realpath(__file__))
 MANAGER = os.path.join(HERE, "..", "..", "scripts", "lifecycle_manager")
 DRIVER = os.path.join(HERE, "..", "helpers", "driver.py")
+LATE_RIVAL = os.path.join(HERE, "..", "helpers", "late_rival.py")
 
 ABC = ("a", "b", "c")
 #: So that a busy machine loses no node; where one is to be lost by its silence, the default is.
@@ -262,17 +262,6 @@ class Here(Managing):
                     self.assertEqual(self.diary, UP[3:] if command == "PAUSE" else [])
                     manager.close()
 
-    def test_a_second_manager_that_starts_at_the_same_time(self) -> None:
-        """It sees the first one only after it has told of itself."""
-        self.set_parameters("other", node_names=["y"])
-        node = self.node("other")
-        rivals = "lifecycle_manager.nodes.lifecycle_manager.rival"
-        with mock.patch(rivals, side_effect=[None, "b has one"]):
-            with mock.patch("rospy.signal_shutdown") as end:
-                LifecycleManager(node)
-                node.start()
-                wait_until(lambda: end.called, lambda: "the end of the second one")
-
     def test_at_its_end_what_hangs_is_left_behind(self) -> None:
         self.drivers(*ABC)
         self.set_parameters(autostart=True)
@@ -312,6 +301,14 @@ class Elsewhere(Managing):
         process = Process(script, [f"__name:={name}", f"__ns:={self.space}"])
         self.addCleanup(process.end)
         return process
+
+    def test_a_second_manager_that_starts_at_the_same_time(self) -> None:
+        """It sees the first one only after it has told of itself."""
+        self.set_parameters("other", node_names=["y"])
+        other = self.start(LATE_RIVAL, "other")
+        self.assertEqual(other.wait(), 1)
+        self.assertTrue(other.logged("nodes without another manager (y has one)"), other.logged())
+        self.assertEqual(other.logged("Traceback"), [])
 
     def wait_for_lines(self, **expected: List[str]) -> None:
         """Wait until these are the last lines of these nodes."""

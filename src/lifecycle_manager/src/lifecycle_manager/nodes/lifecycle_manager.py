@@ -28,6 +28,7 @@ from nodekit import (
     read_once,
     run,
 )
+from nodekit.process.run import give_up
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 
 #: How often it looks around, Hz.
@@ -203,8 +204,7 @@ class LifecycleManager:
         """Look once more for another manager, which may have started at the same time."""
         claimed = rival(self._node, [member.name for member in self._contacts])
         if claimed:
-            rospy.logfatal("%s", self._refused(ALONE, claimed))
-            rospy.signal_shutdown(claimed)
+            give_up(self._refused(ALONE, claimed))
         self._is_alone = not claimed
 
 

@@ -22,6 +22,8 @@ from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often
 
 EXIT_OK, EXIT_REFUSED = 0, 1
+#: What the process ends with, unless its start is refused.
+_status = EXIT_OK
 
 #: Longest wait for a start that is under way when the node is told to end, s.
 _START_WAIT_S = 1.0
@@ -32,7 +34,7 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
     where the start was refused because of an argument, a name, a parameter or an
-    unreachable master.
+    unreachable master, or where the node gave up.
 
     :param name: name of the node where none is given by ``__name``
     :param cls: the node's class, called with the process's :class:`.Node`
@@ -54,7 +56,18 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
         end(EXIT_REFUSED)
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
-    end(EXIT_OK)
+    end(_status)
+
+
+def give_up(why: object) -> None:
+    """Have the process end with status 1, as the node finds only now that it cannot go on.
+
+    :param why: one sentence, which is logged
+    """
+    global _status
+    _status = EXIT_REFUSED
+    rospy.logfatal("%s", why)
+    rospy.signal_shutdown(str(why))
 
 
 def register(name: str) -> Node:

@@ -1,0 +1,12 @@
+#!/usr/bin/env python3
+"""A manager that sees another one only when it has told of itself."""
+
+import itertools
+from unittest import mock
+
+from lifecycle_manager.nodes import lifecycle_manager
+
+if __name__ == "__main__":
+    found = itertools.chain([None], itertools.repeat("y has one"))
+    with mock.patch.object(lifecycle_manager, "rival", side_effect=found):
+        lifecycle_manager.main()

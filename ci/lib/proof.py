@@ -55,16 +55,28 @@ def running(*command: str, log: str = "proof.log") -> Iterator[None]:
     try:
         yield
     except BaseException:
-        process.send_signal(signal.SIGINT)
-        process.wait(PATIENCE)
+        _interrupt(process)
         print(file.read_text())
         raise
+    how = _interrupt(process)
+    if how != "status 0":
+        sys.exit(f"{command} ended with {how}:\n{file.read_text()}")
+
+
+def _interrupt(process: "subprocess.Popen[bytes]") -> str:
+    """Press Ctrl-C, kill what does not end of it, and return how it has ended."""
     process.send_signal(signal.SIGINT)
-    if process.wait(PATIENCE) != 0:
-        sys.exit(f"{command} ended with status {process.returncode}:\n{file.read_text()}")
+    try:
+        return f"status {process.wait(PATIENCE)}"
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return f"SIGKILL, {PATIENCE:.0f} s after Ctrl-C: status {process.wait()}"
 
 
 def answers(*command: str) -> bool:
-    """Tell whether a command that may fail succeeds."""
+    """Tell whether a command that may fail, or hang, succeeds."""
     silence = subprocess.DEVNULL
-    return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0
+    try:
+        return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0
+    except subprocess.TimeoutExpired:
+        return False

@@ -1,0 +1,47 @@
+"""What runs a user's commands says in a sentence that one hangs, and ends it."""
+
+import pathlib
+
+import proof
+import pytest
+
+#: A command that says when Ctrl-C will not end it.
+DEAF = ("sh", "-c", "trap '' INT; echo deaf; exec sleep 60")
+
+
+@pytest.fixture(autouse=True)
+def folder(monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def wait_until_deaf(monkeypatch: "pytest.MonkeyPatch") -> None:
+    proof.wait_for("it is deaf", lambda: "deaf" in pathlib.Path("proof.log").read_text())
+    monkeypatch.setattr(proof, "PATIENCE", 0.1)
+
+
+def test_command_that_hangs_does_not_answer(monkeypatch: "pytest.MonkeyPatch") -> None:
+    assert proof.answers("true")
+    assert not proof.answers("false")
+    monkeypatch.setattr(proof, "PATIENCE", 0.1)
+    assert not proof.answers("sleep", "60")
+
+
+def test_command_that_ends_badly_is_told() -> None:
+    with pytest.raises(SystemExit, match="ended with status -2"):
+        with proof.running("sleep", "60"):
+            pass
+
+
+def test_command_that_hangs_is_killed_and_told(monkeypatch: "pytest.MonkeyPatch") -> None:
+    with pytest.raises(SystemExit, match="ended with SIGKILL, 0 s after Ctrl-C: status -9"):
+        with proof.running(*DEAF):
+            wait_until_deaf(monkeypatch)
+
+
+def test_what_was_wrong_while_it_ran_is_told_though_it_hangs(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    with pytest.raises(SystemExit, match="not as it should be"):
+        with proof.running(*DEAF):
+            wait_until_deaf(monkeypatch)
+            raise SystemExit("not as it should be")

@@ -6,6 +6,9 @@ from first_order_sys_sim.first_order_plant import EXACT, FirstOrderPlant, PlantS
 
 #: How close to a sample a moment counts as the sample itself, in sample times.
 _EDGE = 1e-9
+#: How many samples are taken one by one, with EULER, of those up to a moment far ahead: a clock that
+#: is simulated may leap by years, which would take as long.
+_MOST_ONE_BY_ONE = 10_000
 
 
 class SampledPlant:
@@ -21,7 +24,7 @@ class SampledPlant:
 
     def __init__(self, settings: PlantSettings, sample_time: float, output: float = 0.0) -> None:
         self._plant = FirstOrderPlant(settings, output)
-        self._method = settings.method
+        self._settings = settings
         self._sample_time = sample_time
         self._now = 0.0
         self._input = 0.0
@@ -58,7 +61,7 @@ class SampledPlant:
         """
         self._advance(time)
         self._plant.change(self._now, settings)
-        self._method = settings.method
+        self._settings = settings
         self._grid, self._next = self._sampled_at, 1
         self._sample_time = sample_time
 
@@ -78,10 +81,14 @@ class SampledPlant:
         while self._next <= last:
             due = min(self._grid + self._next * self._sample_time, self._now)
             self._next += 1
-            if self._method == EXACT:
+            if self._settings.method == EXACT:
                 if self._input != self._plant.held:
                     self._plant.hold(due, self._input)
                 self._next = last + 1  # the others find the same input
             else:
                 self._plant.hold(due, self._input)
+                if last - self._next > _MOST_ONE_BY_ONE:
+                    self._plant.change(due, self._settings._replace(method=EXACT))
+                    self._next = last - _MOST_ONE_BY_ONE
+                    self._plant.change(self._grid + self._next * self._sample_time, self._settings)
         self._sampled_at = self._grid + last * self._sample_time

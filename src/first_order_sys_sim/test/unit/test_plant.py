@@ -274,6 +274,18 @@ def test_unstable_euler_stays_within_the_limit() -> None:
     plant.set_input(0.0, 0.5)
     got = [plant.output(number * 0.2) for number in range(4)]
     assert got == pytest.approx([0.0, 13.0, -12.6, 13.0], abs=1e-9)
+    assert abs(plant.output(1.7e9)) <= 13.0
+
+
+@pytest.mark.parametrize("tau", [0.05, 1e6])
+def test_euler_goes_on_at_once_after_a_leap_of_the_clock(tau: float) -> None:
+    settings = PlantSettings(gain=13.2, time_constant=tau, method=EULER)
+    plant = SampledPlant(settings, SAMPLE_TIME)
+    plant.set_input(0.01, 1.0)
+    assert plant.output(1e6) == pytest.approx(step_response(settings, 1e6), abs=1e-4)
+    plant.set_input(1.7e9, 0.0)
+    last = 13.2 if tau == 0.05 else step_response(settings, 1.7e9)
+    assert plant.output(1.7e9) == pytest.approx(last, abs=SAMPLE_TIME / tau * 13.2 + 1e-9)
 
 
 def test_without_a_sampler_the_input_acts_at_once() -> None:

@@ -51,6 +51,7 @@ def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
 
 def _log_to_terminal() -> None:
     """Have what nodes would log said here: this is none."""
+    rospy.rostime.set_rostime_initialized(True)  # what is logged now and then asks for the time
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("[%(levelname)s] %(message)s"))
     logger = logging.getLogger("rosout")

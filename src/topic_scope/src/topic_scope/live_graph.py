@@ -11,11 +11,11 @@ from topic_scope.checks import RequestError
 from topic_scope.controls import Controls
 from topic_scope.graph_feed import GraphFeed
 from topic_scope.layouts import Layouts
+from topic_scope.live_robots import LiveRobots
 from topic_scope.master_watch import GraphState, MasterWatch
 from topic_scope.origin import Host
 from topic_scope.page import Page
 from topic_scope.robot_requests import Drive, Goal, Robots, Steer
-from topic_scope.robot_view import RobotView
 from topic_scope.taps import Clock, Taps
 from topic_scope.waiting import master_message
 
@@ -39,7 +39,7 @@ class LiveGraph:
         self._host = host
         self._controls = Controls(deliver, host.tell)
         self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._tell_graph)
-        self._robots = RobotView(rospy.get_name(), deliver)
+        self._robots = LiveRobots(rospy.get_name(), deliver)
         self._watch.start(
             lambda state: deliver(self._on_state, state),
             lambda uri: deliver(self._on_silence, uri),

@@ -111,6 +111,11 @@ class Taps:
             self._open[topic].close()
             self._open = {key: tap for key, tap in self._open.items() if key != topic}
 
+    @property
+    def is_to_adjust(self) -> bool:
+        """Whether others are open than are wanted."""
+        return set(self._wanted) != set(self._open)
+
     def open(self) -> Mapping[str, Tap]:
         """Return the taps that are open now, by topic."""
         return self._open

@@ -8,7 +8,7 @@ http://wiki.ros.org/Bags/Format/2.0.
 
 import bz2
 import struct
-from typing import Collection, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 import numpy
 
@@ -106,24 +106,32 @@ class BagChunks:
             topic = "/" + head["topic"].decode("utf-8", "replace").lstrip("/")
             known[_number(head, "conn")] = Connection(topic, said)
         chunks: List[Tuple[int, int, int]] = []
-        present = set()
+        #: By number of the connection, where the chunks are that hold messages of it.
+        self._holding: Dict[int, List[int]] = {}
         for _ in range(_number(fields, "chunk_count")):
             head, length = self._record("chunk info")
             counts = numpy.frombuffer(self._read(length), "<u4").reshape(-1, 2)
-            times = (_time(head, "start_time"), _time(head, "end_time"))
-            chunks.append((_number(head, "chunk_pos", _U64), *times))
-            present.update(counts[counts[:, 1] > 0, 0].tolist())
+            place = _number(head, "chunk_pos", _U64)
+            chunks.append((place, _time(head, "start_time"), _time(head, "end_time")))
+            for one in counts[counts[:, 1] > 0, 0].tolist():
+                self._holding.setdefault(one, []).append(place)
         names = [("position", "i8"), ("start", "i8"), ("end", "i8")]
         self._chunks = numpy.sort(numpy.array(chunks, names), order="start")
-        self.connections = {number: known[number] for number in sorted(present)}
+        self.connections = {number: known[number] for number in sorted(self._holding)}
 
-    def chunks_after(self, time: int) -> "Tuple[List[int], List[int]]":
+    def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
         """Return the numbers of the chunks that hold messages later than a time, and their begins.
 
         :param time: since the epoch, ns
+        :param last: numbers of connections; of each the last chunk before that counts, too
         :returns: in the order of their begins, ns
         """
-        numbers = numpy.flatnonzero(self._chunks["end"] > time)
+        counts = self._chunks["end"] > time
+        over = numpy.flatnonzero(~counts)
+        for one in last:
+            holding = numpy.isin(self._chunks["position"][over], self._holding[one])
+            counts[over[holding][-1:]] = True
+        numbers = numpy.flatnonzero(counts)
         return numbers.tolist(), self._chunks["start"][numbers].tolist()
 
     def read(self, number: int, wanted: Collection[int]) -> List[Part]:
@@ -162,8 +170,7 @@ class BagChunks:
             if _number(head, "op", struct.Struct("B")) != _OPERATIONS["index"]:
                 break
             if _number(head, "conn") in wanted:
-                found = numpy.frombuffer(self._read(length), _ENTRY)
-                entries[_number(head, "conn")] = found
+                entries[_number(head, "conn")] = numpy.frombuffer(self._read(length), _ENTRY)
             else:
                 self._file.seek(length, 1)
         return entries

@@ -19,6 +19,8 @@ from topic_scope.taps import Batch
 #: How long one call may read, s: while pages are shown, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
 _NS = 10**9
+#: How much of what came before a place is for those who take it besides, ns.
+ASIDE_NS = 5 * _NS
 
 
 class Outlet:
@@ -33,6 +35,32 @@ class Outlet:
         return iter(batches)
 
 
+class Aside:
+    """What is taken of a bag that is played besides; a :class:`.Source`.
+
+    Of what came before a place it has the last seconds, and of each publisher the latest message at
+    least, however long ago that was: who wants the present has no use for more.
+
+    :param player: plays the bag
+    """
+
+    def __init__(self, player: "BagPlayer") -> None:
+        self.clock = player
+        self.outlets: Dict[str, Outlet] = {}
+        self.wanted: Set[str] = set()
+
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics after the next :meth:`BagPlayer.seek`."""
+        self.wanted = set(topics)
+        self.outlets = {topic: one for topic, one in self.outlets.items() if topic in self.wanted}
+        if is_more or self.wanted - set(self.outlets):
+            self.clock.lacks_past = True
+
+    def open(self) -> Mapping[str, Outlet]:
+        """Return what the messages come out of, by topic."""
+        return self.outlets
+
+
 class BagPlayer:
     """Plays a bag; a :class:`.Source`.
 
@@ -40,6 +68,7 @@ class BagPlayer:
     :param history: how much it reads of what came before the place where it begins, s
     :param clock: how it tells how much time has passed, s
 
+    :ivar aside: what else the messages come out of
     :ivar is_loading: whether it reads what came before
     :ivar lacks_past: whether more is wanted than was read of what came before
     :ivar is_playing: whether its clock goes, or will when it has loaded
@@ -53,12 +82,13 @@ class BagPlayer:
         self._history = round(history * _NS)
         self._wanted: Set[str] = set()
         self._outlets: Dict[str, Outlet] = {}
-        self._connections: List[int] = []
+        self.aside = Aside(self)
+        self._connections: Set[int] = set()
         #: Chunks to be read, as number and begin, ns; and what was read, but is to come later.
         self._chunks: Deque[Tuple[int, int]] = deque()
         self._parts: List[Part] = []
         #: All messages up to this time have come; and where it is sent to, ns.
-        self._at = self._goal = self._start = bag.begin
+        self._at = self._goal = self._start = self._recent = bag.begin
         #: The time by which it counts, s, and where it was then, ns.
         self._since, self._from = clock(), bag.begin
         self._speed = 1.0
@@ -110,12 +140,18 @@ class BagPlayer:
         """
         self._goal = min(max(round(moment * _NS), self._bag.begin), self._bag.end)
         self._at = self._start = max(self._goal - self._history, self._bag.begin) - 1
-        self._chunks = deque(zip(*self._bag.chunks_after(self._at)))
+        self._recent = self._goal - ASIDE_NS
+        self._outlets, wanted = self._outlets_of(self._wanted)
+        self.aside.outlets, besides = self._outlets_of(self.aside.wanted)
+        self._connections = {*wanted, *besides}
+        self._chunks = deque(zip(*self._bag.chunks_after(self._at, besides)))
         self._parts = []
-        connections = self._bag.connections.items()
-        self._connections = [number for number, one in connections if one.topic in self._wanted]
-        self._outlets = {self._bag.connections[one].topic: Outlet() for one in self._connections}
         self.is_loading, self.lacks_past = True, False
+
+    def _outlets_of(self, topics: Collection[str]) -> Tuple[Dict[str, Outlet], List[int]]:
+        connections = self._bag.connections
+        numbers = [number for number, one in connections.items() if one.topic in topics]
+        return {connections[number].topic: Outlet() for number in numbers}, numbers
 
     # --- What it is as a source of messages --------------------------------------------------
 
@@ -185,10 +221,13 @@ class BagPlayer:
         """Let out what is not later than the clock."""
         parts, self._parts = self._parts, []
         for connection, times, messages in parts:
-            first, last = numpy.searchsorted(times, [self._start, self._at], "right").tolist()
-            if first < last:
-                topic, header = self._bag.connections[connection]
-                moments = (times[first:last] / _NS).tolist()
-                self._outlets[topic].batches.append(Batch(header, moments, messages[first:last]))
+            ends = [self._start, self._recent, self._at]
+            first, recent, last = numpy.searchsorted(times, ends, "right").tolist()
+            recent = max(0, min(recent, last - 1))
+            topic, header = self._bag.connections[connection]
+            for outlets, begin in ((self._outlets, first), (self.aside.outlets, recent)):
+                if topic in outlets and begin < last:
+                    moments = (times[begin:last] / _NS).tolist()
+                    outlets[topic].batches.append(Batch(header, moments, messages[begin:last]))
             if last < len(messages):
                 self._parts.append(Part(connection, times[last:], messages[last:]))

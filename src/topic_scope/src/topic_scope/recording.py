@@ -14,6 +14,8 @@ from topic_scope.layouts import Layouts
 from topic_scope.origin import Host
 from topic_scope.page import Page
 from topic_scope.playback import Playback
+from topic_scope.robot_requests import Robots
+from topic_scope.robot_view import PERIOD_S, RobotView
 
 #: Time between two looks at how far it is, s.
 _PERIOD_S = 0.025
@@ -21,6 +23,8 @@ _PERIOD_S = 0.025
 
 class Recording:
     """What there is in a bag; there are no nodes, and so no graph and no parameters.
+
+    Robots are shown by the clock of the bag, as they were then.
 
     :param path: the file
     :param history: how much of what came before the clock is shown, s
@@ -33,6 +37,7 @@ class Recording:
         bag = BagChunks(path)
         self.source = BagPlayer(bag, history)
         self.layouts = Layouts()
+        self._robots = RobotView(self.source.aside, self.layouts)
         self._window = window
         self._types: Dict[str, str] = {}
         for connection in bag.connections.values():
@@ -48,6 +53,7 @@ class Recording:
         host.on_topics(self._types)
         self._seek(self.source.begin + self._window)
         tornado.ioloop.PeriodicCallback(self._look, _PERIOD_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._show_robots, PERIOD_S * 1e3).start()
 
     def ring(self) -> None:
         """Read again what is shown, where more is wanted of it."""
@@ -57,11 +63,16 @@ class Recording:
     def _seek(self, time: float) -> None:
         self.source.seek(time)
         self._host.halt()
+        self._robots.forget()
         self._is_loading = True
 
     def _jump(self, time: float) -> None:
         self._jumps += 1
         self._seek(time)
+
+    def _show_robots(self) -> None:
+        if not self.source.is_loading:
+            self._robots.tick()
 
     def _look(self) -> None:
         """Tell pages how far it is."""
@@ -100,15 +111,26 @@ class Recording:
         return [self._state()]
 
     def leave(self, page: Page) -> None:
-        """Forget a page: nothing is kept of one."""
+        """Forget a page."""
+        self._robots.leave(page)
+        self._robots.set_topics(self._types)
 
     def handle(self, page: Page, request: protocol.Request) -> None:
-        """Play, stop, or go elsewhere, for all pages.
+        """Show robots on a page; or, for all pages, play, stop, or go elsewhere.
 
         :raises RequestError: if something else is asked for
         """
-        if not isinstance(request, Playback):
+        if isinstance(request, Robots):
+            show = self._robots.enter if request.on else self._robots.leave
+            show(page)
+            self._robots.set_topics(self._types)
+            self.ring()
+        elif isinstance(request, Playback):
+            self._play(request)
+        else:
             raise RequestError("this is a bag: it has no nodes, so no graph and no parameters")
+
+    def _play(self, request: Playback) -> None:
         if request.speed is not None:
             self.source.speed = request.speed
         if request.time is not None:

@@ -3,12 +3,12 @@
 
 import math
 import os
+import pathlib
 import re
 import signal
 import subprocess
 import tempfile
 import unittest
-from pathlib import Path
 from typing import Any, Dict
 from unittest import mock
 
@@ -19,9 +19,12 @@ import rosunit
 from browsing.browser import Browser
 from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
+from geometry_msgs.msg import Point, PoseStamped
+from nav_msgs.msg import Odometry, Path
 from selenium.webdriver.common.keys import Keys
-from sensor_msgs.msg import JointState
-from wire.client import Client, fetch
+from sensor_msgs.msg import JointState, LaserScan
+from visualization_msgs.msg import Marker, MarkerArray
+from wire.client import Client, Message, fetch
 
 from basic_comms.msg import signal_msg
 
@@ -30,8 +33,37 @@ BEGIN, LENGTH_S, RATE_HZ = 1700000000, 20.0, 100.0
 FIELD = "/signal/signal_y"
 
 
+def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
+    """Record a robot that goes ahead at 0.1 m/s in its world, and sees a wall 2 m before it.
+
+    It is silent after 18 s. Its world was told only once, and so was its path.
+    """
+    if time == 0.0:
+        walls = Marker(type=Marker.LINE_LIST, points=[Point(4, -1, 0), Point(4, 1, 0)])
+        walls.header.frame_id = "odom"
+        bag.write("world", MarkerArray([walls]), received)
+    if time in (2.0, 12.0):
+        goal = PoseStamped()
+        goal.header.frame_id, goal.pose.position.x = "odom", time
+        bag.write("goal", goal, received)
+        path = Path(poses=[goal])
+        path.header.frame_id = "odom"
+        bag.write("plan", path, received)
+    if time <= 18.0 and round(time * RATE_HZ) % 10 == 0:
+        odometry = Odometry(child_frame_id="base")
+        odometry.header.frame_id = "odom"
+        odometry.pose.pose.position.x, odometry.twist.twist.linear.x = 0.1 * time, 0.1
+        bag.write("odom", odometry, received)
+        scan = LaserScan(range_max=9.0, angle_increment=0.1, ranges=[2.0])
+        scan.header.frame_id = "base"
+        bag.write("scan", scan, received)
+
+
 def record(path: str) -> None:
-    """Record a sine of 1 Hz whose own clock has another begin, and whose amplitude grows."""
+    """Record a sine of 1 Hz whose own clock has another begin, and whose amplitude grows.
+
+    In the same bag is a robot.
+    """
     with rosbag.Bag(path, "w", chunk_threshold=10000) as bag:
         for index in range(int(LENGTH_S * RATE_HZ) + 1):
             time = index / RATE_HZ
@@ -41,6 +73,7 @@ def record(path: str) -> None:
             bag.write("signal", message, received)
             if index % RATE_HZ == 50:
                 bag.write("joints", JointState(name=["wheel"], position=[time]), received)
+            write_robot(bag, time, received)
 
 
 class Bag(unittest.TestCase):
@@ -53,13 +86,13 @@ class Bag(unittest.TestCase):
     def setUpClass(cls) -> None:
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
-        cls.path = str(Path(folder.name, "sine.bag"))
+        cls.path = str(pathlib.Path(folder.name, "sine.bag"))
         record(cls.path)
         # Nobody is there.
         patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
         patch.start()
         cls.addClassCleanup(patch.stop)
-        cls.scope = ScopeProcess("--bag", cls.path, "--window", "5", FIELD)
+        cls.scope = ScopeProcess("--bag", cls.path, "--window", "5", "--history", "6", FIELD)
         cls.addClassCleanup(cls.scope.stop)
         cls.scope.wait_until_served()
 
@@ -85,6 +118,10 @@ class Bag(unittest.TestCase):
         return page.wait_for(
             "playback", lambda told: told["jumps"] >= jumps and not told["loading"]
         )
+
+    def wait_text(self, browser: Browser, selector: str, text: str) -> None:
+        """Wait until something is said."""
+        wait_until(lambda: text in browser.text(selector), lambda: browser.text(selector))
 
     def shown(self, page: Client) -> float:
         """Return up to where it is shown, s since the begin."""
@@ -146,11 +183,56 @@ class Bag(unittest.TestCase):
         wait_until(lambda: page.values(name), lambda: page.messages("frame"))
         self.assertEqual(sorted(set(page.values(name))), [0.5, 1.5, 2.5, 3.5, 4.5])
 
+    def at(self, page: Client, x: float) -> Message:
+        """Return what is told of the robot when it is at a place, m."""
+        told = page.wait_for(
+            "robots", lambda told: [one for one in told["robots"] if abs(one["x"] - x) < 1e-6]
+        )
+        self.assertEqual([one["topic"] for one in told["robots"]], ["/odom"])
+        return told
+
+    def test_robots_are_where_they_were_at_its_clock(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 15.05, playing=False, speed=1.0)
+        page.send("robots", on=True)
+        told = self.at(page, 1.5)
+        self.assertEqual(told["robots"][0]["speed"], 0.1)
+        self.assertFalse(told["robots"][0]["silent"])
+        self.assertEqual(told["scans"][0]["ranges"], [2000])
+        self.assertAlmostEqual(told["scans"][0]["at"][4], 1.5)
+        # The world was told of 15 s ago, which is longer than traces have their past.
+        scenery = page.wait_for("scenery", lambda told: told["goals"])
+        self.assertEqual([one["kind"] for one in scenery["markers"]], ["lines"])
+        self.assertEqual([one["x"] for one in scenery["goals"]], [12.0])
+        self.assertEqual([one["points"] for one in scenery["paths"]], [[12.0, 0.0]])
+        # Before: nothing is known of what was told later.
+        self.play(page, time=BEGIN + 5.05)
+        self.at(page, 0.5)
+        scenery = page.wait_for("scenery", lambda told: told["goals"])
+        self.assertEqual([one["x"] for one in scenery["goals"]], [2.0])
+        self.play(page, time=BEGIN + 1.05)
+        self.at(page, 0.1)
+        scenery = page.wait_for("scenery", lambda told: not told["goals"])
+        self.assertEqual((len(scenery["markers"]), scenery["paths"]), (1, []))
+        # It goes on with the clock, and stands with it; that is no silence.
+        page.forget()
+        page.send("playback", playing=True, speed=5.0)
+        page.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
+        self.play(page, playing=False, speed=1.0)
+        self.assertFalse(page.wait_for("robots")["robots"][0]["silent"])
+        # A second page sees the same; where the robot has said nothing for 2 s, it is silent.
+        other = self.page()
+        other.send("robots", on=True)
+        other.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
+        page.forget()
+        page.send("playback", time=BEGIN + LENGTH_S)
+        told = self.at(page, 1.8)
+        self.assertEqual((told["robots"][0]["silent"], told["scans"]), (True, []))
+
     def test_what_takes_nodes_is_refused_in_words(self) -> None:
         page = self.page()
         for kind, content in (
             ("graph", {"on": True}),
-            ("robots", {"on": True}),
             ("set", {"node": "/n", "name": "a", "value": 1}),
             ("steer", {"topic": "/cmd_vel"}),
         ):
@@ -218,9 +300,25 @@ class Bag(unittest.TestCase):
             and re.search(r"UTC, [0-9]\.\d\d of", browser.text("#playback-time")),
             lambda: browser.text("#playback-time"),
         )
-        browser.keys("r")
+        browser.keys(" ")
+        wait_until(lambda: browser.text("#run") == "Run", lambda: browser.text("#run"))
+        browser.keys("g")
         wait_until(lambda: "no nodes" in browser.text("#notice"), lambda: browser.text("#notice"))
         self.assertTrue(browser.find("#scope-view").is_displayed())
+        # Robots are there, to be looked at; the bag is played and moved beside them.
+        self.play(page, time=BEGIN + 15.05)
+        browser.keys("r")
+        self.wait_text(browser, "#robot-list", "odom: 1.50, 0.00 m, 0°, 0.1 m/s")
+        self.assertFalse(browser.find("#robot-drive").is_displayed())
+        self.assertFalse(browser.find("#robot-goal").is_displayed())
+        browser.keys(" ")
+        wait_until(
+            lambda: "1.50" not in browser.text("#robot-list"), lambda: browser.text("#robot-list")
+        )
+        browser.wait_for("#playback-run[aria-pressed='true']").click()
+        browser.wait_for("#playback-run[aria-pressed='false']")
+        browser.find("#playback-place").send_keys(Keys.HOME)
+        self.wait_text(browser, "#robot-list", "odom: 0.00, 0.00 m, 0°, 0.1 m/s")
         self.assertEqual(browser.errors(), [])
 
 

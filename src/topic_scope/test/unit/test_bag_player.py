@@ -213,3 +213,34 @@ def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> 
     found = taken(player)["/a"]
     assert 0 not in found and found == list(range(found[0], 20000, 1000))
     assert "broken" in player.problems[0] and str(path) in player.problems[0]
+
+
+def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w", chunk_threshold=200) as file:
+        for time in range(0, 10001, 100):
+            if time in (0, 1000, 9000):
+                file.write("/rare", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
+            file.write("/a", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
+    player = playing(BagChunks(str(path)), Clock(), "/a", "/rare", history=1.0)
+    player.aside.want(["/rare"])
+    assert player.lacks_past
+    player.seek(START + 8.05)
+    loaded(player)
+    assert taken(player) == {"/a": list(range(7100, 8001, 100))}
+    besides = list(player.aside.open()["/rare"].take())
+    values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
+    assert values == [1000] and besides[-1].times[-1] == pytest.approx(START + 1.0)
+    # Of others the last seconds, and then what the clock passes.
+    longer = BagPlayer(BagChunks(str(path)), 60.0, Clock())
+    longer.aside.want(["/a"])
+    longer.seek(START + 8.05)
+    loaded(longer)
+    besides = list(longer.aside.open()["/a"].take())
+    values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
+    assert values[-50:] == list(range(3100, 8001, 100)) and len(values) < 80
+    # Who wants them no longer has them no longer, and may want them again.
+    player.aside.want([])
+    assert (player.aside.open(), player.lacks_past) == ({}, False)
+    player.aside.want(["/rare"])
+    assert player.lacks_past

@@ -64,7 +64,7 @@ const panels = new Panels(state, send);
 const managed = new Managed(state, send);
 const robots = new RobotView(state, send);
 const fleet = new Fleet();
-const playback = new Playback(state, sweep, send);
+const playback = new Playback(state, sweep, send, () => robots.trails.clear());
 
 const handlers = {
   hello: (message) => {

@@ -14,10 +14,12 @@ export class Playback {
    * @param {import("./state.js").State} state
    * @param {import("./sweep.js").Sweep} sweep
    * @param {function(Object): void} send
+   * @param {function(): void} onJump is told that its clock was sent elsewhere
    */
-  constructor(state, sweep, send) {
+  constructor(state, sweep, send, onJump) {
     this.state = state;
     this.sweep = sweep;
+    this.onJump = onJump;
     this.send = (changes) => send({ type: "playback", ...changes });
     this.bag = null;
     this.told = null; // how it goes, as the server has told last
@@ -37,9 +39,9 @@ export class Playback {
       if (this.bag && !this.follows && goes !== playing) this.send({ playing: goes });
     });
     state.on(["view"], ({ view }) => {
-      if (!this.bag || view === "scope") return;
+      if (!this.bag || view !== "graph") return;
       state.set({ view: "scope" });
-      notify("a bag has no nodes: there is no graph, and there are no robots");
+      notify("a bag has no nodes: there is no graph");
     });
     setInterval(() => this.show(), EVERY_MS);
   }
@@ -54,7 +56,7 @@ export class Playback {
     this.told = null;
     document.body.classList.toggle("bag", bag !== null);
     byId("playback").hidden = bag === null;
-    this.state.set({ playing: bag === null });
+    this.state.set({ isBag: bag !== null, playing: bag === null });
     if (!bag) return;
     say(byId("playback-name"), bag.name);
     this.place.max = bag.end - bag.begin;
@@ -79,6 +81,7 @@ export class Playback {
       this.sweep.release();
       this.state.set({ end: null, reference: null });
       this.follows = false;
+      this.onJump();
     }
     this.show();
   }

@@ -64,9 +64,11 @@ export class RobotView {
       this.list.forget();
       this.refresh();
     });
-    this.state.on(["readonly"], ({ readonly }) => {
-      byId("robot-drive").hidden = readonly;
-      byId("robot-goal").hidden = readonly;
+    this.state.on(["readonly", "isBag"], ({ readonly, isBag }) => {
+      byId("robot-drive").hidden = readonly || isBag;
+      byId("robot-goal").hidden = readonly || isBag;
+      say(byId("robots-empty"), isBag ? "No robots: up to here the bag has no nav_msgs/Odometry." :
+        "No robots: no node publishes nav_msgs/Odometry.");
     });
   }
 
@@ -229,6 +231,7 @@ export class RobotView {
       ArrowUp: () => this.pan(0, STEP), ArrowDown: () => this.pan(0, -STEP),
       " ": () => {},
     };
+    if (event.key === " " && this.state.values.isBag) return; // plays it
     const isForWheel = this.wheel.onKey(event);
     if (!isForWheel && !acts[event.key]) return;
     event.preventDefault();

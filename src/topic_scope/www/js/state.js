@@ -41,6 +41,7 @@ const INITIAL = {
     figures: ["rate", "value", "min", "max", "mean", "rms", "frequency"], against: "", between: false,
   },
   readonly: false,
+  isBag: false, // whether a bag is shown, in place of a graph
   panels: true, // whether they are shown
   view: "scope",
   theme: "light",

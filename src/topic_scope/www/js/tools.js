@@ -26,6 +26,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   const select = byId("window");
   const clicks = {
     run: () => view.toggle(),
+    "playback-run": () => view.toggle(),
     reset: () => view.reset(),
     add: () => open.chooser(),
     "show-axes": open.axes,
@@ -70,8 +71,10 @@ export function startTools(state, view, plot, sweep, open, chart) {
 
   state.on(["window", "history"], showWindows);
   state.on(["end", "playing"], () => {
-    press(run, state.isRunning);
-    run.textContent = state.isRunning ? "Pause" : "Run";
+    for (const button of [run, byId("playback-run")]) {
+      press(button, state.isRunning);
+      button.textContent = state.isRunning ? "Pause" : "Run";
+    }
   });
   state.on(["readonly"], ({ readonly }) => { byId("readonly").hidden = !readonly; });
 }

@@ -3,7 +3,7 @@
 import re
 import struct
 from functools import partial
-from typing import Callable, Dict, List, Optional, Sequence
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from topic_scope.decoding import COUNT, NotThere, follow, steps_to, texts
 from topic_scope.definitions import Array, Record
@@ -19,6 +19,8 @@ from topic_scope.fields import (
 
 #: Most arrays of a topic whose lengths are remembered.
 _ARRAYS = 1000
+#: Most sets of names that the messages of a topic have, and how long each counts, s.
+_KINDS, KEPT_S = 16, 30.0
 #: A name that can stand in brackets.
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
 #: Most names that a sentence has.
@@ -108,20 +110,32 @@ class Arrays:
 
     def __init__(self) -> None:
         self._known: Dict[Path, int] = {}
-        self._named: Dict[Path, Path] = {}
+        self._named: Dict[Path, List[Path]] = {}
         self._layout: Optional[Record] = None
-        self._message = b""
+        #: By the names in it, a message and when it came, s: each publisher may have its own ones.
+        self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
-    def look(self, layout: Record, message: bytes) -> None:
-        """Take note of the latest message."""
-        self._layout, self._message = layout, message
+    def look(self, layout: Record, message: bytes, time: float = 0.0) -> None:
+        """Take note of the latest message.
+
+        :param layout: its layout
+        :param message: the message
+        :param time: when it came, s
+        """
+        kinds = self._messages if layout is self._layout else {}
+        kinds[tuple(names_in(layout, message, ("",)))] = (time, message)
+        recent = sorted(kinds.values(), reverse=True)[:_KINDS]
+        self._layout = layout
+        self._messages = {
+            names: one for names, one in kinds.items() if one in recent and one[0] > time - KEPT_S
+        }
 
     def __call__(self, path: Path) -> int:
         """Return how many elements an array has had."""
         latest = 1
         if self._layout is not None:
             try:
-                latest = lengths_in(self._layout, self._message)(path)
+                latest = max(lengths_in(self._layout, one)(path) for one in self._latest())
             except FieldError:  # the topic has got another type
                 pass
         longest = max(latest, self._known.get(path, 0))
@@ -129,30 +143,42 @@ class Arrays:
             self._known[path] = longest
         return longest
 
+    def _latest(self) -> List[bytes]:
+        """Return the messages that count, the latest first."""
+        return [message for _, message in sorted(self._messages.values(), reverse=True)]
+
     def check(self, layout: Record, path: Path) -> None:
-        """Check that what stands at a place is in the latest message.
+        """Check that what stands at a place is in one of the latest messages.
 
         :param layout: layout of the messages now
         :raises FieldError: if it is not
         """
-        if self._layout is not None:
-            check_elements(layout, path, self._message)
+        errors = []
+        for message in self._latest():
+            try:
+                return check_elements(layout, path, message)
+            except FieldError as error:
+                errors.append(error)
+        if errors:
+            raise errors[0]
 
-    def named(self, path: Path) -> Path:
+    def named(self, path: Path) -> List[Path]:
         """Return a place with the names of elements for their indices, where they have some.
 
         :param path: with indices
+        :returns: several, where messages of the topic have other names there
         """
         layout = self._layout
         if layout is None:
-            return path
-        return with_names(path, partial(names_in, layout, self._message))
+            return [path]
+        messages = [message for _, message in self._messages.values()]
+        found = [with_names(path, partial(names_in, layout, one)) for one in messages]
+        return list(dict.fromkeys(one for one in found if one != path)) or [path]
 
-    def first_named(self, path: Path) -> Path:
-        """As :meth:`named`, and again so from then on: what is shown stands still."""
-        if path not in self._named:
-            name = self.named(path)
-            if name == path or len(self._named) >= _ARRAYS:
-                return name
-            self._named[path] = name
-        return self._named[path]
+    def remembered(self, path: Path) -> List[Path]:
+        """As :meth:`named`, with all that it has returned before: what is shown stands still."""
+        found = self.named(path)
+        if found != [path] and (path in self._named or len(self._named) < _ARRAYS):
+            known = dict.fromkeys([*self._named.get(path, []), *found])
+            self._named[path] = list(known)[:_KINDS]
+        return self._named.get(path, found)

@@ -16,9 +16,9 @@ from topic_scope.bag_columns import Column
 from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
 from topic_scope.derived import make, parts
-from topic_scope.fields import Path
+from topic_scope.fields import Key, Path
 from topic_scope.time_base import longest_step, path_of, placed
-from topic_scope.values import getter
+from topic_scope.values import getter, value_at
 from topic_scope.xy import paired
 
 #: Beyond this a plot of several such values would overflow.
@@ -60,13 +60,16 @@ class _Recorded:
 
     def __init__(self, column: Column) -> None:
         self._column = column
+        self._is_named = any(isinstance(part, Key) for part in column.path)
         self._getters = [getter(column.path + part) for part in parts(column.function)]
         self._path: Optional[Path] = None
         self._received, self._own = array("d"), array("d")
         self._rows = [array("d") for _ in self._getters]
 
     def add(self, sample: Sample) -> None:
-        """Take the number from a message."""
+        """Take the number from a message, unless it has no element of that name: it is about others."""
+        if self._is_named and value_at(sample.message, self._column.path) is None:
+            return
         if not self._received:
             self._path = path_of(self._column.base, layout_of(type(sample.message)))
         self._received.append(sample.time / 1e9)

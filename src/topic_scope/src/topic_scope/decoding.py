@@ -63,6 +63,14 @@ class Decoder:
             return values.astype(numpy.float64)
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
 
+    def has(self, message: bytes) -> bool:
+        """Tell whether the elements on the way to the number are in a message."""
+        try:
+            follow(self._steps, message)
+        except (NotThere, struct.error):
+            return False
+        return True
+
     def _decode_one(self, data: bytes) -> float:
         try:
             values = self._struct.unpack_from(data, follow(self._steps, data))

@@ -90,10 +90,12 @@ class Recorder:
         arrays = self._arrays.get(topic, Arrays())
         found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
         found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
-        return [
-            Choice(_name(topic, arrays.named(field.path)) + end, field.datatype, topic)
+        choices = (
+            Choice(_name(topic, path) + end, field.datatype, topic)
             for field, end in found
-        ]
+            for path in arrays.named(field.path)
+        )
+        return list(dict.fromkeys(choices))
 
     def _unheard(self) -> List[str]:
         """List topics whose first message tells their type, or the names of their elements."""
@@ -121,8 +123,8 @@ class Recorder:
         arrays = self._arrays.get(topic, Arrays())
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
         if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
-            found = [arrays.first_named(path) for path in found]
-        return [_name(topic, path) + name[len(bare) :] for path in found]
+            found = [one for path in found for one in arrays.remembered(path)]
+        return [_name(topic, path) + name[len(bare) :] for path in dict.fromkeys(found)]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.
@@ -187,7 +189,8 @@ class Recorder:
                 layout = self._layouts.received(batch.header)
                 if layout is None:
                     continue
-                self._arrays.setdefault(topic, Arrays()).look(layout, batch.messages[-1])
+                arrays = self._arrays.setdefault(topic, Arrays())
+                arrays.look(layout, batch.messages[-1], batch.times[-1])
                 latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
                 self._latest[topic] = (layout, latest)
                 for stream in streams.get(topic, []):
@@ -206,12 +209,7 @@ class Recorder:
         return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a field.
-
-        :param name: its name
-        :param start: begin of the span, s
-        :param end: end of the span, s
-        """
+        """Return the samples of a field from one time to another, s."""
         trace = self._traces.get(name)
         return trace.samples(start, end) if trace else _NOTHING
 

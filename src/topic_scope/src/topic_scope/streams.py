@@ -65,6 +65,8 @@ class Trace:
         self._longest_step: Optional[float] = None
         self._new = 0
         self._function = derived.make(function)
+        #: Where a message has no element of that name it is about others: no gap, but no sample.
+        self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in derived.parts(function)]
         self._decoders: List[Decoder] = []
 
@@ -88,6 +90,9 @@ class Trace:
         """
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
+            if self._is_named and numpy.isnan(rows).any():
+                there = [all(one.has(data) for one in self._decoders) for data in messages]
+                rows, times, received = rows[:, there], times[there], received[there]
             values = self._function(times, rows)
             late = len(times) - len(values)  # what is computed of two begins with the second
             self.ring.append(times[late:], values, received[late:])

@@ -9,12 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.image import imread
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
 from topic_scope.bag_columns import Column
 from topic_scope.bag_plot import Series, collect, difference, draw, save
 from topic_scope.bag_reading import Sample
+from topic_scope.fields import to_path
 
 SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))
 
@@ -55,6 +57,19 @@ def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line
     assert list(own.times) == pytest.approx([0.01, 0.11, 0.21, 0.21, 0.32, 0.42])
     assert repr(list(own.values)) == "[0.0, 1.0, 2.0, nan, 3.0, 4.0]"
     assert list(received.times) == [sample.time / 1e9 for sample in samples]
+
+
+def test_a_joint_has_a_whole_line_where_others_speak_on_its_topic() -> None:
+    messages = [
+        JointState(name=["arm"], position=[math.nan if index == 4 else float(index)])
+        if index % 2 == 0
+        else JointState(name=["leg"], position=[-1.0])
+        for index in range(8)
+    ]
+    samples = [Sample(index * 10**7, "/j", message) for index, message in enumerate(messages)]
+    (series,) = collect([Column("/j", to_path("position[arm]"))], samples)
+    assert repr(list(series.values)) == "[0.0, 2.0, nan, 6.0]"
+    assert list(series.times) == [0.0, 0.02, 0.04, 0.06]
 
 
 def test_a_line_ends_where_several_samples_are_missing() -> None:

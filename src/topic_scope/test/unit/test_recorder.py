@@ -1,6 +1,7 @@
 """What is recorded, and for how long; messages come from taps that a test fills."""
 
 import io
+import math
 import struct
 from typing import Collection, Dict, Iterator, List
 
@@ -201,6 +202,41 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
     taps.taps["/j"].batches.append(Batch(header(JointState), [taps.time + 1], [buffer.getvalue()]))
     made.update()
     assert values(made, "/j/position[arm]") == [2.0, 2.0]
+
+
+def test_joints_of_two_publishers_have_whole_lines() -> None:
+    """Each message has the joints of its publisher alone, and each publisher an order of its own."""
+    taps = FakeTaps()
+    taps.taps["/j"] = FakeTap()
+    made = recording(taps)
+    made.set_topics({"/j": "sensor_msgs/JointState"})
+
+    def publish(index: int, **positions: float) -> None:
+        buffer = io.BytesIO()
+        message = JointState(name=list(positions), position=list(positions.values()))
+        message.serialize(buffer)
+        times = [taps.time + 0.01 * index]
+        taps.taps["/j"].batches.append(Batch(header(JointState), times, [buffer.getvalue()]))
+
+    publish(0, arm=0.0, both=-1.0)
+    publish(1, both=-1.0, leg=0.0)
+    made.update()
+    names = [f"/j/position[{name}]" for name in ("arm", "both", "leg")]
+    assert sorted(made.expand("/j/position")) == names
+    made.want(names, taps.time)
+    for index in range(2, 40, 2):
+        publish(index, arm=float(index), both=-1.0)
+        publish(index + 1, both=-1.0, leg=math.nan if index == 30 else float(index))
+        made.update()
+        assert [made.problem(name) for name in names] == [None] * 3
+        listed = [choice.field for choice in made.choices()]
+        assert sorted(name for name in listed if name.startswith("/j/position[")) == names
+    assert values(made, names[0]) == [float(index) for index in range(2, 40, 2)]
+    assert set(values(made, names[1])) == {-1.0} and len(values(made, names[1])) >= 38
+    legs = values(made, names[2])
+    assert legs[0] == 0.0 and len(legs) == 20  # it began with what had come
+    assert math.isnan(legs[15]) and numpy.isfinite(legs).sum() == 19  # what is no number is a gap
+    assert made.longest_step(names[0]) > 0.02
 
 
 def test_says_in_words_what_is_wrong_with_a_field() -> None:

@@ -175,6 +175,14 @@ class Page(PageTest):
             lambda: 40 < len(self.samples()) < 60 and self.cell(SIGNAL, "rate") > 90.0,
             lambda: self.browser.text("#legend"),
         )
+        # And moved, as far as it was seen.
+        zoomed = [row[0] for _, row in self.samples()]
+        for keys, kept in (((Keys.ARROW_LEFT,) * 2, 30), ((Keys.ARROW_LEFT,) * 20, 0)):
+            self.browser.keys(*keys)
+            moved = [row[0] for _, row in self.samples()]
+            self.assertTrue(40 < len(moved) < 60, moved)
+            self.assertIn(" ".join(zoomed[:kept]), " ".join(moved))
+        self.assertLess(abs(self.samples()[0][0] - before[0][0]), 0.05)
 
     def test_shows_and_changes_the_time_that_a_trace_goes_by(self) -> None:
         choice = f"#legend tr[data-field='{SIGNAL}'] select"

@@ -15,6 +15,10 @@ export class View {
     this.state = state;
     this.sweep = sweep;
     this.plot = plot;
+    this.kept = Infinity; // where what was shown since it stands still begins: the scope keeps that, s
+    state.on(["window", "end"], ({ window, end }) => {
+      this.kept = end === null ? Infinity : Math.min(this.kept, end - window);
+    });
   }
 
   /** Let what is shown stand still. */
@@ -66,7 +70,7 @@ export class View {
     this.pause();
     const { window, end, history } = this.state.values;
     const latest = this.sweep.now + window / 2;
-    const earliest = this.sweep.now - history;
+    const earliest = Math.min(this.sweep.now - history, this.kept + window);
     this.state.set({ end: Math.min(Math.max(end + part * window, earliest), latest) });
   }
 

@@ -13,6 +13,7 @@ import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, List, Tuple
+from urllib.parse import unquote
 from urllib.request import urlopen
 
 import rosbag
@@ -377,6 +378,36 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
+    def test_cursors_in_value_are_on_each_axis_in_turn(self) -> None:
+        wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
+        self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
+        button = self.browser.find("#value-cursors")
+        places = []
+        for field in (SIGNAL, PROCESSED):
+            button.click()
+            handle = self.browser.wait_for(".value-cursor[aria-label^='cursor C']")
+            readout = self.browser.text(".readout.of-values").replace("\xa0", " ")
+            self.assertTrue(readout.endswith(field), readout)
+            places.append(float(handle.get_attribute("aria-valuenow")))
+        # The same height, 65 %, is another value on the other axis: from −2 to 2, and from 0 to 2.
+        self.assertTrue(0.3 < places[0] < 1.0 < places[1] < 1.7, places)
+        ActionChains(self.browser.driver).drag_and_drop_by_offset(handle, 0, -100).perform()
+        above = float(handle.get_attribute("aria-valuenow"))
+        self.assertGreater(above, places[1])
+        handle.send_keys(Keys.ARROW_UP)
+        self.assertGreater(float(handle.get_attribute("aria-valuenow")), above)
+        c, d, apart = re.findall(r"(?:C|D|C − D) (−?[\d.]+)", self.browser.text(".of-values"))
+        self.assertAlmostEqual(float(c) - float(d), float(apart), delta=2e-4)
+        wait_until(
+            lambda: f'"c":{float(c):g},' in unquote(self.browser.driver.current_url),
+            lambda: self.browser.driver.current_url,
+        )
+        self.browser.driver.refresh()
+        self.browser.wait_for(".value-cursor[aria-label^='cursor D']")
+        self.assertIn(f"C {c}", self.browser.text(".of-values").replace("\xa0", " "))
+        self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
+        self.assertEqual(self.browser.count(".value-cursor:not([hidden])"), 0)
+
     def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
         for field in (SIGNAL, PROCESSED):
             self.browser.find(f"[aria-label='right axis for {field}']").click()
@@ -459,7 +490,7 @@ class Page(PageTest):
             "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
             " window.written.push(text); return write.call(this, text, ...place); };"
         )
-        self.browser.keys("c")
+        self.browser.keys("c", "v")
         wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
         size = self.browser.find("#plot").size
         self.browser.find("#png").click()
@@ -471,9 +502,10 @@ class Page(PageTest):
         self.assertEqual(width, 2 * size["width"])
         self.assertGreater(height, 2 * size["height"] + 100)
         written = self.browser.run("return window.written")
-        for text in (SIGNAL, PROCESSED, "A", "B", "RMS", "time, s"):
+        for text in (SIGNAL, PROCESSED, "A", "B", "C", "D", "RMS", "time, s"):
             self.assertIn(text, written)
         self.assertTrue(any("Δt 1.5000 s" in text for text in written), written)
+        self.assertTrue(any("C − D " in text for text in written), written)
         self.assertTrue(any(re.match(r"2\.000\d\Z|1\.99\d\d\Z", text) for text in written), written)
         date = r"\d{4}-\d\d-\d\d, \d\d:\d\d:\d\d\.\d, UTC"
         self.assertTrue(any(re.match(date, text) for text in written), written)

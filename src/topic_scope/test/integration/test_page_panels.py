@@ -324,8 +324,9 @@ class Panels(PageTest):
         return sorted(edge for edge in found if "/process" in edge.split(" > "))
 
     def test_all_is_reached_by_keys_and_has_a_name(self) -> None:
-        self.browser.keys("t", "c", "l")  # a trigger and cursors: all that can be on the plot
+        self.browser.keys("t", "c", "v", "l")  # a trigger and cursors: all that can be on the plot
         self.browser.wait_for(".handle.cursor")
+        self.browser.wait_for(".handle.value-cursor")
         self.all_have_names("the scope")
         words = r"5.00 s until now\. /signal/signal_y: from −[12]\.\d{4} to [12]\.\d{4}, mean"
         wait_until(

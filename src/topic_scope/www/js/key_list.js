@@ -26,6 +26,7 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key(["t"], "t", "trigger off, normal, auto, single", () => trigger.cycle()),
     key(["l"], "l", "trigger level to 50 %", () => trigger.halve()),
     key(["c"], "c", "cursors; the arrow keys move the one with the focus", () => cursors.toggle()),
+    key(["v"], "v", "two cursors in value, of each axis in turn", click("value-cursors")),
     ...pair("+ −", "zoom in time", [
       [["+", "="], () => view.zoomX(CLOSER, 0.5)],
       [["-"], () => view.zoomX(1 / CLOSER, 0.5)],

@@ -33,6 +33,7 @@ import { startTraceDialog } from "./trace_dialog.js";
 import { keepArranged } from "./traces.js";
 import { Trigger } from "./trigger.js";
 import { startTriggerMore } from "./trigger_more.js";
+import { ValueCursors } from "./value_cursors.js";
 import { View } from "./view.js";
 import { showLink, showMaster, notify } from "./link.js";
 
@@ -44,6 +45,7 @@ const colour = (field) => colourOf(state, field);
 const plot = new Plots(byId("plot"), state, colour);
 const view = new View(state, sweep, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
+new ValueCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
 const legend = new Legend(state, plot, cursors, startTraceDialog(state));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));

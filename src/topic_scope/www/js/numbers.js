@@ -29,6 +29,17 @@ export function tickText(value, step) {
 }
 
 /**
+ * Round to what a screen can tell apart.
+ * @param {number} value
+ * @param {number} span from one end of the axis to the other
+ * @returns {number}
+ */
+export function rounded(value, span) {
+  const step = 10 ** Math.floor(Math.log10(span / 500));
+  return Number((Math.round(value / step) * step).toPrecision(10));
+}
+
+/**
  * List round places between two bounds.
  * @param {number} low
  * @param {number} high

@@ -64,7 +64,7 @@ function drawHandles(context, box, overlay, styleOf) {
     const upright = handle.classList.contains("cursor");
     const [x, y] = [place.left + place.width / 2 - box.left, place.top + place.height / 2 - box.top];
     context.save();
-    context.strokeStyle = context.fillStyle = styleOf(upright ? "cursor" : "trigger");
+    context.strokeStyle = context.fillStyle = styleOf(handle.classList.contains("level") ? "trigger" : "cursor");
     context.setLineDash([4, 4]);
     context.beginPath();
     context.moveTo(upright ? x : area.left - box.left, upright ? area.top - box.top : y);
@@ -172,9 +172,10 @@ export function picture(drawn, fields, looks, until) {
   const style = getComputedStyle(document.documentElement);
   const styleOf = (name) => style.getPropertyValue(`--${name}`).trim();
   const overlay = document.getElementById("overlay");
-  const readout = overlay.hidden ? null : overlay.querySelector(".readout:not([hidden])");
+  const readouts = overlay.hidden ? [] : [...overlay.querySelectorAll(".readout:not([hidden])")];
   const date = new Date(until * 1000).toLocaleDateString("sv"); // year first
-  const notes = [readout?.textContent, `${date}, ${clockText(until, 0.1)}, ${zoneText(until)}`].filter(Boolean);
+  const notes = readouts.map(({ textContent }) => textContent);
+  notes.push(`${date}, ${clockText(until, 0.1)}, ${zoneText(until)}`);
   const canvas = make("canvas", {});
   const context = canvas.getContext("2d");
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;

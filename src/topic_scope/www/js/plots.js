@@ -1,5 +1,6 @@
 /** The plots, one below another, over one time axis; where there is one only, that. */
 
+import { rounded } from "./numbers.js";
 import { Plot } from "./plot.js";
 import { axisName, axisParts, chosenOf, plotCount } from "./traces.js";
 
@@ -126,6 +127,32 @@ export class Plots {
    */
   range(axis) {
     return this.plotOf(axis).range(axisParts(axis)[0]);
+  }
+
+  /**
+   * Tell where a value is.
+   * @param {string} axis name of the axis that it is on
+   * @param {number} value
+   * @returns {?number} the place in the area of all plots, 0 to 1 from below; null out of its plot
+   */
+  placeOf(axis, value) {
+    const [low, high] = this.range(axis);
+    const part = (value - low) / (high - low);
+    const span = this.spanOf(axis);
+    return part >= -1e-6 && part <= 1 + 1e-6 ? span.low + part * (span.high - span.low) : null;
+  }
+
+  /**
+   * Tell which value is at a place; out of the plot, the nearest one in it.
+   * @param {string} axis name of the axis
+   * @param {number} place in the area of all plots, 0 to 1 from below
+   * @returns {number} with the digits that the screen can tell apart
+   */
+  valueAt(axis, place) {
+    const [low, high] = this.range(axis);
+    const span = this.spanOf(axis);
+    const inside = Math.min(Math.max((place - span.low) / (span.high - span.low), 0), 1);
+    return rounded(low + inside * (high - low), high - low);
   }
 
   /** The ends of the time axis, as it counts, s. */

@@ -41,6 +41,10 @@ const PARTS = {
       VERTICAL.test(name) && isText(title) && isBound(low) && isBound(high)),
   },
   cursors: { ok: (value) => value === null || (Number.isFinite(value.a) && Number.isFinite(value.b)) },
+  levels: {
+    ok: (value) => value === null ||
+      (isText(value.field) && Number.isFinite(value.c) && Number.isFinite(value.d)),
+  },
   chart: { ok: isChart },
   measures: {
     ok: ({ figures, against, between }) =>

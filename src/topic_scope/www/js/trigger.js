@@ -2,15 +2,9 @@
 
 import { byId, make, say } from "./dom.js";
 import { Handle } from "./handle.js";
-import { figure, readNumber, typed } from "./numbers.js";
+import { figure, readNumber, rounded, typed } from "./numbers.js";
 
 const MODES = ["off", "normal", "auto", "single"];
-
-/** Round to what a screen can tell apart. */
-const rounded = (value, span) => {
-  const step = 10 ** Math.floor(Math.log10(span / 500));
-  return Number((Math.round(value / step) * step).toPrecision(10));
-};
 
 /** Shows and changes the trigger. */
 export class Trigger {
@@ -76,10 +70,7 @@ export class Trigger {
 
   moveTo(part) {
     const axis = this.plot.axisOf(this.state.values.trigger.field);
-    const [low, high] = this.plot.range(axis);
-    const span = this.plot.spanOf(axis);
-    const inside = Math.min(Math.max((part - span.low) / (span.high - span.low), 0), 1);
-    this.change({ level: rounded(low + inside * (high - low), high - low) });
+    this.change({ level: this.plot.valueAt(axis, part) });
   }
 
   show() {
@@ -112,18 +103,17 @@ export class Trigger {
     const { trigger, hidden } = this.state.values;
     const shown = trigger.mode !== "off" && trigger.field && !hidden.has(trigger.field);
     const axis = this.plot.axisOf(trigger.field);
-    const [low, high] = this.plot.range(axis);
-    const part = shown ? (trigger.level - low) / (high - low) : null;
-    const isInside = part >= -1e-6 && part <= 1 + 1e-6;
-    const span = this.plot.spanOf(axis);
-    const place = part === null || !isInside ? null : span.low + part * (span.high - span.low);
+    const [, high] = this.plot.range(axis);
+    const place = shown ? this.plot.placeOf(axis, trigger.level) : null;
     this.line.place(place, trigger.level, figure(trigger.level));
     // Where the level is outside of the view an arrow says where.
-    this.arrow.hidden = part === null || isInside;
+    this.arrow.hidden = !shown || place !== null;
     if (this.arrow.hidden) return;
-    this.arrow.classList.toggle("above", part > 1);
-    this.arrow.style.top = part > 1 ? `calc(${100 * (1 - span.high)}% + 4px)` : "auto";
-    this.arrow.style.bottom = part > 1 ? "auto" : `calc(${100 * span.low}% + 4px)`;
-    say(this.arrow, `${part > 1 ? "▲" : "▼"} T ${figure(trigger.level)}`);
+    const isAbove = trigger.level > high;
+    const span = this.plot.spanOf(axis);
+    this.arrow.classList.toggle("above", isAbove);
+    this.arrow.style.top = isAbove ? `calc(${100 * (1 - span.high)}% + 4px)` : "auto";
+    this.arrow.style.bottom = isAbove ? "auto" : `calc(${100 * span.low}% + 4px)`;
+    say(this.arrow, `${isAbove ? "▲" : "▼"} T ${figure(trigger.level)}`);
   }
 }

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The page shows robots, sends them to goals, drives them, and has managed nodes' transitions."""
 
+import math
 import subprocess
 
+import genpy.dynamic
 import roslib.packages
 import rospy
 import rostest
@@ -14,6 +16,7 @@ from selenium.webdriver.common.keys import Keys
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.robot import Robot
 
+STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
 
 
@@ -92,9 +95,41 @@ class PageRobots(BrowserTest):
         wait_until(lambda: robot.commands[-1].turn == 0.0, lambda: str(robot.commands[-1]))
         browser.keys(Keys.ESCAPE)
         self.wait_text("#drive", "Take the wheel")
+        # Followed, the robot is in the middle of the picture; who moves that follows it no longer.
+        browser.keys("f")
+        row = "#robot-list button[aria-pressed='true'][data-topic='/odom']"
+        browser.wait_for(row)
+
+        def middle() -> bool:
+            ActionChains(browser.driver).move_to_element_with_offset(canvas, 1, 1).perform()
+            ActionChains(browser.driver).move_to_element(canvas).perform()
+            told = browser.text("#robot-pointer").replace("−", "-").replace(" m", "").split(", ")
+            return math.dist(list(map(float, told)), (robot.x, robot.y)) < 0.05
+
+        wait_until(middle, lambda: (browser.text("#robot-pointer"), robot.x, robot.y))
+        browser.keys(Keys.ARROW_LEFT)
+        wait_until(lambda: not browser.count(row), lambda: browser.text("#robot-list"))
+        self.assertFalse(middle())
+        self.fleet_has_tiles()
         self.assertEqual(browser.errors(), [])
         self.assertIn("robots", str(browser.run("return location.hash")))
         browser.keys("r")
+
+    def fleet_has_tiles(self) -> None:
+        """Have a robot say how it is, on a topic of a type that is not installed, and then no more."""
+        status_class = genpy.dynamic.generate_dynamic("not_here/RobotStatus", STATUS)
+        status = rospy.Publisher(
+            "/al/status", status_class["not_here/RobotStatus"], queue_size=1, latch=True
+        )
+        self.addCleanup(status.unregister)
+        status.publish("al", 1, [12.5, 21.0])
+        tile = "#fleet .tile[data-topic='/al/status']"
+        self.wait_text(tile, "no data for")
+        self.assertEqual(self.browser.text(f"{tile} h3"), "al")
+        self.assertEqual(self.browser.text(f"{tile} .mode"), "moving")
+        self.assertEqual(self.browser.text(f"{tile} dd"), "12.50 V 21.00 °C")
+        status.publish("al", 4, [11.0, 21.0])
+        self.wait_text(f"{tile}[data-mode='error'] dd", "11.00 V")
 
     def test_a_managed_node_has_its_state_and_a_button_for_each_transition(self) -> None:
         program = roslib.packages.find_node("basic_comms", "talker.py")[0]

@@ -1,7 +1,7 @@
 """The publisher inside rospy's own objects, with sockets in place of subscribers and no master."""
 
 import contextlib
-import os
+import fcntl
 import socket
 import struct
 import threading
@@ -68,8 +68,8 @@ def connect():
     """Give a maker of subscribers: connects one to a publisher and gives its end."""
     with contextlib.ExitStack() as stack:
 
-        def make(publisher, name="/subscriber"):
-            ours, theirs = (stack.enter_context(end) for end in socket.socketpair())
+        def make(publisher, name="/subscriber", ends=None):
+            ours, theirs = (stack.enter_context(end) for end in ends or socket.socketpair())
             transport = TCPROSTransport(TCPROSPub(TOPIC, publisher.data_class), TOPIC)
             transport.set_socket(ours, name)
             stack.callback(transport.close)
@@ -297,10 +297,14 @@ def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(ope
     theirs = connect(publisher)
     (transport,) = impl(publisher).connections
     transport.socket = gone = Gone(fileno=transport.socket.detach())
-    descriptor, ends, threads = gone.fileno(), [], []
+    descriptor, threads = gone.fileno(), []
+    ours, end = socket.socketpair()
 
     def come():
-        ends.append(connect(publisher, name))  # waits at the end for the one who publishes
+        with ours:  # as if this descriptor were the lowest that is free
+            number = fcntl.fcntl(ours.fileno(), fcntl.F_DUPFD, descriptor)
+        # Waits at the end for the one who publishes.
+        connect(publisher, name, (socket.socket(fileno=number), end))
 
     def has_come():
         return any(each is not transport for each in impl(publisher).connections)
@@ -312,18 +316,13 @@ def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(ope
 
     gone.then = then
     theirs.close()
-    held = []
-    while not held or held[-1] < descriptor:  # so that none below it is free
-        held.append(os.dup(0))
     publisher.publish(String("second"))  # finds that it has gone
-    for number in held:
-        os.close(number)
     threads[0].join(TIME_OUT)
     (new,) = impl(publisher).connections
     assert new.fileno() == descriptor
-    assert receive(ends[0]).data == "second"
+    assert receive(end).data == "second"
     publisher.publish(String("third"))
-    assert receive(ends[0]).data == "third"
+    assert receive(end).data == "third"
 
 
 def test_nobody_comes_while_it_is_looked_who_has_gone(opened, monkeypatch):

@@ -98,6 +98,12 @@ class Page(PageTest):
         self.browser.driver.get("about:blank")
         self.browser.open(address)
         self.shows_the_setup()
+        self.browser.keys("s")
+        self.browser.wait_for("#setup-save").click()
+        self.browser.keys(Keys.ESCAPE)
+        path = self.browser.downloads / "scope_setup.json"
+        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
+        self.assertEqual(json.loads(path.read_text()), setup)
         # A part that makes no sense is named, and all stays as it is.
         self.load({**setup, "window": -1})
         wait_until(

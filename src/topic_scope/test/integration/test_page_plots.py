@@ -91,6 +91,12 @@ class Plots(PageTest):
             )
 
         wait_until(marked, lambda: seen)
+        # A picture for a report has its numbers, what is measured, and the date.
+        self.browser.find("#png").click()
+        picture = self.browser.run(written).split("\n")
+        self.assertTrue(any(re.match(r"\d{4}-\d\d-\d\d, ", text) for text in picture), picture)
+        self.assertIn("RMS", picture)
+        self.assertTrue(any(text.endswith(" dB") for text in picture), picture)
         self.browser.keys("k")
         self.browser.wait_for("[aria-label='trace to the right']")
         first = self.drawn()

@@ -61,6 +61,23 @@ def test_a_page_hears_of_the_master_before_it_has_answered(server: Server) -> No
     assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
 
 
+def test_fields_of_the_command_line_that_are_not_there_are_named_on_the_terminal(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr("topic_scope.server.WARN_AFTER_S", 0.0)
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    try:
+        server = Server(options.parse(["/later/x"]), Origin())  # type: ignore[arg-type]
+        server.on_topics({})
+        with mock.patch("rospy.logwarn") as log:
+            loop.run_until_complete(asyncio.sleep(0.01))
+    finally:
+        asyncio.set_event_loop(None)
+        loop.close()
+    log.assert_called_once_with("/later/x: there is no such topic yet")
+
+
 def test_what_goes_wrong_for_one_page_keeps_no_frame_from_the_others(server: Server) -> None:
     server.on_topics({})
     broken, whole = Socket(server), Socket(server)

@@ -70,7 +70,7 @@ def _measured(
         return told
     samples = source(name, *span)
     told.update({"topic": trace.stream.topic, "time": trace.stream.base})
-    told.update(measure(*samples))
+    told.update(measure(*samples, trace.longest_step))
     if wish.shapes:
         told.update(measurements.figures(*samples))
     if wish.against:

@@ -10,11 +10,14 @@ import numpy
 HYSTERESIS = 0.1
 
 
-def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[float]]:
+def measure(
+    times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
+) -> Dict[str, Optional[float]]:
     """Measure a trace.
 
     :param times: ascending, s
     :param values: the samples; what is not finite counts for the rate only
+    :param longest: how far apart samples of one line may be, s: no period is across a gap
     :returns: rate in Hz, the latest value, min, max, peak to peak (vpp), mean, rms, standard
         deviation, frequency in Hz, and the part of the samples that is not finite (nan); None for
         what there is not
@@ -40,11 +43,13 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
         # About the mean: of what is large and varies little, squares would keep no digit.
         result["deviation"] = _finite(math.sqrt(float(numpy.square(parts - mean).mean())) * scale)
         result["rms"] = _finite(math.sqrt(float(numpy.square(parts).mean())) * scale)
-        result["frequency"] = frequency(times, parts)
+        result["frequency"] = frequency(times, parts, longest)
     return result
 
 
-def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
+def frequency(
+    times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
+) -> Optional[float]:
     """Return how often a trace crosses its mean upwards in a second.
 
     The crossings are taken on the straight line between two samples, and whole periods only are
@@ -52,6 +57,7 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
 
     :param times: ascending, s
     :param values: finite, and of moderate size
+    :param longest: see :func:`measure`
     :returns: the frequency in Hz, None if there is no whole period
     """
     low, high = values.min(), values.max()
@@ -59,9 +65,13 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray) -> Optional[float]:
     # Short pulses leave a mean that is close to where they come from on one side only.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
     ups = rises(times, values, level, band)
-    if not len(ups) or ups[-1] <= ups[0]:  # the stamps of a simulation that stands are the same
-        return None
-    return (len(ups) - 1) / float(ups[-1] - ups[0])
+    periods = numpy.diff(ups)
+    gaps = numpy.concatenate([[0], numpy.cumsum(numpy.diff(times) > longest)])
+    if gaps[-1]:
+        first, last = times.searchsorted(ups, "right") - 1, times.searchsorted(ups, "left")
+        periods = periods[gaps[first[:-1]] == gaps[last[1:]]]
+    length = float(periods.sum())  # the stamps of a simulation that stands are the same
+    return len(periods) / length if length > 0.0 else None
 
 
 def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float) -> numpy.ndarray:

@@ -38,6 +38,19 @@ def test_a_square_wave_has_its_frequency() -> None:
     assert measure(times, values)["frequency"] == pytest.approx(2.0, rel=1e-2)
 
 
+@given(st.integers(0, 390), st.integers(20, 300), st.floats(0.5, 2.0))
+def test_periods_that_are_broken_by_a_gap_do_not_count(
+    begin: int, length: int, frequency: float
+) -> None:
+    times = 1.7e9 + 0.01 * numpy.arange(1000)
+    values = numpy.sin(2 * math.pi * frequency * times)
+    for broken in (False, True):  # no samples, or such that are no numbers
+        values = numpy.where((numpy.arange(1000) - begin) % 1000 < length, math.nan, values)
+        there = slice(None) if broken else numpy.isfinite(values)
+        result = measure(times[there], values[there], 0.05)
+        assert result["frequency"] == pytest.approx(frequency, rel=2e-3)
+
+
 @pytest.mark.parametrize("values", [[], [1.0], [math.nan], [2.0, 2.0, 2.0], [0.0, 1.0, 0.0]])
 def test_what_has_no_period_has_no_frequency(values: List[float]) -> None:
     assert measure(numpy.arange(len(values)), numpy.array(values))["frequency"] is None

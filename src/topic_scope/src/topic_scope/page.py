@@ -65,7 +65,12 @@ class Page:
         :param recorder: has the samples
         :param now: time up to which they are there, s
         """
-        crossing = self.trigger.update(now, self.view.window, self.looks.scaled(recorder.samples))
+
+        def longest(field: str) -> float:  # in steps it holds its value until the next one comes
+            return 0.0 if self.looks.is_stepped(field) else recorder.longest_step(field)
+
+        samples = self.looks.scaled(recorder.samples)
+        crossing = self.trigger.update(now, self.view.window, samples, longest)
         if crossing is not None:
             self.put(crossing)
 

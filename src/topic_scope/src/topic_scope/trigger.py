@@ -1,5 +1,6 @@
 """Find the moments at which a trace crosses a level, and tell a page of them."""
 
+import math
 from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy
@@ -21,17 +22,21 @@ def crossings(
     level: float,
     rising: bool,
     hysteresis: float = 0.0,
+    longest: float = math.inf,
 ) -> numpy.ndarray:
     """Return when a trace crosses a level, on the straight line between two samples.
+
+    Where there is no such line it is crossed when the second one comes.
 
     :param times: ascending, s
     :param values: the samples; what is not finite is left out
     :param level: the level; a sample on it has arrived on the far side
     :param rising: whether it is crossed upwards
     :param hysteresis: how far on the near side the trace has to be before
+    :param longest: how far apart samples of one line may be, s
     :returns: the moments, s
     """
-    return _crossings(times, values, level, rising, hysteresis, False)[0]
+    return _crossings(times, values, level, rising, hysteresis, longest, False)[0]
 
 
 def _crossings(
@@ -40,6 +45,7 @@ def _crossings(
     level: float,
     rising: bool,
     hysteresis: float,
+    longest: float,
     is_ready: bool,
 ) -> Tuple[numpy.ndarray, bool]:
     """Return crossings, and whether the next one counts.
@@ -57,8 +63,9 @@ def _crossings(
     arrived = arrived[arrived > 0]
     # Halved, so that a step from one end of the range of floats to the other does not overflow.
     low, high = height[arrived - 1] / 2, height[arrived] / 2
-    part = low / (low - high)
-    moments = times[arrived - 1] + part * (times[arrived] - times[arrived - 1])
+    apart = times[arrived] - times[arrived - 1]
+    part = numpy.where(apart > longest, 1.0, low / (low - high))
+    moments = times[arrived - 1] + part * apart
     return moments, bool(before[-1] < 0)
 
 
@@ -84,17 +91,23 @@ class TriggerWatch:
         self._told: Optional[Dict[str, Any]] = None
 
     def update(
-        self, now: float, window: float, source: Callable[[str, float, float], Samples]
+        self,
+        now: float,
+        window: float,
+        source: Callable[[str, float, float], Samples],
+        longest_step: Callable[[str], float] = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
         """Look at what has come.
 
         :param now: time up to which all samples are there, s
         :param window: span of time that the page shows, s
         :param source: where the samples are
+        :param longest_step: tells how far apart samples of one line may be, s
         :returns: what to tell the page, None if it knows that
         """
         if self._is_waiting:
-            self._look(source(self.request.field, self._seen, now), window)
+            field = self.request.field
+            self._look(source(field, self._seen, now), longest_step(field), window)
             if self._state == "triggered" and self.request.mode != "single":
                 is_auto = self.request.mode == "auto"
                 if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
@@ -114,15 +127,14 @@ class TriggerWatch:
     def _is_waiting(self) -> bool:
         return self.request.mode in ("normal", "auto") or self._state == "armed"
 
-    def _look(self, samples: Samples, window: float) -> None:
+    def _look(self, samples: Samples, longest: float, window: float) -> None:
         times, values = samples
         if not len(times):
             return
         self._seen = float(times[-1])  # again with the next look, as the one before its first
         wanted = self.request
-        found, self._is_ready = _crossings(
-            times, values, wanted.level, wanted.rising, wanted.hysteresis, self._is_ready
-        )
+        how = (wanted.level, wanted.rising, wanted.hysteresis, longest, self._is_ready)
+        found, self._is_ready = _crossings(times, values, *how)
         found = found[found > self._hold_until]
         if len(found):
             self._state, self._time = "triggered", float(found[0])

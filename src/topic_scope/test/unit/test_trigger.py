@@ -50,6 +50,18 @@ def test_each_crossing_is_between_its_samples(values: List[float], level: float)
         assert all(start <= moment <= end for moment, (start, end) in zip(found, pairs))
 
 
+def test_no_crossing_is_where_no_line_is() -> None:
+    """Behind a gap, and where a value holds until the next one, it is crossed when that comes."""
+    times, values = numpy.array([0.0, 0.1, 5.0, 5.1, 5.2]), numpy.array([0.0, 0.0, 1.0, 0.0, 1.0])
+    for longest, moments in ((math.inf, [2.55, 5.15]), (0.5, [5.0, 5.15]), (0.0, [5.0, 5.2])):
+        found = crossings(times, values, 0.5, True, longest=longest)
+        assert found.tolist() == pytest.approx(moments)
+        request = protocol.Trigger("single", "/a", 0.5, True)
+        watch = TriggerWatch(request, 0.0)
+        heard = watch.update(6.0, WINDOW, lambda *_: (times, values), lambda _: longest)
+        assert heard is not None and heard["time"] == pytest.approx(moments[0])
+
+
 def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
     """Return what a page is told, looking at some moments."""
     request = protocol.Trigger(mode, "/a", level, True)

@@ -26,8 +26,10 @@ from ros2_bridge.telling import Telling
 from ros2_bridge.topic_bridge import TopicBridge
 from ros2_bridge.types import Types
 
-#: Time between two looks, s.
-LOOK_S = 0.5
+#: Pause between two turns, s, and how many of them there are to a look.
+_TURN_S, _TURNS = 0.1, 5
+#: How many looks come one each turn at first: what there is in ROS 2 is heard of bit by bit.
+_FIRST = 10
 #: Longest wait for the master, s.
 _MASTER_S = 2.0
 
@@ -63,11 +65,16 @@ class Looking:
         before_shutdown(self.close)
 
     def _run(self) -> None:
-        while not self._ended.wait(LOOK_S if self._node.is_up else 0.01):
+        turn = 0
+        while not self._ended.wait(_TURN_S if self._node.is_up else 0.01):
             if not self._node.is_up:
                 continue
+            turn += 1
             try:
-                self._look()
+                if turn <= _FIRST or turn % _TURNS == 0:
+                    self._look()
+                else:
+                    self._topics.listen()
             except MasterUnreachable as error:  # all stays as it is until it is back
                 rospy.logwarn_throttle(10.0, f"nothing new is bridged: {error}")
             except Exception:

@@ -1,6 +1,7 @@
 """The nodes of each ROS in the other, with their parameters."""
 
 import re
+import time
 from typing import Any, Collection, Dict, List, Optional, Set, Union
 
 from rcl_interfaces.msg import ParameterEvent
@@ -22,9 +23,9 @@ from ros2_bridge.telling import Telling
 from ros2_bridge.topic_bridge import LOOKS
 
 _EVENTS = "/parameter_events"
-#: How many looks a node is given to describe its parameters, until it is taken for one that does
-#: not: of those, everything is taken, even while one that would refuse it is still starting.
-_LOOKS_TO_DESCRIBE = 10
+#: How long a node is given to describe its parameters, s, until it is taken for one that does not:
+#: of those, everything is taken, even while one that would refuse it is still starting.
+_DESCRIBE_S = 5.0
 _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 
 
@@ -57,7 +58,8 @@ class NodeBridge:
         self._names = names
         self.twins: Dict[str, NodeTwin] = {}
         self.mirrors: Dict[str, ParametersToRos1] = {}
-        self._looks: Dict[str, int] = {}
+        #: When each node was first seen, s on the monotonic clock.
+        self._since: Dict[str, float] = {}
         self._patience: Patience[str] = Patience(LOOKS)
         self._mirror_patience: Patience[str] = Patience(LOOKS)
         self._tell = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
@@ -83,11 +85,12 @@ class NodeBridge:
         services = set(ros1.services)
         describing = {name.rpartition("/")[0] for name in described(services)}
         wanted = self._chosen(ros1.nodes() - in_ros2, describing - in_ros2, most)
-        self._looks = {name: self._looks.get(name, 0) + 1 for name in wanted}
+        now = time.monotonic()
+        self._since = {name: self._since.get(name, now) for name in wanted}
         for name in self._patience.gone(self.twins, wanted):
             self._end_twin(name)
         for name in wanted:
-            style = "plain" if self._looks[name] > _LOOKS_TO_DESCRIBE else "none"
+            style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
             style = "described" if name in describing else style
             style = style if parameters else "none"
             twin = self.twins.get(name)

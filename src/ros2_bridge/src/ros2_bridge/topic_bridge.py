@@ -57,7 +57,12 @@ class TopicBridge:
                 found = ros2.get(way.name)
                 listeners = found is not None and bool(found.subscribers)
                 pair.look(listeners, ros1.publishers.get(way.name, set()))
-            else:
+        self.listen()
+
+    def listen(self) -> None:
+        """Hear what somebody in ROS 1 has begun to listen to: rospy tells without a request."""
+        for pair in self.pairs.values():
+            if isinstance(pair, ToRos1):
                 pair.look()
 
     def _has_type(

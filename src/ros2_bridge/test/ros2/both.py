@@ -135,3 +135,6 @@ class Bridge(Running):
                 self.interrupt()  # of one that is killed ROS 2 lists the services for 20 s more
         finally:
             super().__exit__(*error)
+            # What its command line has set would be the next one's of its name.
+            with contextlib.suppress(KeyError):
+                rospy.delete_param("/ros2_bridge")

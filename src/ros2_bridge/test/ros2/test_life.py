@@ -1,5 +1,6 @@
 """How the bridge begins and ends, and what it outlives."""
 
+import os
 import signal
 import struct
 import time
@@ -15,15 +16,26 @@ from test_topics import publisher1
 
 
 def test_second_bridge_is_refused(ros: both.Both) -> None:
-    with both.Bridge() as first:
-        first.wait_for_log("direction")
-        wait_until(
-            lambda: any("domain" in name for name, _ in rospy.get_master().getSystemState()[2][2]),
-            lambda: "no bridge",
-        )
+    with both.Bridge() as one, both.Bridge() as two:  # at the same moment, with the same name
+
+        def ended() -> List[both.Bridge]:
+            return [bridge for bridge in (one, two) if bridge.popen.poll() is not None]
+
+        wait_until(ended, lambda: "both run")
+        (refused,) = ended()
+        assert refused.wait() == 1
+        first = one if refused is two else two
+        marker = f"/ros2_bridge_of_domain_{os.environ['ROS_DOMAIN_ID']}"
+        ros.call1(marker, "std_srvs/Trigger", b"")
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             assert second.logged("/ros2_bridge joins this master and this domain already")
+        first.popen.send_signal(signal.SIGSTOP)  # and does not answer
+        with both.Bridge("__name:=another") as second:
+            assert second.wait() == 1
+            assert second.logged("another one on this machine joins this master")
+        first.popen.send_signal(signal.SIGCONT)
+        ros.call1(marker, "std_srvs/Trigger", b"")
         began = time.monotonic()
         assert first.interrupt() == 0
         assert time.monotonic() - began < 2.0

@@ -67,7 +67,7 @@ class _Recorded:
         self._rows = [array("d") for _ in self._getters]
 
     def add(self, sample: Sample) -> None:
-        """Take the number from a message, unless it has no element of that name: it is about others."""
+        """Take the number from a message, unless that is about elements of other names."""
         if self._is_named and value_at(sample.message, self._column.path) is None:
             return
         if not self._received:

@@ -116,7 +116,7 @@ class PageRobots(BrowserTest):
         browser.keys("r")
 
     def fleet_has_tiles(self) -> None:
-        """Have a robot say how it is, on a topic of a type that is not installed, and then no more."""
+        """Have a robot say how it is, in a type that is not installed, and then no more."""
         status_class = genpy.dynamic.generate_dynamic("not_here/RobotStatus", STATUS)
         status = rospy.Publisher(
             "/al/status", status_class["not_here/RobotStatus"], queue_size=1, latch=True

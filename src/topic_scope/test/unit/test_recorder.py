@@ -205,7 +205,7 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
 
 
 def test_joints_of_two_publishers_have_whole_lines() -> None:
-    """Each message has the joints of its publisher alone, and each publisher an order of its own."""
+    """Each message has the joints of its publisher alone, in an order of its own."""
     taps = FakeTaps()
     taps.taps["/j"] = FakeTap()
     made = recording(taps)

@@ -62,17 +62,18 @@ def figures(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
     return {name: _finite(figure(shape)) if shape else None for name, figure in _FIGURES.items()}
 
 
-def phase(samples: Samples, reference: Samples) -> Optional[float]:
+def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Optional[float]:
     """Return how far a trace is ahead of another one, at the frequency of that.
 
     :param samples: times in s, ascending, and values of the trace
     :param reference: those of the other one
+    :param longest: how far apart samples of one line of the other one may be, s
     :returns: above -180 and up to 180, degrees; None where the other one has no frequency
     """
     (times, values), (others, turns) = _finite_of(*samples), _finite_of(*reference)
     if len(times) < 3 or len(others) < 3:
         return None
-    hertz = frequency(others, turns)
+    hertz = frequency(others, turns, longest)
     if hertz is None or not values.min() < values.max():
         return None
     # Both from the same moment on, and over whole periods: what is left of one would add to it.

@@ -74,7 +74,8 @@ def _measured(
     if wish.shapes:
         told.update(measurements.figures(*samples))
     if wish.against:
-        told["phase"] = measurements.phase(samples, source(wish.against, *span))
+        reference, longest = source(wish.against, *span), recorder.longest_step(wish.against)
+        told["phase"] = measurements.phase(samples, reference, longest)
     age, usual = trace.age(now), trace.longest_step
     silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
     told["silent"] = age if silent else None

@@ -72,6 +72,15 @@ def test_a_phase_is_told_whatever_the_samples(
     assert abs((found - degrees + 180.0) % 360.0 - 180.0) < 0.5
 
 
+def test_a_phase_is_told_though_samples_are_missing() -> None:
+    times = numpy.arange(0.0, 10.0, 0.01)
+    there = (times < 3.3) | (times > 5.1)
+    late, first = (
+        (times[there], numpy.sin(2.0 * math.pi * times[there] - angle)) for angle in (0.5, 0.0)
+    )
+    assert phase(late, first, 0.05) == pytest.approx(-math.degrees(0.5), abs=0.5)
+
+
 def test_no_phase_without_a_wave() -> None:
     wave, flat = (TIMES, numpy.sin(9.0 * TIMES)), (TIMES, numpy.ones(len(TIMES)))
     assert phase(wave, flat) is None and phase(flat, wave) is None

@@ -114,6 +114,14 @@ class NodeLife(unittest.TestCase):
             ("listener", "__name:=a b"): "node name 'a b': must be a letter",
             ("listener", "__ns:=ä ö"): "namespace '/ä ö/': must be letters",
             ("listener", "chatter:=a b"): "name '/a b': must be letters",
+            (
+                "signal_generator",
+                "signal:=signal_generator/status",
+            ): "refused std_msgs/String: must be basic_comms/signal_msg, as elsewhere in this",
+            (
+                "signal_generator",
+                "/signal_generator/enable:=/signal_generator/reset",
+            ): "service /signal_generator/reset: refused: this process offers it already",
             ("talker", '_rate:={a: [1"'): "argument '_rate:={a: [1\"': must have one value in YAML",
         }
         for (node, argument), sentence in cases.items():

@@ -20,6 +20,7 @@ from nodekit.process.ending import end
 from nodekit.process.managed import as_wanted
 from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often
+from nodekit.rospy_internals.topic_types import NameTaken
 
 EXIT_OK, EXIT_REFUSED = 0, 1
 #: What the process ends with, unless its start is refused.
@@ -48,7 +49,7 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
         if not rospy.is_shutdown():
             rospy.spin()
         del kept_alive
-    except (arguments.ArgumentError, IllegalName, ParameterError) as error:
+    except (arguments.ArgumentError, IllegalName, NameTaken, ParameterError) as error:
         rospy.logfatal("%s", error)
         end(EXIT_REFUSED)
     except MasterUnreachable as error:

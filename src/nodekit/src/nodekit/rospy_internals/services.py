@@ -6,13 +6,21 @@ from typing import Any, Dict, List
 
 import rospy
 
+from nodekit.rospy_internals.topic_types import NameTaken
+
 
 class ClosableService(rospy.Service):
-    """A ``rospy.Service`` that ends lasting connections of its clients when it is shut down."""
+    """A ``rospy.Service`` that ends lasting connections of its clients when it is shut down.
 
-    def __init__(self, *args: Any, **kwds: Any) -> None:
+    :raises NameTaken: if this process offers one of that name already
+    """
+
+    def __init__(self, name: str, *args: Any, **kwds: Any) -> None:
         self._lasting: List[Any] = []
-        super().__init__(*args, **kwds)
+        try:
+            super().__init__(name, *args, **kwds)
+        except rospy.ServiceException:
+            raise NameTaken(f"service {name}: refused: this process offers it already") from None
 
     def handle(self, transport: Any, header: Dict[str, str]) -> None:
         """Serve a client until it or the service has ended.

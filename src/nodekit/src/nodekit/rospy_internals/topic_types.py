@@ -5,15 +5,19 @@ from typing import Any
 import rospy
 
 
+class NameTaken(rospy.ROSException):
+    """A name that this process uses for something else already; the text says which."""
+
+
 def refuse_another(topic: Any, data_class: Any) -> None:
     """Refuse to use a topic with a second type.
 
     :param topic: rospy's implementation object of the topic; None if there is none
     :param data_class: message class
-    :raises rospy.ROSException: if that is of another type
+    :raises NameTaken: if that is of another type
     """
     if topic is not None:
         used, name = topic.data_class, topic.resolved_name
         if (used._type, used._md5sum) != (data_class._type, data_class._md5sum):
             why = f"must be {used._type}, as elsewhere in this process"
-            raise rospy.ROSException(f"topic {name}: refused {data_class._type}: {why}")
+            raise NameTaken(f"topic {name}: refused {data_class._type}: {why}")

@@ -42,3 +42,21 @@ def test_standing_clock_costs_nothing(monkeypatch):
         assert time.process_time() - busy < BUSY_S
     finally:
         scheduler.close()
+
+
+def test_it_is_told_once_that_there_is_no_clock_yet(monkeypatch):
+    monkeypatch.setattr(clocks.rospy, "Subscriber", lambda *args, **kwds: None)
+    monkeypatch.setattr(clocks, "_PATIENCE_S", 0.01)
+    told = []
+    monkeypatch.setattr(clocks.rospy, "logwarn", told.append)
+    scheduler = Scheduler(clocks.SimulatedClock())
+    calls = []
+    try:
+        wait_until(lambda: told, lambda: "nothing was told")
+        for _ in range(2):
+            scheduler.start([Timer(scheduler, calls.append, 1.0)])
+        scheduler._clock._on_clock(Clock(rospy.Time.from_sec(10.0)))
+        wait_until(lambda: len(calls) == 2, lambda: str(calls))
+    finally:
+        scheduler.close()
+    assert told == ["waiting for /clock, as /use_sim_time is set"]

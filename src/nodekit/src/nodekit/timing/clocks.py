@@ -14,6 +14,8 @@ from rosgraph_msgs.msg import Clock
 #: Longest single wait, s. Python before 3.11 times its locks by the wall clock,
 #: so a wall clock that is set back must not make a wait endless.
 _LONGEST_WAIT_S = 1.0
+#: How long nobody is told that there is no simulated time yet, s.
+_PATIENCE_S = 2.0
 
 
 class MonotonicClock:
@@ -47,10 +49,14 @@ class MonotonicClock:
 
 
 class SimulatedClock:
-    """The clock of the topic /clock; it may stand still, jump or be set back."""
+    """The clock of the topic /clock; it may stand still, jump or be set back.
+
+    Where nothing comes at first, it says once what it waits for.
+    """
 
     def __init__(self) -> None:
         self._now: Optional[float] = None
+        self._told = False
         self._moved = threading.Event()
         self._subscriber = rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1)
 
@@ -68,7 +74,11 @@ class SimulatedClock:
         :param moment: not used: the caller looks at every step, because the
             clock may be set back as well
         """
-        self._moved.wait()
+        is_told = self._told or self._now is not None
+        if not self._moved.wait(None if is_told else _PATIENCE_S):
+            self._told = True
+            rospy.logwarn("waiting for /clock, as /use_sim_time is set")
+            self._moved.wait()
         self._moved.clear()
 
     def wake(self) -> None:

@@ -6,8 +6,8 @@ from first_order_sys_sim.first_order_plant import EXACT, FirstOrderPlant, PlantS
 
 #: How close to a sample a moment counts as the sample itself, in sample times.
 _EDGE = 1e-9
-#: How many samples are taken one by one, with EULER, of those up to a moment far ahead: a clock that
-#: is simulated may leap by years, which would take as long.
+#: How many samples are taken one by one, with EULER, of those up to a moment far ahead: a simulated
+#: clock may leap by years, which would take as long.
 _MOST_ONE_BY_ONE = 10_000
 
 

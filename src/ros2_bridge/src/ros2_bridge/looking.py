@@ -45,6 +45,8 @@ class Looking:
     def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
         self._node, self._parameters = node, parameters
         self._master = get_watcher().client
+        # Of its own: it remembers the latest answers.
+        self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
         self._renaming = names = parameters.values.names()
@@ -53,11 +55,10 @@ class Looking:
         self._topics = TopicBridge(node, self._side, types, qualities, self._telling)
         self._nodes = NodeBridge(node, self._side, self._master, names, self._telling)
         self._services = ServiceBridge(
-            node, self._side, types, self._telling, lambda: parameters.values.service_timeout
+            *(node, self._side, self._asking, types, self._telling),
+            lambda: parameters.values.service_timeout,
         )
         self._rosout, self._names = Rosout(node, self._side, names), NamesInRos1()
-        # Of its own: it remembers the latest answers.
-        self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
         self._master_pid = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="looks", daemon=True)

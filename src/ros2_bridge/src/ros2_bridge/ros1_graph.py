@@ -33,7 +33,7 @@ def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
     It is not asked for the types of all topics: those it remembers for ever, of topics too that
     are no more.
 
-    :param client: asks it, and nothing else
+    :param client: asks it, and little else: it remembers two answers
     :param own: names of nodes that are the bridge's
     :raises MasterUnreachable: if it does not answer
     """

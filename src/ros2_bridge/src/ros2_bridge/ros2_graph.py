@@ -114,7 +114,7 @@ class Ros2Graph:
     def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:
         """Return type and node of each service that some nodes of ROS 2 offer."""
         found = {}
-        for node in nodes:
+        for node in sorted(nodes):  # of several servers of a name, always the same one counts
             ask = self._side.node.get_service_names_and_types_by_node
             for name, types in _asked(ask, self._names.in_ros2(node) or node):
                 name_in_ros1 = self._named(name)

@@ -1,11 +1,12 @@
 """All services: finds those that others offer, and bridges them until they go."""
 
-from typing import Callable, Dict, Set, Tuple, Union
+from typing import Callable, Dict, Optional, Set, Tuple, Union
 
 from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
+from nodekit.live.master import MasterClient
 from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
 from ros2_bridge.ros1_graph import Ros1Graph
 from ros2_bridge.ros2_side import Ros2
@@ -21,17 +22,24 @@ class ServiceBridge:
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
+    :param client: asks the master
     :param timeout: returns the longest wait for an answer, s
     """
 
     def __init__(
-        self, node: Node, side: Ros2, types: Types, telling: Telling, timeout: Callable[[], float]
+        self,
+        node: Node,
+        side: Ros2,
+        client: MasterClient,
+        types: Types,
+        telling: Telling,
+        timeout: Callable[[], float],
     ) -> None:
         self._node, self._side, self._types, self._telling = node, side, types, telling
         self._timeout = timeout
         self.pairs: Dict[Way, Union[ServiceToRos1, ServiceToRos2]] = {}
         self._patience: Patience[Way] = Patience(LOOKS)
-        self._asked = ServiceTypes()
+        self._asked = ServiceTypes(client)
 
     def look(
         self,
@@ -55,27 +63,36 @@ class ServiceBridge:
         for way in ways:
             home = homes.get(ros1.services.get(way.name, ""), self._side.node)
             pair = self.pairs.get(way)
+            if pair is not None and self._type(way, ros2) not in (None, pair.kind.ros1):
+                self.pairs.pop(way).close()
+                continue  # of the new type at the next look: it has taken leave until then
             if isinstance(pair, ServiceToRos2) and pair.home is not home:
                 self.pairs.pop(way).close()  # its node appears in ROS 2 only now, or no longer
             if way not in self.pairs:
                 with self._telling.guarding(way.name):
                     self._begin(way, rules, home, ros2)
 
+    def _type(self, way: Way, ros2: Dict[str, Tuple[str, str]]) -> Optional[str]:
+        """Return ROS 1's name of a service's type, None where its server has not told it yet."""
+        if way.to_ros2:
+            return self._asked.of(way.name)
+        return self._types.ros1_name(ros2[way.name][0])
+
     def _begin(
         self, way: Way, rules: Rules, home: Ros2Node, ros2: Dict[str, Tuple[str, str]]
     ) -> None:
         names = (way.name, rules.names.in_ros2(way.name) or way.name)
         validate_full_topic_name(names[1], is_service=True)
+        kind = self._type(way, ros2)
+        if kind is None or kind.startswith(OWN_WAYS):
+            return
         try:
+            found = self._types.service(kind)
             if way.to_ros2:
-                kind = self._asked.of(way.name)
-                if kind is not None and not kind.startswith(OWN_WAYS):
-                    found = self._types.service(kind)
-                    self.pairs[way] = ServiceToRos2(
-                        self._node, self._side, home, *names, found, self._timeout
-                    )
+                self.pairs[way] = ServiceToRos2(
+                    self._node, self._side, home, *names, found, self._timeout
+                )
             else:
-                found = self._types.service(self._types.ros1_name(ros2[way.name][0]))
                 self.pairs[way] = ServiceToRos1(
                     self._node, self._side, *names, found, self._timeout
                 )

@@ -2,24 +2,34 @@
 
 import itertools
 import threading
-from typing import Dict, Optional, Set
+from typing import Dict, Optional, Sequence, Set
 
 from nodekit.life.server import CallError, Server
+from nodekit.live.master import MasterClient, MasterUnreachable
+from nodekit.live.turns import Turns
 from nodekit.transport.service_call import ServiceCall
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
 #: Most servers that are asked again at a look: the master lists all of those that were killed.
 _AGAIN = 2
+#: Most servers of which is looked whether they are still where they were.
+_LOOKUPS = 20
 
 
 class ServiceTypes:
-    """Asks the servers, each in a thread of its own, so that one that hangs keeps nobody."""
+    """Asks the servers, each in a thread of its own, so that one that hangs keeps nobody.
 
-    def __init__(self) -> None:
+    :param client: asks the master
+    """
+
+    def __init__(self, client: MasterClient) -> None:
+        self._client, self._turns = client, Turns(_LOOKUPS)
         self._lock = threading.Lock()
         self._asked: Set[str] = set()
         self._found: Dict[str, str] = {}
+        #: Where each was before it was asked: who is elsewhere now may be of another type.
+        self._places: Dict[str, str] = {}
         #: Whose servers have not answered, in the order in which they were asked.
         self._silent: Dict[str, None] = {}
         self._again: Set[str] = set()
@@ -39,17 +49,33 @@ class ServiceTypes:
         return None
 
     def look(self, there: Set[str]) -> None:
-        """Begin a look: forget all services but these, and choose who is asked again."""
+        """Begin a look: forget all services but these, and choose who is asked again.
+
+        :raises MasterUnreachable: if the master does not answer
+        """
         with self._lock:
             self._found = {name: kind for name, kind in self._found.items() if name in there}
+            self._places = {name: self._places[name] for name in self._found}
             self._silent = {name: None for name in self._silent if name in there}
             self._again = set(itertools.islice(self._silent, _AGAIN))
+            turn = self._turns.next(sorted(self._found))
+        places = self._look_up(turn)
+        with self._lock:
+            for name in turn:
+                if places[name] != self._places[name]:
+                    del self._found[name]
+
+    def _look_up(self, names: Sequence[str]) -> Dict[str, str]:
+        """Ask the master where servers are."""
+        answers = self._client.request([("lookupService", name) for name in names])
+        return {name: str(uri) for name, (_, _, uri) in zip(names, answers)}
 
     def _ask(self, name: str) -> None:
-        call = ServiceCall(_TIMEOUT_S)
+        call, places = ServiceCall(_TIMEOUT_S), {}
         try:
+            places = self._look_up([name])
             Server(name, None).look(call)
-        except CallError:
+        except (CallError, MasterUnreachable):
             pass  # it is asked again when its turn comes
         finally:
             with self._lock:
@@ -57,5 +83,6 @@ class ServiceTypes:
                 self._silent.pop(name, None)
                 if "type" in call.said:
                     self._found[name] = call.said["type"]
+                    self._places.update(places)
                 else:
                     self._silent[name] = None

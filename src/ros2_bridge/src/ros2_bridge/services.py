@@ -42,7 +42,7 @@ class ServiceToRos2:
         timeout: Callable[[], float],
     ) -> None:
         self.home = home
-        self._kind, self._timeout = kind, timeout
+        self.kind, self._timeout = kind, timeout
         self._end = side.serve(home, kind.cls, other, self._answer)
         self._made = node.lifetime()
         self._client = self._made.client(name, kind.raw, group=Outside())
@@ -50,8 +50,8 @@ class ServiceToRos2:
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
         """Have the service called in a thread of its own: this one is everybody's."""
         try:
-            raw = self._kind.raw._request_class()
-            raw._buff = self._kind.request.to_ros1(serialize_message(request))
+            raw = self.kind.raw._request_class()
+            raw._buff = self.kind.request.to_ros1(serialize_message(request))
             future = self._client.call_async(raw, self._timeout())
         except (CallError, ConversionError) as error:
             self._fail(send, str(error))
@@ -60,14 +60,14 @@ class ServiceToRos2:
 
     def _wait(self, future: Any, send: Callable[[Any], None]) -> None:
         try:
-            cdr = self._kind.response.to_cdr(future.result()._buff)
+            cdr = self.kind.response.to_cdr(future.result()._buff)
         except (CallError, ConversionError) as error:
             self._fail(send, str(error))
         else:
-            send(deserialize_message(cdr, self._kind.cls.Response))
+            send(deserialize_message(cdr, self.kind.cls.Response))
 
     def _fail(self, send: Callable[[Any], None], why: str) -> None:
-        answer = self._kind.cls.Response()
+        answer = self.kind.cls.Response()
         fields = answer.get_fields_and_field_types()
         reason = [name for name in _WHY if fields.get(name) == "string"]
         if fields.get("success") == "boolean" and reason:
@@ -100,18 +100,18 @@ class ServiceToRos1:
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
-        self._kind, self._timeout = kind, timeout
+        self.kind, self._timeout = kind, timeout
         self._client = Ros2Client(side, kind.cls, other)
         self._made = node.lifetime()
         self._made.service(name, kind.raw, self._answer, group=Outside())
 
     def _answer(self, request: Any) -> Any:
         try:
-            cdr = self._kind.request.to_cdr(request._buff)
-            asked = deserialize_message(cdr, self._kind.cls.Request)
+            cdr = self.kind.request.to_cdr(request._buff)
+            asked = deserialize_message(cdr, self.kind.cls.Request)
             answer = self._client.call(asked, self._timeout())
-            raw = self._kind.raw._response_class()
-            raw._buff = self._kind.response.to_ros1(serialize_message(answer))
+            raw = self.kind.raw._response_class()
+            raw._buff = self.kind.response.to_ros1(serialize_message(answer))
         except (NoAnswer, ConversionError) as error:
             raise rospy.ServiceException(str(error)) from None
         return raw

@@ -127,6 +127,9 @@ class Bridge(Running):
     """The bridge."""
 
     def __init__(self, *arguments: str) -> None:
+        # What another one was given, by its command line or a launch file, has stayed there.
+        with contextlib.suppress(KeyError):
+            rospy.delete_param("/ros2_bridge")
         super().__init__("ros2_bridge", "bridge", *arguments)
 
     def __exit__(self, *error: Any) -> None:
@@ -135,6 +138,3 @@ class Bridge(Running):
                 self.interrupt()  # of one that is killed ROS 2 lists the services for 20 s more
         finally:
             super().__exit__(*error)
-            # What its command line has set would be the next one's of its name.
-            with contextlib.suppress(KeyError):
-                rospy.delete_param("/ros2_bridge")

@@ -1,5 +1,6 @@
 """Services, both ways."""
 
+import contextlib
 import struct
 import threading
 import time
@@ -15,6 +16,7 @@ from std_srvs.srv import SetBool, Trigger
 import both
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2_side import Ros2
+from test_topics import RCLError
 
 ADD = "my_robot_package_interfaces/AddTwoInts"
 
@@ -83,6 +85,41 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
         return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
 
     wait_until(is_gone, lambda: "/add is still offered in ROS 1")
+
+
+def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
+    with both.Running("motor_control", "dc_motor.py", "EnableProcess:=/changing") as motor:
+        assert ros.call2(SetProcessBool, "/changing", enable=True).success
+        motor.end()  # which the master goes on to list
+    with both.Running("parameters_demo", "camera_demo", "~slow_down:=/changing"):
+        assert ros.call2(Trigger, "/changing").success
+        offered = dict(ros.node.get_service_names_and_types())
+        assert offered["/changing"] == ["std_srvs/srv/Trigger"]
+
+    def answer(_: Any, response: Any) -> Any:
+        response.success = True
+        return response
+
+    server = ros.node.create_service(Trigger, "/changing2", answer)
+    assert ros.call1("/changing2", "std_srvs/Trigger", b"")[0] == 1
+    ros.node.destroy_service(server)
+    others: List[Any] = []
+
+    def is_offered() -> bool:
+        with contextlib.suppress(RCLError):  # the executor has not let go of the old one yet
+            others.append(ros.node.create_service(SetBool, "/changing2", answer))
+        return bool(others)
+
+    wait_until(is_offered, lambda: "ROS 2 refuses another type")
+
+    def is_called() -> bool:
+        try:
+            return ros.call1("/changing2", "std_srvs/SetBool", b"\1")[0] == 1
+        except rospy.ServiceException:  # of the old type
+            return False
+
+    wait_until(is_called, lambda: "it has the old type in ROS 1")
+    ros.node.destroy_service(others[0])
 
 
 def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:

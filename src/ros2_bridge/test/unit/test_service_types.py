@@ -2,7 +2,7 @@
 
 import collections
 import threading
-from typing import Any, Counter, Iterator
+from typing import Any, Counter, Dict, Iterator, List, cast
 
 import pytest
 
@@ -16,6 +16,7 @@ class Servers:
 
     def __init__(self) -> None:
         self.asked: "Counter[str]" = collections.Counter()
+        self.places: Dict[str, str] = {}
 
     def __call__(self, name: str, _: Any) -> Any:
         self.asked[name] += 1
@@ -30,6 +31,10 @@ class Servers:
                 call.said["type"] = "std_srvs/Trigger"
 
         return One()
+
+    def request(self, calls: List[Any]) -> List[Any]:
+        """Answer as the master does that is asked where they are."""
+        return [(1, "", self.places.get(name, "first")) for _, name in calls]
 
 
 @pytest.fixture
@@ -49,7 +54,7 @@ def look(types: service_types.ServiceTypes, names: Any) -> None:
 
 
 def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
-    types = service_types.ServiceTypes()
+    types = service_types.ServiceTypes(cast(Any, servers))
     silent = [f"/silent{number}" for number in range(8)]
     look(types, silent)
     assert set(servers.asked.values()) == {1} and len(servers.asked) == 8
@@ -62,7 +67,7 @@ def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
 
 
 def test_who_is_gone_is_forgotten(servers: Servers) -> None:
-    types = service_types.ServiceTypes()
+    types = service_types.ServiceTypes(cast(Any, servers))
     look(types, ["/good", "/silent"])
     look(types, [])
     look(types, ["/good", "/silent"])
@@ -70,7 +75,20 @@ def test_who_is_gone_is_forgotten(servers: Servers) -> None:
 
 
 def test_a_defect_takes_nobody_s_turn(servers: Servers) -> None:
-    types = service_types.ServiceTypes()
+    types = service_types.ServiceTypes(cast(Any, servers))
     for _ in range(service_types._MOST + 1):
         look(types, ["/defect"])
     assert servers.asked["/defect"] == service_types._MOST + 1
+
+
+def test_who_is_elsewhere_is_asked_anew(servers: Servers) -> None:
+    types = service_types.ServiceTypes(cast(Any, servers))
+    several = [f"/good{number}" for number in range(3 * service_types._LOOKUPS)]
+    for _ in range(len(several) // service_types._MOST + 1):
+        look(types, several)
+    assert set(servers.asked.values()) == {1} and len(servers.asked) == len(several)
+    servers.places = {several[0]: "second", several[-1]: "second"}
+    for _ in range(2 * 3):
+        look(types, several)
+    assert {name for name, count in servers.asked.items() if count > 1} == {*servers.places}
+    assert servers.asked[several[0]] == servers.asked[several[-1]] == 2

@@ -7,13 +7,13 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 from helpers.process_facts import usage
 from roslib.packages import find_node
 from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 RATE, COUNT = 10000.0, 20000
@@ -92,4 +92,4 @@ class ChatterExtremes(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_chatter_extremes")
-    rostest.rosrun("basic_comms", "chatter_extremes", ChatterExtremes)
+    rosrun("basic_comms", "chatter_extremes", ChatterExtremes)

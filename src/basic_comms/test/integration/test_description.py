@@ -7,7 +7,6 @@ import unittest
 from typing import Any, Dict
 
 import rospy
-import rostest
 import yaml
 from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
@@ -16,6 +15,7 @@ from std_srvs.srv import Trigger
 from basic_comms.signals.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 
@@ -113,4 +113,4 @@ class Description(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "description", Description)
+    rosrun("basic_comms", "description", Description)

@@ -21,7 +21,6 @@ from typing import Any, Callable, Dict, Iterator, List, Tuple
 from unittest import mock
 
 import rospy
-import rostest
 import yaml
 from helpers import interfaces, promises
 from std_srvs.srv import Trigger
@@ -31,6 +30,7 @@ from lifecycle_msgs.srv import ChangeState
 from nodekit import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
 from nodekit_msgs.srv import SetParameters
 
@@ -208,4 +208,4 @@ for _module in modules():
     setattr(Dumped, "test_" + _module.replace(".", "_"), _same(_module))
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "dumped_parameters", Dumped)
+    rosrun("basic_comms", "dumped_parameters", Dumped)

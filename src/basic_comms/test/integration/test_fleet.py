@@ -6,7 +6,6 @@ import xmlrpc.client
 
 import rosgraph
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 from std_srvs.srv import SetBool, Trigger
@@ -16,6 +15,7 @@ from basic_comms.signals.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 
@@ -102,4 +102,4 @@ class FleetOfThree(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "fleet", FleetOfThree)
+    rosrun("basic_comms", "fleet", FleetOfThree)

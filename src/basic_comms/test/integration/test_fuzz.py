@@ -8,7 +8,6 @@ from typing import Any, Dict, List, Tuple
 from urllib.parse import urlparse
 
 import rosgraph
-import rostest
 from helpers.fuzzing import Fuzzer
 from helpers.process_facts import Usage, usage
 from helpers.tcpros import Tap, address, connect
@@ -17,6 +16,7 @@ from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 CASES = 400
@@ -110,4 +110,4 @@ class Fuzz(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "fuzz", Fuzz)
+    rosrun("basic_comms", "fuzz", Fuzz)

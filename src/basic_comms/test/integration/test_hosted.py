@@ -5,11 +5,11 @@ import os
 import unittest
 
 import rospy
-import rostest
 from std_msgs.msg import String
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 HELPER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "helpers", "hosted_talk.py")
@@ -36,4 +36,4 @@ class Hosted(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_hosted")
-    rostest.rosrun("basic_comms", "hosted", Hosted)
+    rosrun("basic_comms", "hosted", Hosted)

@@ -11,7 +11,6 @@ from typing import Iterator, List, Tuple
 
 import rosgraph
 import rospy
-import rostest
 from helpers.machine_lag import Lag, measured_lag
 from helpers.process_facts import Usage, listening, usage
 from helpers.tcpros import Tap, address, connect, header
@@ -23,6 +22,7 @@ from basic_comms.msg import signal_msg
 from nodekit.rospy_internals.accepting import MOST_WAITING
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet")
@@ -212,4 +212,4 @@ def is_back(now: Usage, before: Usage) -> bool:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "hostile_peers", HostilePeers)
+    rosrun("basic_comms", "hostile_peers", HostilePeers)

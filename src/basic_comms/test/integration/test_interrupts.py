@@ -4,11 +4,11 @@
 import unittest
 
 import rosgraph
-import rostest
 from helpers.interrupt_rounds import interrupt_rounds
 from helpers.machine_lag import measured_lag
 
 from nodekit.testing.graph import Graph
+from nodekit.testing.running import rosrun
 
 PROGRAMS = ("talker.py", "listener.py", "signal_generator.py", "process.py", "fleet")
 ROUNDS = 15
@@ -41,4 +41,4 @@ class Interrupts(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "interrupts", Interrupts)
+    rosrun("basic_comms", "interrupts", Interrupts)

@@ -11,9 +11,9 @@ from typing import Dict
 
 import rosgraph
 import rospkg
-import rostest
 
 from nodekit.testing.launching import Launched, Process, launch_file, launched
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 #: What is started once for all tests, each in the namespace that comes first.
@@ -254,4 +254,4 @@ class LaunchFeatures(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "launch_features", LaunchFeatures)
+    rosrun("basic_comms", "launch_features", LaunchFeatures)

@@ -10,10 +10,10 @@ from math import pi
 from typing import Tuple
 from unittest import mock
 
-import rostest
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.launching import Launched, launched
+from nodekit.testing.running import rosrun
 
 #: What is started once for all tests; activities 1 to 3 share their nodes' names.
 TOGETHER = (
@@ -157,4 +157,4 @@ class LaunchGraphs(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "launch_graphs", LaunchGraphs)
+    rosrun("basic_comms", "launch_graphs", LaunchGraphs)

@@ -6,12 +6,12 @@ import unittest
 from typing import Dict, List
 
 import rospy
-import rostest
 from std_msgs.msg import String
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 
 SCOPES = ("closest", "global", "local", "private")
 GLOBAL, LOCAL = "/Message", "/lab/Message"
@@ -134,4 +134,4 @@ class LaunchMessages(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "launch_messages", LaunchMessages)
+    rosrun("basic_comms", "launch_messages", LaunchMessages)

@@ -5,13 +5,13 @@ import unittest
 from typing import Any
 
 import rosgraph
-import rostest
 from helpers.tcpros import Tap
 from roslib.packages import find_node
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.processes import Master, Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 RATE = 100.0  # Hz
@@ -115,4 +115,4 @@ class RestartedMaster(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "master_restart", RestartedMaster)
+    rosrun("basic_comms", "master_restart", RestartedMaster)

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from typing import Iterator
 
 import rospy
-import rostest
 
 from nodekit.testing.graph import Graph
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 NODES = ("talker", "listener", "signal_generator", "process", "fleet")
@@ -136,4 +136,4 @@ class NodeLife(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "node_life", NodeLife)
+    rosrun("basic_comms", "node_life", NodeLife)

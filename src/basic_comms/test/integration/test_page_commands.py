@@ -6,9 +6,9 @@ import unittest
 from concurrent.futures import Future, ProcessPoolExecutor
 from typing import Callable, Dict, List
 
-import rostest
 from helpers.page_commands import Line, Typist, lines_of
 from helpers.tutorial import WORKSPACE, PageError
+from nodekit.testing.running import rosrun
 
 PAGES = {
     str(page.relative_to(WORKSPACE)): page.read_text()
@@ -137,4 +137,4 @@ if __name__ == "__main__":
         for name in filter(typed_lines, PAGES):
             test_name = "test_" + name.replace("/", "_").replace(".md", "")
             setattr(Pages, test_name, _types(pool.submit(type_page, name)))
-        rostest.rosrun("basic_comms", "page_commands", Pages)
+        rosrun("basic_comms", "page_commands", Pages)

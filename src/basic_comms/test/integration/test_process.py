@@ -8,12 +8,12 @@ import unittest
 from typing import List, Optional
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 W, RATE = 7.3, 50.0
@@ -172,4 +172,4 @@ class ProcessNode(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "process_on_the_wire", ProcessNode)
+    rosrun("basic_comms", "process_on_the_wire", ProcessNode)

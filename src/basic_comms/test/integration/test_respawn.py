@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import List
 
 import rospy
-import rostest
 from helpers.kill_rounds import Stream, kill_rounds
 from helpers.machine_lag import measured_lag
 from rosgraph_msgs.msg import Log
@@ -14,6 +13,7 @@ from rosgraph_msgs.msg import Log
 from basic_comms.msg import signal_msg
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import Launched, launched
+from nodekit.testing.running import rosrun
 
 #: A launch file with every node of the package; see there for its args.
 EVERY_NODE = str(Path(__file__).resolve().parents[1] / "helpers" / "every_node.launch")
@@ -90,4 +90,4 @@ class Respawn(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "respawn", Respawn)
+    rosrun("basic_comms", "respawn", Respawn)

@@ -9,13 +9,13 @@ from typing import List
 
 import numpy as np
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 RATE = 500.0
@@ -167,4 +167,4 @@ class SignalGeneratorNode(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "signal_generator_on_the_wire", SignalGeneratorNode)
+    rosrun("basic_comms", "signal_generator_on_the_wire", SignalGeneratorNode)

@@ -9,9 +9,9 @@ import unittest
 
 import rosgraph
 import roslib.packages
-import rostest
 
 from nodekit.testing.graph import Graph
+from nodekit.testing.running import rosrun
 from nodekit.testing.slow_master import SlowMaster
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -129,4 +129,4 @@ def taken_in(pid: int, number: int) -> bool:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "signals", Signals)
+    rosrun("basic_comms", "signals", Signals)

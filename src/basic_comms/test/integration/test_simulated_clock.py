@@ -13,13 +13,13 @@ from xmlrpc.client import ServerProxy
 import rosbag
 import rosgraph
 import rospy
-import rostest
 from rosgraph_msgs.msg import Clock, Log
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet", "/recorded/process")
@@ -145,4 +145,4 @@ def write_bag(path: str) -> None:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "simulated_clock", OnSimulatedClock)
+    rosrun("basic_comms", "simulated_clock", OnSimulatedClock)

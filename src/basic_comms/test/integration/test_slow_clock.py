@@ -5,13 +5,13 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Clock
 from roslib.packages import find_node
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 
@@ -51,4 +51,4 @@ class OnSlowClock(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_slow_clock")
-    rostest.rosrun("basic_comms", "slow_clock", OnSlowClock)
+    rosrun("basic_comms", "slow_clock", OnSlowClock)

@@ -10,13 +10,13 @@ import unittest
 from typing import IO, Any, List, Optional, Tuple
 
 import rospy
-import rostest
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: By node its program, its module and a topic that shows that it works.
@@ -176,4 +176,4 @@ def late(message: String) -> float:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("basic_comms", "surroundings", Surroundings)
+    rosrun("basic_comms", "surroundings", Surroundings)

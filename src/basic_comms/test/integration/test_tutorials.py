@@ -6,10 +6,10 @@ import unittest
 from pathlib import Path
 from typing import Callable
 
-import rostest
 from helpers.tutorial import WORKSPACE, Reader
 
 from nodekit.testing.console import steps_of
+from nodekit.testing.running import rosrun
 
 PAGES = [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
 
@@ -38,4 +38,4 @@ for _page in PAGES:
 if __name__ == "__main__":
     # A program started in the background ignores Ctrl-C, and so would all that it starts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    rostest.rosrun("basic_comms", "tutorials", Tutorials)
+    rosrun("basic_comms", "tutorials", Tutorials)

@@ -6,7 +6,6 @@ import signal
 import unittest
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -16,6 +15,7 @@ from bot_controller_demo_msgs.msg import GoToActionGoal, GoToActionResult
 from lifecycle_msgs.msg import State
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 
@@ -118,4 +118,4 @@ class ManagedRobot(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_managed_robot")
-    rostest.rosrun("bot_controller_demo", "managed_robot", ManagedRobot)
+    rosrun("bot_controller_demo", "managed_robot", ManagedRobot)

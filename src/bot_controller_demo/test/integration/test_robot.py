@@ -8,7 +8,6 @@ import unittest
 from typing import Any, List
 
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalID, GoalStatus
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
@@ -30,6 +29,7 @@ from bot_controller_demo_msgs.srv import SetGoal
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
@@ -322,4 +322,4 @@ class Robots(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_robot")
-    rostest.rosrun("bot_controller_demo", "robot", Robots)
+    rosrun("bot_controller_demo", "robot", Robots)

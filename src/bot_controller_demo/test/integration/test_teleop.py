@@ -10,12 +10,12 @@ import unittest
 from typing import Any, List
 
 import rospy
-import rostest
 from geometry_msgs.msg import Twist
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts/teleop_keyboard")
@@ -181,4 +181,4 @@ class Teleop(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("bot_controller_demo", "teleop", Teleop)
+    rosrun("bot_controller_demo", "teleop", Teleop)

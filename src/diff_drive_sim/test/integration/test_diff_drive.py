@@ -6,7 +6,6 @@ import unittest
 from typing import Any, Dict, List, Tuple
 
 import rospy
-import rostest
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock, Log
@@ -19,6 +18,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from diff_drive_sim.kinematics import Pose, wrapped
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 #: Longer than the period of 30 Hz, so that each step of the clock makes each robot tell.
@@ -367,4 +367,4 @@ class DiffDrive(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("diff_drive_sim", "diff_drive", DiffDrive)
+    rosrun("diff_drive_sim", "diff_drive", DiffDrive)

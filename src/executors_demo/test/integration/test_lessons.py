@@ -8,7 +8,6 @@ import unittest
 from typing import Dict, List
 
 import rospy
-import rostest
 import yaml
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
@@ -16,6 +15,7 @@ from std_srvs.srv import SetBool, Trigger
 from executors_demo.bars import Bar, bars, most_at_once, overlaps
 from executors_demo.events import Event, read
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
@@ -218,4 +218,4 @@ class Lessons(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("executors_demo", "lessons", Lessons)
+    rosrun("executors_demo", "lessons", Lessons)

@@ -6,11 +6,11 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 TAU, RATE = 0.05, 150.0
@@ -158,4 +158,4 @@ class FirstOrderSys(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("first_order_sys_sim", "first_order_sys", FirstOrderSys)
+    rosrun("first_order_sys_sim", "first_order_sys", FirstOrderSys)

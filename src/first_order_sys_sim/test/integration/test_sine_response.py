@@ -8,13 +8,13 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
 
 from nodekit.messaging.finite import to_float32
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME, RATE = 13.2, 0.05, 0.02, 150.0
@@ -105,4 +105,4 @@ class SineResponse(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("first_order_sys_sim", "sine_response", SineResponse)
+    rosrun("first_order_sys_sim", "sine_response", SineResponse)

@@ -5,12 +5,12 @@ import os
 import unittest
 
 import rospy
-import rostest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts/robot_control.py")
@@ -38,4 +38,4 @@ class Bringup(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_bringup")
-    rostest.rosrun("humanoid_robot_bringup", "bringup", Bringup)
+    rosrun("humanoid_robot_bringup", "bringup", Bringup)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, LaserScan, Temperature
 
@@ -16,6 +15,7 @@ from launch_files_demo.nodes.lidar_demo_node import SCANNER
 from launch_files_demo.temperature import VARIANCE, true_temperature
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 from parameters_demo.picture import HEIGHT, WIDTH, Picture
 from parameters_demo.room import scan
 
@@ -88,4 +88,4 @@ class LaunchFilesDemo(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("launch_files_demo", "launch_files_demo", LaunchFilesDemo)
+    rosrun("launch_files_demo", "launch_files_demo", LaunchFilesDemo)

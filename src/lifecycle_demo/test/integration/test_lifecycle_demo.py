@@ -6,11 +6,11 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
@@ -69,4 +69,4 @@ class Demos(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_lifecycle_demo")
-    rostest.rosrun("lifecycle_demo", "lifecycle_demo", Demos)
+    rosrun("lifecycle_demo", "lifecycle_demo", Demos)

@@ -5,7 +5,6 @@ import time
 import unittest
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String
@@ -16,6 +15,7 @@ from lifecycle_msgs.srv import ChangeState, GetState
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SPACE = "/lab"
@@ -148,4 +148,4 @@ class ManagedNodes(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_managed_nodes")
-    rostest.rosrun("lifecycle_demo", "managed_nodes", ManagedNodes)
+    rosrun("lifecycle_demo", "managed_nodes", ManagedNodes)

@@ -6,13 +6,13 @@ import signal
 import unittest
 
 import rospy
-import rostest
 from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
 
 from lifecycle_msgs.srv import GetState
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 NODES = ("/signal_generator", "/process", "/motor_sys")
@@ -51,4 +51,4 @@ class ManagedSystem(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_managed_system")
-    rostest.rosrun("lifecycle_demo", "managed_system", ManagedSystem)
+    rosrun("lifecycle_demo", "managed_system", ManagedSystem)

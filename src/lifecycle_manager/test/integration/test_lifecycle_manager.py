@@ -9,7 +9,6 @@ import unittest
 from typing import Any, Callable, Dict, List
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -21,6 +20,7 @@ from nodekit.life.names import Names
 from nodekit.process.run import register
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server, is_stopped
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest, ManageNodesResponse
 
@@ -368,4 +368,4 @@ class Elsewhere(Managing):
 
 if __name__ == "__main__":
     register("test_lifecycle_manager")
-    rostest.rosrun("lifecycle_manager", "lifecycle_manager", "test_lifecycle_manager")
+    rosrun("lifecycle_manager", "lifecycle_manager", "test_lifecycle_manager")

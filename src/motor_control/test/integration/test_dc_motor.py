@@ -7,7 +7,6 @@ from typing import List
 
 import rosgraph
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String
@@ -15,6 +14,7 @@ from std_msgs.msg import Float32, String
 from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
@@ -190,4 +190,4 @@ class DcMotor(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("motor_control", "dc_motor", DcMotor)
+    rosrun("motor_control", "dc_motor", DcMotor)

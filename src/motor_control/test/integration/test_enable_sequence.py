@@ -10,12 +10,12 @@ from typing import List
 
 import rospkg
 import rospy
-import rostest
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("motor_control"), "scripts")
@@ -180,4 +180,4 @@ if __name__ == "__main__":
     # A program started in the background ignores Ctrl-C, and so would the nodes.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     rospy.init_node("test_enable_sequence", disable_signals=True)
-    rostest.rosrun("motor_control", "enable_sequence", EnableSequence)
+    rosrun("motor_control", "enable_sequence", EnableSequence)

@@ -9,11 +9,11 @@ import unittest
 from typing import Any, List
 
 import rospy
-import rostest
 from std_msgs.msg import Float32
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "helpers")
@@ -65,4 +65,4 @@ class Hosted(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("motor_control", "hosted", Hosted)
+    rosrun("motor_control", "hosted", Hosted)

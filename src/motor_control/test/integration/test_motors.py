@@ -5,11 +5,11 @@ import unittest
 
 import rosgraph
 import rospy
-import rostest
 from std_msgs.msg import Float32
 
 from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 GROUPS = [f"/group{number}" for number in range(1, 11)]
@@ -62,4 +62,4 @@ class Motors(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("motor_control", "motors", Motors)
+    rosrun("motor_control", "motors", Motors)

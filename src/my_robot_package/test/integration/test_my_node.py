@@ -6,7 +6,6 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 import yaml
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -16,6 +15,7 @@ from my_robot_package.nodes.service_client_node import ServiceClientNode
 from nodekit import Node
 from nodekit.process.run import register
 from nodekit.testing.hearing import Ear
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
 
 
@@ -64,4 +64,4 @@ class TestMyRobotNode(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("my_robot_package", "my_robot_node", TestMyRobotNode)
+    rosrun("my_robot_package", "my_robot_node", TestMyRobotNode)

@@ -10,7 +10,6 @@ from typing import Any, Dict, List
 import rosnode
 import rosparam
 import rospy
-import rostest
 import yaml
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float32, String
@@ -22,6 +21,7 @@ from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -254,4 +254,4 @@ class Nodes(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("my_robot_package", "nodes", Nodes)
+    rosrun("my_robot_package", "nodes", Nodes)

@@ -11,7 +11,6 @@ from typing import Any, List
 
 import rosgraph
 import rospy
-import rostest
 from roscpp.srv import GetLoggers, GetLoggersRequest
 from std_srvs.srv import SetBool, SetBoolRequest, Trigger, TriggerRequest, TriggerResponse
 
@@ -29,6 +28,7 @@ from nodekit.life.names import Names
 from nodekit.node import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Process, is_stopped
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPERS = os.path.join(os.path.dirname(__file__), "..", "helpers")
@@ -269,4 +269,4 @@ class Clients(unittest.TestCase):
 
 if __name__ == "__main__":
     register("test_clients")
-    rostest.rosrun("nodekit", "clients", "test_clients")
+    rosrun("nodekit", "clients", "test_clients")

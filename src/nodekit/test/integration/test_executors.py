@@ -8,7 +8,6 @@ import unittest
 from typing import Any, Dict, List
 
 import rospy
-import rostest
 import yaml
 from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerResponse
@@ -18,6 +17,7 @@ from nodekit.life.names import Names
 from nodekit.node import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -255,4 +255,4 @@ class Executors(unittest.TestCase):
 
 if __name__ == "__main__":
     register("test_executors")
-    rostest.rosrun("nodekit", "executors", "test_executors")
+    rosrun("nodekit", "executors", "test_executors")

@@ -5,7 +5,6 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerRequest
@@ -13,6 +12,7 @@ from std_srvs.srv import Trigger, TriggerRequest
 from nodekit import CallError, SingleThreadedExecutor
 from nodekit.node import Node
 from nodekit.process.run import register
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -62,4 +62,4 @@ class OnAClockThatStandsStill(unittest.TestCase):
 
 if __name__ == "__main__":
     register("test_executors_clock")
-    rostest.rosrun("nodekit", "executors_clock", "test_executors_clock")
+    rosrun("nodekit", "executors_clock", "test_executors_clock")

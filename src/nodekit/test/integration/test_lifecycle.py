@@ -17,7 +17,6 @@ from unittest import mock
 
 import rosgraph
 import rospy
-import rostest
 import yaml
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
@@ -54,6 +53,7 @@ from nodekit.process.run import register
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HERE = os.path.dirname(os.path.realpath(__file__))
@@ -908,4 +908,4 @@ class Ends(unittest.TestCase):
 
 if __name__ == "__main__":
     register("test_lifecycle")
-    rostest.rosrun("nodekit", "lifecycle", "test_lifecycle")
+    rosrun("nodekit", "lifecycle", "test_lifecycle")

@@ -10,10 +10,10 @@ import xmlrpc.client
 from typing import Any, List
 
 import rosparam
-import rostest
 from helpers.parameter_rig import ParameterCase, ParameterNode, Spy
 
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 GAUGE = "/lab/gauge"
@@ -289,4 +289,4 @@ class LiveParameters(ParameterCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("nodekit", "live_parameters", LiveParameters)
+    rosrun("nodekit", "live_parameters", LiveParameters)

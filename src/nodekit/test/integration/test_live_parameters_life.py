@@ -8,12 +8,12 @@ import threading
 from contextlib import contextmanager
 from typing import Iterator
 
-import rostest
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import HELPERS, ParameterCase, Spy
 
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
@@ -170,4 +170,4 @@ class Life(ParameterCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("nodekit", "live_parameters_life", Life)
+    rosrun("nodekit", "live_parameters_life", Life)

@@ -13,7 +13,6 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-import rostest
 from helpers.parameter_node import GaugeParameters
 
 from nodekit.live import following, watcher
@@ -27,6 +26,7 @@ from nodekit.parameters.declaration import ParameterError, to_wire
 from nodekit.parameters.reconciler import Seen
 from nodekit.rospy_internals.parameters import ROSOUT_PARAMETER
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 
@@ -645,4 +645,4 @@ def to_wire_dict(values: GaugeParameters) -> Any:
 
 if __name__ == "__main__":
     rospy.init_node("races")
-    rostest.rosrun("nodekit", "live_parameters_races", Races)
+    rosrun("nodekit", "live_parameters_races", Races)

@@ -8,12 +8,12 @@ import threading
 import urllib.parse
 from typing import Any, Iterator, Optional
 
-import rostest
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
 
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Master, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.slow_master import SlowMaster
 from nodekit.testing.waiting import wait_until
 
@@ -173,4 +173,4 @@ def login_page(port: Optional[int]) -> Iterator[None]:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("nodekit", "live_parameters_restart", RestartedMaster)
+    rosrun("nodekit", "live_parameters_restart", RestartedMaster)

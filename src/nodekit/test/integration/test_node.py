@@ -14,7 +14,6 @@ from typing import Any, Callable, List, Tuple
 
 import rosgraph
 import rospy
-import rostest
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
@@ -30,6 +29,7 @@ from nodekit.parameters.declaration import (
 from nodekit.process.host import host_all
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -507,4 +507,4 @@ class Hosting(OnMaster):
 
 if __name__ == "__main__":
     register("test_node")
-    rostest.rosrun("nodekit", "node", "test_node")
+    rosrun("nodekit", "node", "test_node")

@@ -6,7 +6,6 @@ import subprocess
 from typing import Any, Tuple
 
 import rospy
-import rostest
 import yaml
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
@@ -23,6 +22,7 @@ from nodekit.parameters.declaration import (
     to_wire,
 )
 from nodekit.testing.processes import Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters, SetParametersRequest
 
@@ -208,4 +208,4 @@ class ParameterServices(ParameterCase):
 
 if __name__ == "__main__":
     rospy.init_node("parameter_services_test")
-    rostest.rosrun("nodekit", "parameter_services", ParameterServices)
+    rosrun("nodekit", "parameter_services", ParameterServices)

@@ -15,11 +15,11 @@ import xmlrpc.client
 import rosgraph
 import rosnode
 import rospy
-import rostest
 from rosgraph.network import encode_ros_handshake_header
 from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
+from nodekit.testing.running import rosrun
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 sys.path.insert(0, HELPERS)
@@ -298,4 +298,4 @@ class PublishingTest(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_publishing")
-    rostest.rosrun("nodekit", "publishing", PublishingTest)
+    rosrun("nodekit", "publishing", PublishingTest)

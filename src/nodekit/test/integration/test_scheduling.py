@@ -13,9 +13,9 @@ import weakref
 from typing import Any, Callable, List, Optional, Tuple, Type
 
 import rospy
-import rostest
 from rosgraph_msgs.msg import Clock
 
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit.timing.clocks import MonotonicClock, SimulatedClock
 from nodekit.timing.scheduler import (
@@ -416,4 +416,4 @@ class OnMachinesClock(OnClock):
 
 if __name__ == "__main__":
     rospy.init_node("test_scheduling")
-    rostest.rosrun("nodekit", "scheduling", "test_scheduling")
+    rosrun("nodekit", "scheduling", "test_scheduling")

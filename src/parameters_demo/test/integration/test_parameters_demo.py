@@ -13,7 +13,6 @@ from typing import Any, Deque, Dict, List, Tuple
 import numpy
 import rosparam
 import rospy
-import rostest
 import yaml
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CameraInfo, Image, LaserScan
@@ -24,6 +23,7 @@ from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 from parameters_demo.messages import radar_tracks
@@ -342,4 +342,4 @@ class ParametersDemo(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("parameters_demo", "parameters_demo", ParametersDemo)
+    rosrun("parameters_demo", "parameters_demo", ParametersDemo)

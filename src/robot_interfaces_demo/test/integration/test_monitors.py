@@ -7,7 +7,6 @@ import unittest
 from typing import Dict, List
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
@@ -17,6 +16,7 @@ from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, is_stopped
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from robot_custom_interfaces.msg import RobotStatus
 
@@ -244,4 +244,4 @@ class Monitors(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("robot_interfaces_demo", "monitors", Monitors)
+    rosrun("robot_interfaces_demo", "monitors", Monitors)

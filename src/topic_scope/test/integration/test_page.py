@@ -18,7 +18,6 @@ from urllib.request import urlopen
 
 import rosbag
 import rospy
-import rostest
 from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.scope_process import ScopeProcess, free_port
@@ -29,6 +28,7 @@ from std_msgs.msg import Float64
 from wire.client import Client
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.running import rosrun
 
 
 class Page(PageTest):
@@ -610,4 +610,4 @@ class Page(PageTest):
 
 if __name__ == "__main__":
     rospy.init_node("test_page")
-    rostest.rosrun("topic_scope", "page", Page)
+    rosrun("topic_scope", "page", Page)

@@ -4,8 +4,8 @@
 import random
 from typing import Any, Dict, List
 
-import rostest
 from browsing.page_test import BrowserTest
+from nodekit.testing.running import rosrun
 
 
 class Modules(BrowserTest):
@@ -582,4 +582,4 @@ def _overlap(one: Any, other: Any) -> bool:
 
 
 if __name__ == "__main__":
-    rostest.rosrun("topic_scope", "page_modules", Modules)
+    rosrun("topic_scope", "page_modules", Modules)

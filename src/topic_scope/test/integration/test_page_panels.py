@@ -10,7 +10,6 @@ from urllib.parse import quote
 
 import roslib.packages
 import rospy
-import rostest
 from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PageTest
 from browsing.waiting import wait_until
@@ -19,6 +18,7 @@ from sensor_msgs.msg import JointState
 from wire.foreign import Foreign
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.running import rosrun
 
 GENERATOR = "/signal_generator"
 
@@ -403,4 +403,4 @@ class Panels(PageTest):
 
 if __name__ == "__main__":
     rospy.init_node("test_page_panels")
-    rostest.rosrun("topic_scope", "page_panels", Panels)
+    rosrun("topic_scope", "page_panels", Panels)

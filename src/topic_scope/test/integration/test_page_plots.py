@@ -16,7 +16,6 @@ from urllib.request import urlopen
 
 import numpy
 import rospy
-import rostest
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
@@ -24,6 +23,7 @@ from selenium.webdriver.common.keys import Keys
 from std_msgs.msg import Float64MultiArray, Header, Int32
 
 from geometry_msgs.msg import Point, PointStamped  # isort: skip
+from nodekit.testing.running import rosrun
 
 SINE = "/sine/point/x"
 #: The place of an element, with the parts of pixels.
@@ -531,4 +531,4 @@ def _span(address: str) -> Tuple[float, float]:
 
 if __name__ == "__main__":
     rospy.init_node("test_page_plots")
-    rostest.rosrun("topic_scope", "page_plots", Plots)
+    rosrun("topic_scope", "page_plots", Plots)

@@ -7,7 +7,6 @@ import subprocess
 import genpy.dynamic
 import roslib.packages
 import rospy
-import rostest
 from browsing.page_test import BrowserTest
 from browsing.waiting import wait_until
 from geometry_msgs.msg import Point
@@ -15,6 +14,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.robot import Robot
+from nodekit.testing.running import rosrun
 
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
@@ -145,4 +145,4 @@ class PageRobots(BrowserTest):
 
 if __name__ == "__main__":
     rospy.init_node("test_page_robots")
-    rostest.rosrun("topic_scope", "page_robots", PageRobots)
+    rosrun("topic_scope", "page_robots", PageRobots)

@@ -12,11 +12,11 @@ from unittest import mock
 
 import rosbag
 import rospy
-import rostest
 from std_msgs.msg import Float32
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 FIELDS = ["/lab/signal/signal_y", "/lab/signal/time_x", "/lab/proc_signal/data"]
@@ -95,4 +95,4 @@ class PlotBag(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("topic_scope", "plot_bag", PlotBag)
+    rosrun("topic_scope", "plot_bag", PlotBag)

@@ -9,12 +9,12 @@ from typing import List, Tuple
 
 import genpy.dynamic
 import rospy
-import rostest
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 from wire.client import fetch
 from wire.scope_test import ScopeTest
 
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 PEAK = 1e6
@@ -222,4 +222,4 @@ class Signals(ScopeTest):
 
 if __name__ == "__main__":
     rospy.init_node("test_scope")
-    rostest.rosrun("topic_scope", "scope", Signals)
+    rosrun("topic_scope", "scope", Signals)

@@ -8,11 +8,11 @@ from typing import Any
 import roslib.packages
 import rosnode
 import rospy
-import rostest
 from std_srvs.srv import Trigger
 from wire.client import Client
 from wire.scope_test import ScopeTest
 
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 NODE = "/signal_generator"
@@ -254,4 +254,4 @@ def _describe_guest(_request: Any) -> Any:
 
 if __name__ == "__main__":
     rospy.init_node("test_scope_controls")
-    rostest.rosrun("topic_scope", "scope_controls", Controls)
+    rosrun("topic_scope", "scope_controls", Controls)

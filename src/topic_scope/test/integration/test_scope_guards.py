@@ -11,13 +11,13 @@ import urllib.parse
 from typing import Any, Dict
 
 import rospy
-import rostest
 from std_msgs.msg import Float32
 from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 FIELDS = [f"/signal/{name}" for name in ("signal_y", "time_x", "amplitude", "frequency")]
@@ -251,4 +251,4 @@ class NotReading:
 
 if __name__ == "__main__":
     rospy.init_node("test_scope_guards")
-    rostest.rosrun("topic_scope", "scope_guards", "test_scope_guards")
+    rosrun("topic_scope", "scope_guards", "test_scope_guards")

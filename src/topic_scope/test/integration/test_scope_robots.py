@@ -7,13 +7,13 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import genpy.dynamic
 import rospy
-import rostest
 from geometry_msgs.msg import Twist, TwistStamped
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.client import Client, Message
 from wire.robot import Command, Robot
 from wire.scope_test import ScopeTest
 
+from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 #: What docs/nodes/scope.md promises, s.
@@ -225,4 +225,4 @@ class DeadMan(RobotsTest):
 
 if __name__ == "__main__":
     rospy.init_node("test_scope_robots")
-    rostest.rosrun("topic_scope", "scope_robots", "test_scope_robots")
+    rosrun("topic_scope", "scope_robots", "test_scope_robots")

@@ -4,11 +4,11 @@
 import unittest
 
 import rospy
-import rostest
 from std_msgs.msg import String
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.running import rosrun
 
 
 class MyNodeTest(unittest.TestCase):
@@ -24,4 +24,4 @@ class MyNodeTest(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_my_node")
-    rostest.rosrun("package_name", "my_node", MyNodeTest)
+    rosrun("package_name", "my_node", MyNodeTest)

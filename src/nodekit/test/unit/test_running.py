@@ -1,0 +1,63 @@
+"""What fails under rostest is told, wherever it fails."""
+
+import io
+import unittest
+from typing import List, Type
+from xml.etree import ElementTree
+
+import pytest
+
+from nodekit.testing import running
+
+
+class Outside(unittest.TestCase):
+    __test__ = False  # but below
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        raise OSError("no class")
+
+    def test_that_is_never_run(self) -> None:
+        pass
+
+
+class Within(unittest.TestCase):
+    __test__ = False  # but below
+
+    def test_in_parts(self) -> None:
+        with self.subTest("first"):
+            self.fail("no part")
+        with self.subTest("second"):
+            pass
+
+
+class Well(unittest.TestCase):
+    __test__ = False  # but below
+
+    def test_that_passes(self) -> None:
+        with self.subTest("first"):
+            pass
+
+
+@pytest.mark.parametrize(
+    "case, names, said",
+    [
+        (Outside, ["Outside)"], "no class"),
+        (Within, ["test_in_parts"], "no part"),
+        (Well, ["test_that_passes"], ""),
+    ],
+)
+def test_results_tell_what_failed(
+    case: Type[unittest.TestCase],
+    names: List[str],
+    said: str,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    results = io.StringIO()
+    monkeypatch.setattr(running.xmlrunner, "_XMLTestResult", running.Result)
+    suite = unittest.TestLoader().loadTestsFromTestCase(case)
+    running.xmlrunner.XMLTestRunner(results).run(suite)
+    cases = ElementTree.fromstring(results.getvalue()).findall("testcase")
+    assert [each.get("name") for each in cases] == names
+    (told,) = [each.findtext("error") or "" for each in cases]
+    assert said in told and bool(told) == bool(said)

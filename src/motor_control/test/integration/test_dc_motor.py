@@ -177,7 +177,7 @@ class DcMotor(unittest.TestCase):
         other = Process(find_node("motor_control", "dc_motor.py")[0], ["__ns:=lab"])
         self.addCleanup(other.end)
         other.wait_for_log("WARN", "already offered", name + f" ({NODE})")
-        self.assertNotEqual(master.lookupService(name), own)
+        wait_until(lambda: master.lookupService(name) != own, lambda: "it is not taken over")
         self.log.wait_for(
             lambda log: log.name == NODE
             and "taken over" in log.msg

@@ -47,7 +47,12 @@ class Fuzz(unittest.TestCase):
     @classmethod
     def assert_all_speak(cls) -> None:
         """Hear something of each node, which shows also that what it listens to is connected."""
+        master = rosgraph.Master("/test")
         for node, (topic, kind) in STREAMS.items():
+            wait_until(
+                lambda: node in dict(master.getSystemState()[0]).get(topic, ()),
+                lambda: f"{node} does not publish {topic}",
+            )
             tap = Tap(cls.uris[node], topic, kind)
             tap.read()
             tap.close()

@@ -76,6 +76,7 @@ def run(soak: Soak) -> List[Check]:
     return [
         told("processor of the scope", f"{share:.0f} % of a core"),
         at_most("its memory at most", round(max(memory) / 1000.0, 1), MEMORY, "MB"),
+        told("in tenths of the time", ", ".join(f"{one / 1000.0:.1f}" for one in tenths(memory))),
         at_most("growth of its memory", growth(memory), GROWTH, "%"),
         at_most("its new threads", added([one.threads for one in seen]), 0),
         at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
@@ -115,6 +116,12 @@ def growth(values: List[int]) -> float:
     """
     third = max(1, len(values) // 3)
     return round(100.0 * (median(values[-third:]) / median(values[:third]) - 1.0), 2)
+
+
+def tenths(values: List[int]) -> List[float]:
+    """Return the medians of ten parts of a series: they show growth from a step."""
+    count = len(values)
+    return [median(values[count * n // 10 : count * (n + 1) // 10] or values) for n in range(10)]
 
 
 def free_port() -> int:

@@ -437,9 +437,9 @@ class Page(PageTest):
             lambda: self.browser.text(".dygraph-ylabel") == "level, V",
             lambda: self.browser.text(".dygraph-ylabel"),
         )
-        # Round values up to the typed end, which is none of the default range.
+        # Round values up to the typed end, which are none of the default range: each or each second.
         wait_until(
-            lambda: "7" in self.browser.text(".dygraph-axis-label-y").split(),
+            lambda: self.browser.text(".dygraph-axis-label-y").split()[-1] in ("6", "7"),
             lambda: self.browser.text(".dygraph-axis-label-y"),
         )
 

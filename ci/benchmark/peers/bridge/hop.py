@@ -124,3 +124,4 @@ if __name__ == "__main__":
     signal.signal(signal.SIGINT, end)
     with contextlib.ExitStack() as stack:
         main(stack)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends already

@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Type
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Type
 from xml.etree import ElementTree
 
 import rospy
@@ -112,7 +112,7 @@ class Typist:
         try:
             self._end(self._beside + self._launched, must=error is None)
             if error is None:
-                self._wait(lambda: not self._graph.nodes(), lambda: f"{self._graph.nodes()} stay")
+                self._wait(lambda: not self._left(), lambda: f"{self._left()} stay")
                 self._look_into_logs()
         finally:
             self._master.kill()
@@ -212,6 +212,10 @@ class Typist:
             fine = job in running and ended and job.status == 0 and not _ERROR.search(job.output())
             if must and not fine:
                 raise PageError(f"Ctrl-C: status {job.status}:\n{job.output()}")
+
+    def _left(self) -> Set[str]:
+        """Return which nodes are registered; of rostopic, Ctrl-C may break off rospy's own end."""
+        return {name for name in self._graph.nodes() if not name.startswith("/rostopic_")}
 
     def _look_into_logs(self) -> None:
         for path in self._home.glob("log/**/*.log"):

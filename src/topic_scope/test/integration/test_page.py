@@ -437,7 +437,7 @@ class Page(PageTest):
             lambda: self.browser.text(".dygraph-ylabel") == "level, V",
             lambda: self.browser.text(".dygraph-ylabel"),
         )
-        # Round values up to the typed end, which are none of the default range: each or each second.
+        # Round values up to the typed end, each or each second, which the default range has not.
         wait_until(
             lambda: self.browser.text(".dygraph-axis-label-y").split()[-1] in ("6", "7"),
             lambda: self.browser.text(".dygraph-axis-label-y"),

@@ -219,11 +219,11 @@ class Bag(unittest.TestCase):
         page.send("playback", playing=True, speed=5.0)
         page.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
         self.play(page, playing=False, speed=1.0)
-        self.assertFalse(page.wait_for("robots")["robots"][0]["silent"])
-        # A second page sees the same; where the robot has said nothing for 2 s, it is silent.
+        # A second page sees the same. Where the robot has said nothing for 2 s, it is silent.
         other = self.page()
         other.send("robots", on=True)
-        other.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
+        told = other.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
+        self.assertFalse(told["robots"][0]["silent"])
         page.forget()
         page.send("playback", time=BEGIN + LENGTH_S)
         told = self.at(page, 1.8)

@@ -1,0 +1,20 @@
+"""The scope of a bag, which is no node."""
+
+import subprocess
+import sys
+
+LOGS = """
+import rospy
+from topic_scope import bag_scope
+
+bag_scope._log_to_terminal()
+for _ in range(2):
+    rospy.logwarn_throttle(60.0, "a page is in trouble")
+"""
+
+
+def test_what_nodes_log_now_and_then_is_said_at_the_terminal() -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", LOGS], stderr=subprocess.PIPE, universal_newlines=True, timeout=60.0
+    )
+    assert (told.returncode, told.stderr) == (0, "[WARNING] a page is in trouble\n")

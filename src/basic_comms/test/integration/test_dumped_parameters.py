@@ -10,12 +10,12 @@ As all of them are there, what they offer is compared with what docs/compatibili
 With the variable ADD_PROMISES, what is new is promised from then on.
 """
 
+import contextlib
 import importlib.util
 import os
 import pathlib
 import subprocess
 import tempfile
-import time
 import unittest
 from typing import Any, Callable, Dict, Iterator, List, Tuple
 from unittest import mock
@@ -31,7 +31,7 @@ from nodekit import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S
+from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
 SOURCES = pathlib.Path(__file__).resolve().parents[4] / "src"
@@ -116,16 +116,19 @@ class Settings:
 
         An action is served from a node's first step on, which need not have come yet.
         """
-        deadline = time.monotonic() + TIMEOUT_S
-        while True:
-            offered = {
-                "name": self._node.rpartition("/")[2],
-                "parameters": {entry["name"]: entry["type"] for entry in self.described},
+        offered: Dict[str, Any] = {}
+
+        def is_all_there() -> bool:
+            offered.update(
+                name=self._node.rpartition("/")[2],
+                parameters={entry["name"]: entry["type"] for entry in self.described},
                 **self._registered.of(self._node),
-            }
-            if not any(promises.broken(promised, offered)) or time.monotonic() > deadline:
-                return offered
-            time.sleep(0.05)
+            )
+            return not any(promises.broken(promised, offered))
+
+        with contextlib.suppress(AssertionError):  # what is missing is for a test to say
+            wait_until(is_all_there, lambda: "something is missing")
+        return offered
 
     def change(self) -> List[str]:
         """Change each parameter that has another value; return the names of these."""

@@ -119,7 +119,9 @@ class LaunchMessages(unittest.TestCase):
     def test_a_node_that_starts_again_finds_what_was_set_before(self) -> None:
         ear = Ear("/again/chatter", String)
         with launched("basic_comms features/respawn.launch __ns:=again delay:=0.1") as launch:
-            launch.graph.wait_for_nodes("/again/talker", under="/again/")
+            # Written by the node: a value that it may yet write over is put back, but only by a
+            # node that lives, and this one is ended at once.
+            launch.graph.wait_for_parameters("/again/talker", {"rate": 10.0})
             launch.graph.set_parameter("/again/talker/rate", 25.0)
             launch.graph.set_parameter("/again/Message", "from the first life")
             self.addCleanup(self.graph.delete_parameter, "/again/Message")

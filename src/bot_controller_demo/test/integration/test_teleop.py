@@ -101,6 +101,7 @@ class Teleop(unittest.TestCase):
             return heard()[-1:] == [(0.0, 0.0)]
 
         terminal.wait_for("speed 0.22 m/s, turn 1 rad/s")
+        terminal.wait_for("first_timeout=0.3")  # the settings: from here on it repeats commands
         self.wait_for_ear("/one")
         self.assertEqual(heard(), [])
         terminal.type("i")

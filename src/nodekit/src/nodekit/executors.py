@@ -46,7 +46,9 @@ class _Executor:
         number = next(_numbers)
         for count in range(1, threads + 1):
             name = f"executor-{number}-{count}"
-            threading.Thread(target=self._work, name=name, daemon=True).start()
+            self._line.workers.add(threading.Thread(target=self._work, name=name, daemon=True))
+        for worker in self._line.workers:
+            worker.start()
         _executors.add(self)
 
     def add_node(self, node: Node) -> None:
@@ -90,7 +92,6 @@ class _Executor:
         return self._line.close(timeout)
 
     def _work(self) -> None:
-        self._line.workers.add(threading.get_ident())
         while True:
             turn = self._line.take()
             if turn is None:

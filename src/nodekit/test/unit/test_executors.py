@@ -342,6 +342,12 @@ def test_number_of_threads_is_judged(threads: int) -> None:
         MultiThreadedExecutor(threads)
 
 
+def test_threads_that_have_not_begun_count(monkeypatch: "pytest.MonkeyPatch") -> None:
+    """Or a call to another thread, made early, would be refused as one to the only thread."""
+    monkeypatch.setattr(threading.Thread, "start", lambda thread: None)
+    assert len(MultiThreadedExecutor(3)._line.workers) == 3
+
+
 @pytest.mark.parametrize("queue_size, kept", [(None, DEPTH), (3, 3), (-1, 50)])
 def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) -> None:
     made, node, heard = SingleThreadedExecutor(), Node(Names("/one", True)), []  # type: Any

@@ -231,7 +231,7 @@ def test_line_tells_how_long_calls_take_and_wait() -> None:
 def test_line_knows_whether_the_caller_is_all_it_has() -> None:
     line = Line()
     assert not line.is_served_by_caller_alone()
-    line.workers.add(threading.get_ident())
+    line.workers.add(threading.current_thread())
     assert line.is_served_by_caller_alone()
-    line.workers.add(-1)
+    line.workers.add(threading.Thread())
     assert not line.is_served_by_caller_alone()

@@ -113,12 +113,12 @@ class Line:
         self._usual: Deque[Source] = deque()
         self._unfinished = 0  # how much waits or is under way
         #: Threads that take from it.
-        self.workers: Set[int] = set()
+        self.workers: Set[threading.Thread] = set()
         self._is_closed = self._is_over = False
 
     def is_served_by_caller_alone(self) -> bool:
         """Tell whether all that waits has to wait for the calling thread."""
-        return self.workers == {threading.get_ident()}
+        return self.workers == {threading.current_thread()}
 
     def put(self, source: Source, thing: Any) -> None:
         """Have a call made for something, unless the line is closed.

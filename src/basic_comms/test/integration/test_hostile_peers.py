@@ -90,6 +90,7 @@ class HostilePeers(unittest.TestCase):
         talker = rosgraph.Master("/test").lookupNode("/talker")
         log = Ear("/rosout", Log)
         self.addCleanup(log.close)
+        self.graph.wait_until_heard("/talker", "/rosout", rospy.get_name())
         rospy.set_param("/talker/rate", 20.0)  # the master stays connected to tell of changes
         log.wait_for(lambda line: line.name == "/talker" and "rate: 10 -> 20" in line.msg)
         heard: List[float] = []

@@ -35,11 +35,11 @@ class OnSlowClock(unittest.TestCase):
         self.addCleanup(generator.end)
         graph = Graph()
         wait_until(
-            lambda: subscriber.get_num_connections() == 1
-            and graph.hearers("/generator", "/signal") == 1
-            and self.clock.get_num_connections() == 2,
+            lambda: "/generator" in graph.publishers("/signal"),
             lambda: f"start: {generator.logged()}",
         )
+        graph.wait_until_heard("/generator", "/signal", rospy.get_name())
+        graph.wait_until_heard(rospy.get_name(), "/clock", "/generator")
         for number in range(5):
             self.clock.publish(Clock(rospy.Time.from_sec(200.0 + number / 10)))
             wait_until(lambda: len(samples) > number, lambda: str(samples))

@@ -86,9 +86,7 @@ class Robots(unittest.TestCase):
         )
         ears = [f"/lab/go_to/{name}" for name in ("result", "feedback")]
         for topic in (*ears, CONTROLLER + "/arrived", "/rosout"):
-            wait_until(
-                lambda: cls.graph.hearers(CONTROLLER, topic), lambda: f"{topic} is not heard"
-            )
+            cls.graph.wait_until_heard(CONTROLLER, topic, rospy.get_name())
 
     def setUp(self) -> None:
         self.assertTrue(self.set_goal(0.0, 0.0, 0.0).success)

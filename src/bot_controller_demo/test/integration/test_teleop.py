@@ -85,9 +85,9 @@ class Teleop(unittest.TestCase):
         return terminal
 
     def wait_for_ear(self, namespace: str) -> None:
-        """Wait until the test hears what a node says; rospy says so too early."""
+        """Wait until the test hears what a node says."""
         node, topic = namespace + "/teleop_keyboard", namespace + "/cmd_vel"
-        wait_until(lambda: self.graph.hearers(node, topic), lambda: f"{topic} is not heard")
+        self.graph.wait_until_heard(node, topic, rospy.get_name())
 
     def test_keys_drive_within_limits_and_each_release_is_one_zero(self) -> None:
         """Course 001-robot-7."""

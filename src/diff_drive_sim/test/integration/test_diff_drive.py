@@ -33,6 +33,11 @@ def pose(message: Odometry) -> Pose:
     return Pose(where.position.x, where.position.y, wrapped(theta))
 
 
+def node_of(robot: str) -> str:
+    """Return the name of the node that has a robot, by the robot's namespace."""
+    return "/diff_drive_fleet" if "robot" in robot else robot + "/diff_drive"
+
+
 class DiffDrive(unittest.TestCase):
     """All robots stand where they start, before each test."""
 
@@ -50,21 +55,21 @@ class DiffDrive(unittest.TestCase):
         cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
         cls.log = Ear("/rosout", Log)
         cls.odometry = {robot: Ear(robot + "/odom", Odometry) for robot in ROBOTS}
-        wait_until(lambda: cls.clock.get_num_connections() >= 4, lambda: "the robots are not there")
+        robots = [node_of(robot) for robot in ROBOTS]
+        cls.graph.wait_until_heard(rospy.get_name(), "/clock", *robots)
         for robot in ROBOTS:
             cls.wait_for_ear(robot, "/odom")
             cls.wait_for_ear(robot, "/rosout")
 
     @classmethod
     def wait_for_ear(cls, robot: str, topic: str) -> None:
-        """Wait until an ear of this test is connected; rospy says so too early.
+        """Wait until an ear of this test is connected.
 
         :param robot: its namespace
         :param topic: one of the robot's, or a global one
         """
-        node = "/diff_drive_fleet" if "robot" in robot else robot + "/diff_drive"
         name = topic if topic in ("/tf", "/rosout") else robot + topic
-        wait_until(lambda: cls.graph.hearers(node, name), lambda: f"{name} is not heard")
+        cls.graph.wait_until_heard(node_of(robot), name, rospy.get_name())
 
     def setUp(self) -> None:
         for robot in ROBOTS:

@@ -45,12 +45,10 @@ class SineResponse(unittest.TestCase):
         self.input = rospy.Publisher("input", Float32, queue_size=10)
         self.output = Ear("output", Float32)
         self.sent = 0
-        wait_until(
-            lambda: self.input.get_num_connections() and self.clock.get_num_connections(),
-            lambda: "the node does not listen",
-        )
+        wait_until(lambda: self.input.get_num_connections(), lambda: "the node does not listen")
         graph = Graph()
-        wait_until(lambda: graph.hearers(NODE, "/output"), lambda: "the node is not heard")
+        graph.wait_until_heard(rospy.get_name(), "/clock", NODE)
+        graph.wait_until_heard(NODE, "/output", rospy.get_name())
         self.node = ServerProxy(rosgraph.Master("/test").lookupNode(NODE))
 
     def received(self, topic: str) -> int:

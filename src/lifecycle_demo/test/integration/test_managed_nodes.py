@@ -99,9 +99,7 @@ class ManagedNodes(unittest.TestCase):
 
     def wait_until_heard(self, node: str) -> None:
         topic = f"{SPACE}/{OUTPUTS[node][0]}"
-        wait_until(
-            lambda: self.graph.hearers(f"{SPACE}/{node}", topic), lambda: f"{node} is not heard"
-        )
+        self.graph.wait_until_heard(f"{SPACE}/{node}", topic, rospy.get_name())
 
     def assert_silent(self) -> None:
         self.assertEqual(

@@ -79,13 +79,10 @@ class Graph:
             pairs = (text.partition("=") for text in variables.read().split("\0") if text)
             return {name: value for name, _, value in pairs}
 
-    def hearers(self, node: str, topic: str) -> int:
-        """Return how many subscribers get what a running node publishes.
-
-        rospy's subscriber calls itself connected when it only begins to connect.
-        """
+    def hearers(self, node: str, topic: str) -> Set[str]:
+        """Return the names of the nodes that get what a running node publishes."""
         connections: Any = self._node(node).getBusInfo(self._caller_id)
-        return sum(entry[2] == "o" and entry[4] == topic for entry in connections[2])
+        return {entry[1] for entry in connections[2] if entry[2] == "o" and entry[4] == topic}
 
     def niceness(self, node: str) -> int:
         """Return the scheduling priority of a running node: higher gives way to others."""
@@ -116,6 +113,20 @@ class Graph:
         """
         services = {service for service, _ in self._master.getSystemState()[2]}
         return all(name + "/set_logger_level" in services for name in names)
+
+    def wait_until_heard(self, node: str, topic: str, *hearers: str) -> None:
+        """Wait until all these nodes get what a running node publishes.
+
+        rospy's subscriber calls itself connected when it only begins to connect.
+
+        :param node: name of the publishing node
+        :param topic: global name of the topic
+        :param hearers: names of the nodes that are to hear it
+        """
+        wait_until(
+            lambda: self.hearers(node, topic).issuperset(hearers),
+            lambda: f"{topic} of {node} is heard by {sorted(self.hearers(node, topic))}",
+        )
 
     def wait_for_parameters(self, namespace: str, expected: Dict[str, Any]) -> None:
         """Wait until some parameters have these values.

@@ -11,7 +11,7 @@ from typing import Callable, Dict, NamedTuple, Optional
 import numpy
 
 from topic_scope.ring import Samples
-from topic_scope.statistics import HYSTERESIS, edges, frequency
+from topic_scope.statistics import HYSTERESIS, edges, frequency, longest_stretch
 
 #: Between these parts of the way from one level to the other lies the rise time.
 LOW, HIGH = 0.1, 0.9
@@ -50,15 +50,20 @@ class _Shape(NamedTuple):
         return self.low + part * self.height
 
 
-def figures(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[float]]:
-    """Measure a step or a wave.
+def figures(
+    times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
+) -> Dict[str, Optional[float]]:
+    """Measure a step or a wave, in the longest stretch that has no gap.
 
     :param times: ascending, s
     :param values: the samples; what is not finite is left out
+    :param longest: a gap is longer than this, s
     :returns: rise time (rise) and settling time (settling) in s, overshoot and duty in %; None for
         what there is not
     """
-    shape = _shape(times, values)
+    times, values = _finite_of(times, values)
+    part = longest_stretch(times, longest)
+    shape = _shape(times[part], values[part])
     return {name: _finite(figure(shape)) if shape else None for name, figure in _FIGURES.items()}
 
 
@@ -112,7 +117,6 @@ def _finite_of(times: numpy.ndarray, values: numpy.ndarray) -> Samples:
 
 
 def _shape(times: numpy.ndarray, values: numpy.ndarray) -> Optional[_Shape]:
-    times, values = _finite_of(times, values)
     if len(values) < 2 or not values.min() < values.max():
         return None
     if frequency(times, values) is not None:

@@ -72,7 +72,7 @@ def _measured(
     told.update({"topic": trace.stream.topic, "time": trace.stream.base})
     told.update(measure(*samples, trace.longest_step))
     if wish.shapes:
-        told.update(measurements.figures(*samples))
+        told.update(measurements.figures(*samples, trace.longest_step))
     if wish.against:
         reference, longest = source(wish.against, *span), recorder.longest_step(wish.against)
         told["phase"] = measurements.phase(samples, reference, longest)

@@ -4,6 +4,8 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy
 
+from topic_scope.statistics import longest_stretch
+
 #: Windows by name: the amplitudes of their cosines, and how far a peak reaches, lines.
 WINDOWS: Dict[str, Tuple[Tuple[float, ...], int]] = {
     "hann": ((0.5, 0.5), 2),
@@ -111,11 +113,8 @@ def _stretch(
     used = numpy.isfinite(values)
     used[1:] &= numpy.diff(times) > 0.0
     times, values = times[used], values[used]
-    ends = numpy.flatnonzero(numpy.diff(times) > longest) + 1
-    edges = numpy.concatenate([[0], ends, [len(times)]])
-    best = int(numpy.argmax(numpy.diff(edges)))
-    part = slice(max(edges[best], edges[best + 1] - LONGEST), edges[best + 1])
-    return times[part], values[part]
+    part = longest_stretch(times, longest)
+    return times[part][-LONGEST:], values[part][-LONGEST:]
 
 
 def _evenly(times: numpy.ndarray, values: numpy.ndarray) -> Tuple[numpy.ndarray, numpy.ndarray]:

@@ -100,5 +100,17 @@ def edges(
     return rises(times, values, level, band), rises(times, -values, -level, band)
 
 
+def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
+    """Return which samples are the longest part of a trace without a gap.
+
+    :param times: ascending, s
+    :param longest: a gap is longer than this, s
+    """
+    ends = numpy.flatnonzero(numpy.diff(times) > longest) + 1
+    limits = numpy.concatenate([[0], ends, [len(times)]])
+    best = int(numpy.argmax(numpy.diff(limits)))
+    return slice(int(limits[best]), int(limits[best + 1]))
+
+
 def _finite(number: float) -> Optional[float]:
     return number if math.isfinite(number) else None

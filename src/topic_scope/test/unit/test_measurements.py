@@ -57,6 +57,15 @@ def test_a_pulse_train_has_its_duty(duty: float, height: float, low: float) -> N
     assert figures(EPOCH + TIMES, values)["duty"] == pytest.approx(100.0 * expected, abs=0.5)
 
 
+@given(st.floats(0.1, 0.9), st.floats(0.0, 0.5))
+def test_nothing_is_measured_across_a_gap(duty: float, at: float) -> None:
+    values = ((TIMES - at) % 0.5 < 0.5 * duty).astype(float)
+    kept = (TIMES < 3.0) | (TIMES > 6.2)
+    found = figures(EPOCH + TIMES[kept], values[kept], longest=0.1)
+    assert found["duty"] == pytest.approx(100.0 * duty, abs=0.5)
+    assert found["rise"] == pytest.approx(0.8 * 0.002, abs=1e-4)
+
+
 @given(st.floats(0.6, 20.0), st.floats(-179.0, 179.0), scales, st.integers(0, 2**32 - 1))
 def test_a_phase_is_told_whatever_the_samples(
     frequency: float, degrees: float, mean: float, seed: int

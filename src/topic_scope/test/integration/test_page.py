@@ -447,6 +447,9 @@ class Page(PageTest):
         self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
         for width, ratio in ((WIDTH, 1.0), (412, 2.625)):  # of a phone the second
             self.browser.resize(width, HEIGHT, ratio)
+            if width == WIDTH:
+                tools = self.browser.find("#scope-view .tools").size["height"]
+                self.assertLess(tools, 50, "the tools take more than one row")
             self.browser.keys("x")
             title = self.browser.wait_for("[aria-label='title of the time axis']")
             bound = self.browser.find("[aria-label='left axis, to']")

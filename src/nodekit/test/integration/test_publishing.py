@@ -11,6 +11,7 @@ import threading
 import time
 import unittest
 import xmlrpc.client
+from unittest import mock
 
 import rosgraph
 import rosnode
@@ -19,6 +20,7 @@ from rosgraph.network import encode_ros_handshake_header
 from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
+from nodekit.rospy_internals import publishers
 from nodekit.testing.running import rosrun
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
@@ -272,6 +274,21 @@ class PublishingTest(unittest.TestCase):
         proxy = xmlrpc.client.ServerProxy(rospy.get_node_uri())
         _, _, connections = proxy.getBusInfo("/test")
         self.assertNotIn(self.topic, [connection[4] for connection in connections])
+        with self.assertRaises(rospy.ROSException):
+            publisher.publish(String())
+
+    def test_closing_amid_the_opening_leaves_nothing_either(self):
+        publisher = Publisher(self.topic, String)
+        register = publishers.send_at_once
+
+        def close_and_register(*arguments):
+            publisher.close()
+            return register(*arguments)
+
+        with mock.patch.object(publishers, "send_at_once", close_and_register):
+            publisher.open()
+        (published, _, _) = rosgraph.Master(rospy.get_name()).getSystemState()
+        self.assertNotIn(self.topic, dict(published))
         with self.assertRaises(rospy.ROSException):
             publisher.publish(String())
 

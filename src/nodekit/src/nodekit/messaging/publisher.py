@@ -77,16 +77,19 @@ class Publisher:
                 first, self._first = self._first, None
                 if first is None:
                     self._publisher, self._topic = publisher, topic
-                    return
+                    break
             if topic is not None:
                 topic.publish_all((first,))
             else:
                 publisher.publish(first)
+        if self._is_closed:  # by another thread, meanwhile
+            self.close()
 
     def close(self) -> None:
         """Publish no longer."""
         self._is_closed = True
-        publisher, self._publisher, self._topic = self._publisher, None, None
+        with self._lock:
+            publisher, self._publisher, self._topic = self._publisher, None, None
         if publisher is not None:
             publisher.unregister()
 

@@ -15,6 +15,8 @@ from steps import Outcome, Runner, Step
 
 # More than most machines' cores: most integration tests wait most of the time.
 AT_A_TIME = 3
+# How long a signal may stay unseen, s.
+LOOK_S = 1.0
 # Of the output of a failed step.
 LINES_SHOWN = 200
 
@@ -48,7 +50,11 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
                 if not step.after:
                     begin(step)
             while len(outcomes) < len(steps):
-                first = ended.get()
+                try:
+                    # Not for ever: one that comes just before this begins to wait wakes nobody.
+                    first = ended.get(timeout=LOOK_S)
+                except queue.Empty:
+                    continue
                 if first is None:
                     raise KeyboardInterrupt
                 outcome = first.result()

@@ -193,6 +193,17 @@ def test_latched_message_is_kept_for_callbacks_that_come_later(connected):
     assert connected.transport.latch.data == "last"
 
 
+def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected, stack):
+    connected.transport.is_latched = True
+    connected.socket.sendall(packet("old") + packet("last"))
+    connected.receive_all()
+    late = Ear(stack)
+    late.subscription.receive_latched()
+    connected.subscription.receive_latched()
+    assert (late.words, late.may_wait) == (["last"], [False])
+    assert connected.words == ["old", "last"], "the first one has heard it from the connection"
+
+
 def test_a_defect_of_one_callback_leaves_the_others_alone(connected):
     def fail(messages, may_wait):
         raise ValueError("defect")

@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Optional
 
 import rospy
 
-from nodekit.rospy_internals import registration, subscribers
+from nodekit.rospy_internals import latched, registration, subscribers
 
 
 class Subscription:
@@ -27,7 +27,7 @@ class Subscription:
         self.resolved_name = name
         self._data_class, self._receive = data_class, receive
         self._subscriber: Optional[rospy.Subscriber] = None
-        self._is_closed = False
+        self._is_closed = self._is_late = False
 
     def open(self) -> None:
         """Subscribe, unless it was closed."""
@@ -38,6 +38,7 @@ class Subscription:
             rospy.logwarn_once("receiving one by one, as this rospy is not known: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
         with registration.topic_lock():
+            self._is_late = latched.is_heard(name)
             if not mismatch and subscribers.receive_in_batches(name, data_class, self._receive):
                 self._subscriber = rospy.Subscriber(name, data_class, tcp_nodelay=True)
             else:
@@ -49,8 +50,8 @@ class Subscription:
                 )
 
     def receive_latched(self) -> None:
-        """Hand over what this process has latched on the topic; once, after :meth:`open`."""
-        subscribers.receive_latched(self.resolved_name, self._receive)
+        """Hand over what was latched on the topic before; once, after :meth:`open`."""
+        latched.receive_latched(self.resolved_name, self._receive, self._is_late)
 
     def get_num_connections(self) -> int:
         """Tell how many publishers are connected; those in the same process need no connection."""

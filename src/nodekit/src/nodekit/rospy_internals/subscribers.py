@@ -8,7 +8,6 @@ published in the same process comes without a connection, in the thread that pub
 
 import functools
 import inspect
-import io
 import traceback
 from typing import Any, Callable, List
 
@@ -107,20 +106,6 @@ def subscribe_heard(name: str, data_class: type, callback: Callable[[Any], None]
         subscriber = rospy.Subscriber(name, data_class)
         subscriber.callback, subscriber.callback_args = callback, None  # what its end takes back
         return subscriber
-
-
-def receive_latched(name: str, callback: BatchCallback) -> None:
-    """Hand over what a publisher in this process has latched, which no connection brings.
-
-    :param name: topic, resolved
-    :param callback: what to call
-    """
-    manager = get_topic_manager()
-    topic, publisher = manager.get_subscriber_impl(name), manager.get_publisher_impl(name)
-    if isinstance(topic, IncomingTopic) and topic.hears(publisher) and publisher.latch is not None:
-        buffer = io.BytesIO()
-        publisher.latch.serialize(buffer)
-        callback(topic.copies([buffer.getvalue()]), False)
 
 
 def stop_receiving(name: str, callback: BatchCallback) -> None:

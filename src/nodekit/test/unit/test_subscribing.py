@@ -5,6 +5,7 @@ import socket
 import struct
 import threading
 import time
+import tracemalloc
 
 import pytest
 import rospy
@@ -202,6 +203,18 @@ def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected
     connected.subscription.receive_latched()
     assert (late.words, late.may_wait) == (["last"], [False])
     assert connected.words == ["old", "last"], "the first one has heard it from the connection"
+
+
+def test_a_read_takes_no_more_memory_than_it_brings(connected):
+    connected.socket.sendall(packet("news"))
+    tracemalloc.start()
+    try:
+        messages = connected.transport.receive_once()
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert [message.data for message in messages] == ["news"]
+    assert most < rospy.impl.tcpros_base.DEFAULT_BUFF_SIZE / 4
 
 
 def test_a_defect_of_one_callback_leaves_the_others_alone(connected):

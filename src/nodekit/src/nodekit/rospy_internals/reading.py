@@ -1,5 +1,6 @@
 """How rospy reads from a publisher's connection: what one read brings is unpacked at once."""
 
+import mmap
 import struct
 from typing import Any, List
 
@@ -21,7 +22,11 @@ class Reader:
     def __init__(self, transport: TCPROSTransport) -> None:
         self._transport = transport
         self._data_class = transport.protocol.recv_data_class
-        self._size = transport.protocol.buff_size
+        # Read into, again and again, and copied out of: what recv() makes for each read, it gives
+        # back in pieces, between which the memory of threads tears and grows. Of the pages of this,
+        # only those that are read into are taken.
+        size = transport.protocol.buff_size
+        self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
         # The beginning of a message that has not arrived as a whole, and its whole length.
         self._parts: List[bytes] = []
@@ -60,13 +65,13 @@ class Reader:
 
     def _read(self) -> bytes:
         try:
-            data: bytes = self._socket.recv(self._size)
+            size = self._socket.recv_into(self._buffer)
         except OSError as error:
             raise TransportTerminated(f"unable to receive data from sender: {error}")
-        if not data:
+        if not size:
             raise TransportTerminated("the sender has closed the connection")
-        self._transport.stat_bytes += len(data)
-        return data
+        self._transport.stat_bytes += size
+        return bytes(self._buffer[:size])
 
     def _unpack(self, data: bytes) -> List[Any]:
         if self._parts:

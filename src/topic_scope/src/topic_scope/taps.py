@@ -1,4 +1,4 @@
-"""Where messages come in: rospy's threads leave them here as they are, and go on."""
+"""Where messages come in: the threads of connections leave them here as they are, and go on."""
 
 import threading
 import time
@@ -6,9 +6,12 @@ from typing import Any, Collection, Dict, Iterator, List, Mapping, NamedTuple, T
 
 import rospy
 
+from nodekit.messaging.subscription import Subscription
+
 #: Most bytes of a topic that wait to be read; what comes beyond that is lost, with a warning.
 WAITING = 32 * 1024 * 1024
 _WARN_EVERY_S = 10.0
+_REFUSED_EVERY_S = 60.0
 #: Time between two messages that the clock does not tell apart, s: the resolution of a float.
 _TICK_S = 5e-7
 
@@ -51,19 +54,22 @@ class Tap:
         self._waiting: List[Tuple[float, Any]] = []
         self._bytes = 0
         self._latest = 0.0
-        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, tcp_nodelay=True)
+        self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
+        self._subscription.open()
+        self._subscription.receive_latched()  # another tap may hear the topic already
 
-    def _on_message(self, message: Any) -> None:
+    def _on_messages(self, messages: List[Any], _may_wait: bool) -> None:
         # The time is taken under the lock: what comes after take() is never older than that.
         with self._lock:
-            if self._bytes > WAITING:
-                rospy.logwarn_throttle(
-                    _WARN_EVERY_S, f"{self.topic} comes too fast: messages are lost"
-                )
-                return
-            self._latest = max(self._clock.now(), self._latest + _TICK_S)
-            self._waiting.append((self._latest, message))
-            self._bytes += len(message._buff)
+            for message in messages:
+                if self._bytes > WAITING:
+                    rospy.logwarn_throttle(
+                        _WARN_EVERY_S, f"{self.topic} comes too fast: messages are lost"
+                    )
+                    return
+                self._latest = max(self._clock.now(), self._latest + _TICK_S)
+                self._waiting.append((self._latest, message))
+                self._bytes += len(message._buff)
 
     def take(self) -> Iterator[Batch]:
         """Return what has come since the last call, oldest first."""
@@ -83,7 +89,7 @@ class Tap:
 
     def close(self) -> None:
         """Subscribe no longer."""
-        self._subscriber.unregister()
+        self._subscription.close()
 
 
 class Taps:
@@ -105,7 +111,11 @@ class Taps:
         """Open and close taps; may wait for the master."""
         wanted = set(self._wanted)
         for topic in wanted - set(self._open):
-            tap = Tap(topic, self.clock)
+            try:
+                tap = Tap(topic, self.clock)
+            except rospy.ROSException as error:  # as of /clock, which rospy hears in simulated time
+                rospy.logwarn_throttle(_REFUSED_EVERY_S, f"no samples: {error}")
+                continue
             self._open = {**self._open, topic: tap}
         for topic in set(self._open) - wanted:
             self._open[topic].close()

@@ -1,0 +1,105 @@
+"""Where messages come in, with a socket in place of a publisher and no master."""
+
+import contextlib
+import socket
+import struct
+import tracemalloc
+from typing import Iterator
+from unittest import mock
+
+import pytest
+import rospy
+from rospy.impl.registration import get_topic_manager
+from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE, TCPROSTransport
+from rospy.impl.tcpros_pubsub import TCPROSSub
+from std_msgs.msg import Float32
+
+from topic_scope.taps import Clock, Tap, Taps
+
+TOPIC, OTHER = "/topic", "/other"
+
+
+def packet(number: float) -> bytes:
+    return struct.pack("<If", 4, number)
+
+
+class Connection:
+    """What connects the process to a publisher of the topic."""
+
+    def __init__(self, stack: contextlib.ExitStack) -> None:
+        ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
+        self.transport = TCPROSTransport(TCPROSSub(TOPIC, rospy.AnyMsg), TOPIC)
+        self.transport.set_socket(ours, "/publisher")
+        self.transport.header = {"type": "std_msgs/Float32"}
+        stack.callback(self.transport.close)
+        self._topic = get_topic_manager().get_subscriber_impl(TOPIC)
+        self._topic.add_connection(self.transport)
+
+    def bring(self, *numbers: float) -> None:
+        """Do what the thread of a connection does."""
+        self.socket.sendall(b"".join(map(packet, numbers)))
+        self._topic.receive_callback(self.transport.receive_once(), self.transport)
+
+
+@pytest.fixture
+def stack() -> Iterator[contextlib.ExitStack]:
+    with contextlib.ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def tap(stack: contextlib.ExitStack) -> Tap:
+    return opened(stack)
+
+
+def opened(stack: contextlib.ExitStack) -> Tap:
+    tap = Tap(TOPIC, Clock())
+    stack.callback(tap.close)
+    return tap
+
+
+def test_messages_come_out_as_they_came_in(tap: Tap, stack: contextlib.ExitStack) -> None:
+    connection = Connection(stack)
+    connection.bring(1.0, 2.0)
+    connection.bring(3.0)
+    (batch,) = tap.take()
+    assert batch.header == {"type": "std_msgs/Float32"}
+    assert batch.messages == [packet(number)[4:] for number in (1.0, 2.0, 3.0)]
+    assert batch.times == sorted(set(batch.times)), "no two at one time"
+    assert list(tap.take()) == []
+
+
+def test_a_tap_that_comes_later_has_what_is_latched(tap: Tap, stack: contextlib.ExitStack) -> None:
+    connection = Connection(stack)
+    connection.transport.is_latched = True
+    connection.bring(1.0)
+    (batch,) = opened(stack).take()
+    assert batch.messages == [packet(1.0)[4:]]
+
+
+def test_what_comes_takes_no_more_memory_than_it_has(tap: Tap, stack: contextlib.ExitStack) -> None:
+    connection = Connection(stack)
+    tracemalloc.start()
+    try:
+        connection.bring(1.0)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < DEFAULT_BUFF_SIZE / 4
+
+
+def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(
+    stack: contextlib.ExitStack,
+) -> None:
+    taps = Taps(Clock())
+    stack.callback(taps.adjust)
+    stack.callback(taps.want, [])
+    rival = rospy.Subscriber(TOPIC, Float32)
+    taps.want([TOPIC, OTHER])
+    with mock.patch("rospy.logwarn_throttle") as log:
+        taps.adjust()
+    assert set(taps.open()) == {OTHER}
+    assert TOPIC in log.call_args[0][1]
+    rival.unregister()
+    taps.adjust()
+    assert set(taps.open()) == {TOPIC, OTHER}

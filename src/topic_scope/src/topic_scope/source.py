@@ -1,6 +1,6 @@
 """What messages come out of: the subscriptions of a node, or a bag. What both have in common."""
 
-from typing import Collection, Iterator, Mapping, Protocol
+from typing import Collection, Iterable, Mapping, Protocol
 
 from topic_scope.taps import Batch
 
@@ -15,7 +15,7 @@ class Times(Protocol):
 class Outlet(Protocol):
     """Where the messages of one topic come out."""
 
-    def take(self) -> Iterator[Batch]:
+    def take(self) -> Iterable[Batch]:
         """Return what has come since the last call, oldest first."""
 
 

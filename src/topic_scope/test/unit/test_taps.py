@@ -26,10 +26,10 @@ def packet(number: float) -> bytes:
 class Connection:
     """What connects the process to a publisher of the topic."""
 
-    def __init__(self, stack: contextlib.ExitStack) -> None:
+    def __init__(self, stack: contextlib.ExitStack, name: str = "/publisher") -> None:
         ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
         self.transport = TCPROSTransport(TCPROSSub(TOPIC, rospy.AnyMsg), TOPIC)
-        self.transport.set_socket(ours, "/publisher")
+        self.transport.set_socket(ours, name)
         self.transport.header = {"type": "std_msgs/Float32"}
         stack.callback(self.transport.close)
         self._topic = get_topic_manager().get_subscriber_impl(TOPIC)
@@ -65,8 +65,8 @@ def test_messages_come_out_as_they_came_in(tap: Tap, stack: contextlib.ExitStack
     (batch,) = tap.take()
     assert batch.header == {"type": "std_msgs/Float32"}
     assert batch.messages == [packet(number)[4:] for number in (1.0, 2.0, 3.0)]
-    assert batch.times == sorted(set(batch.times)), "no two at one time"
-    assert list(tap.take()) == []
+    assert list(batch.times) == sorted(set(batch.times)), "no two at one time"
+    assert tap.take() == []
 
 
 def test_a_tap_that_comes_later_has_what_is_latched(tap: Tap, stack: contextlib.ExitStack) -> None:
@@ -86,6 +86,38 @@ def test_what_comes_takes_no_more_memory_than_it_has(tap: Tap, stack: contextlib
     finally:
         tracemalloc.stop()
     assert most < DEFAULT_BUFF_SIZE / 4
+
+
+def test_messages_of_two_publishers_are_told_apart(tap: Tap, stack: contextlib.ExitStack) -> None:
+    one, other = Connection(stack, "/one"), Connection(stack, "/other")
+    one.bring(1.0)
+    other.bring(2.0)
+    one.bring(3.0, 4.0)
+    batches = tap.take()
+    assert [batch.header for batch in batches] == [
+        connection.transport.header for connection in (one, other, one)
+    ]
+    assert [len(batch.messages) for batch in batches] == [1, 1, 2]
+
+
+def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
+    tap: Tap, stack: contextlib.ExitStack
+) -> None:
+    connection = Connection(stack)
+    tracemalloc.start()
+    try:
+        for _ in range(100):
+            connection.bring(*range(100))
+        most, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < 100 * 100 * 100
+    with mock.patch("topic_scope.taps.WAITING", most), mock.patch("rospy.logwarn_throttle") as log:
+        for _ in range(200):
+            connection.bring(*range(100))
+    (batch,) = tap.take()
+    assert 10000 < len(batch.messages) < 30000
+    assert f"{TOPIC} comes too fast" in log.call_args[0][1]
 
 
 def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(

@@ -103,8 +103,8 @@ class Reconciler(Generic[Snapshot]):
         self.values = declaration()
         self._exempt = exempt
         self._budget = Budget()
-        #: What the server is to hold by now, undeclared names too; another value is news.
-        self._held: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
+        #: What the server is to hold beside what is in force, or in its place; all else is news.
+        self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
         #: When the server was last written to, s: what was read before says nothing of now.
         self._last_write = -math.inf
         #: What steps have written and may still stand, each with its name and time, s: it
@@ -121,7 +121,7 @@ class Reconciler(Generic[Snapshot]):
 
         :param raw: the namespace as the server holds it, MISSING where nothing is set
         """
-        return not is_same(raw if raw is not MISSING else {}, self._held)
+        return not is_same({} if raw is MISSING else raw, {**on_wire(self.values), **self._odd})
 
     def start(self, raw: Any, now: float) -> Outcome:
         """Bring the values at the start into force, or refuse them all.
@@ -168,7 +168,7 @@ class Reconciler(Generic[Snapshot]):
         :param now: the time, s on the monotonic clock
         """
         self.values = outcome.values  # type: ignore[assignment]
-        self._held.update(outcome.writes)
+        self._odd = {n: value for n, value in self._odd.items() if n not in outcome.writes}
         self._own = [own for own in self._own if own[0] not in outcome.writes]
         self._last_write = now
 
@@ -179,18 +179,18 @@ class Reconciler(Generic[Snapshot]):
         """
         self._last_write = now
         self._broken_since = None
-        if all(value is not _UNKNOWN for value in self._held.values()):  # all is put back
+        if all(value is not _UNKNOWN for value in self._odd.values()):  # all is put back
             self._told_refused.clear()
 
     def failed(self) -> None:
         """Note that they may not have reached it: what it holds is not known."""
-        self._held.update(dict.fromkeys(self.values.declared, _UNKNOWN))
+        self._odd.update(dict.fromkeys(self.values.declared, _UNKNOWN))
 
     def _tree(self, raw: Any) -> Dict[str, Any]:
         """Return the namespace by name; what stands in its place is a bad value for each."""
         if _is_namespace(raw):
             return raw if raw is not MISSING else {}
-        return {**self._held, **dict.fromkeys(self.values.declared, UNREADABLE)}
+        return {**self._odd, **dict.fromkeys(self.values.declared, UNREADABLE)}
 
     def _judge(self, seen: Seen, now: float) -> Tuple[Snapshot, List[ParameterError]]:
         """Return which values are to come into force, and what is refused."""
@@ -227,18 +227,18 @@ class Reconciler(Generic[Snapshot]):
     ) -> Outcome:
         """Adopt values; return what to write now, and what to tell of."""
         tree = self._tree(seen.raw)
-        self.values = values
-        wanted = corrections(values, tree)
-        self._held = {**tree, **wanted}
+        wire, wanted = on_wire(values), corrections(values, tree)
+        self.values, held = values, {**tree, **wanted}
+        self._odd = {n: v for n, v in held.items() if not is_same(v, wire.get(n, MISSING))}
         if not _is_namespace(seen.raw):
-            wanted = {"": {n: value for n, value in self._held.items() if value is not UNREADABLE}}
+            wanted = {"": {n: value for n, value in held.items() if value is not UNREADABLE}}
         writes = {n: v for n, v in wanted.items() if seen.forgotten or self._budget.allow(n, now)}
         for name in wanted:
             names = [name] if name else list(values.declared)
             if name in writes:
-                self._own += [(each, self._held[each], now) for each in names]
+                self._own += [(each, held[each], now) for each in names]
             else:
-                self._held.update(dict.fromkeys(names, _UNKNOWN))
+                self._odd.update(dict.fromkeys(names, _UNKNOWN))
         told, self._told_refused = self._told_refused, set(map(str, refusals))
         names = [name for name in leaves(tree) if name not in self._told_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)

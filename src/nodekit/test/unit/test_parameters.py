@@ -68,6 +68,12 @@ def test_the_same_declaration_may_have_other_defaults():
         Limits.with_defaults(hihg=2.0)
 
 
+def test_one_snapshot_of_the_defaults_is_for_all():
+    assert Limits.as_declared() is Limits.as_declared() == Limits()
+    other = Limits.with_defaults(count=4)  # made from the first, whose snapshot there is by now
+    assert other.as_declared() is other.as_declared() == other()
+
+
 def test_undeclared_names_are_a_programming_error():
     with pytest.raises(TypeError, match="hihg"):
         Limits(hihg=2.0)

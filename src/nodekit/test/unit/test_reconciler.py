@@ -372,6 +372,17 @@ def test_start_writes_what_is_unset_all_at_once() -> None:
     assert (late.values.level, late.writes, late.unknown) == (7.0, {"level": 7.0}, {})
 
 
+def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
+    first, second = Reconciler(Gauge), Reconciler(Gauge)
+    for reconciler in (first, second):
+        reconciler.start({"level": 1}, 0.0)
+        reconciler.written(0.0)
+        reconciler.step(Seen(on_wire(Gauge()), forgotten=True), 0.1)
+        assert not reconciler.is_news(on_wire(Gauge()))
+    assert first.values is second.values is Gauge.as_declared()
+    assert not first._odd  # what the server holds is what is in force
+
+
 def test_start_refuses_all_at_once_in_words() -> None:
     with pytest.raises(ParameterErrors) as several:
         Reconciler(Gauge).start({"level": -1, "title": 5, "low": 10.0, "high": 5}, 0.0)

@@ -108,6 +108,7 @@ class ParameterSet:
 
     declared: ClassVar[Dict[str, Parameter[Any]]] = {}
     rules: ClassVar[List[Rule]] = []
+    _as_declared: ClassVar[Any] = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -145,6 +146,17 @@ class ParameterSet:
         """
         snapshot = cls.__new__(cls)
         snapshot.__dict__.update(values)
+        return snapshot
+
+    @classmethod
+    def as_declared(cls: Type[Snapshot]) -> Snapshot:
+        """Return the snapshot of all defaults, one for all nodes that have them in force.
+
+        :raises ParameterError: if the defaults do not go together
+        """
+        if type(cls._as_declared) is not cls:  # it may be that of the class this one is made from
+            cls._as_declared = cls()
+        snapshot: Snapshot = cls._as_declared
         return snapshot
 
     @classmethod

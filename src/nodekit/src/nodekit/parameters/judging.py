@@ -36,7 +36,7 @@ def keep_rules(in_force: Snapshot, values: Mapping[str, Any]) -> Tuple[Snapshot,
 
     :param in_force: the values in force so far
     :param values: a coerced value for each declared name
-    :returns: the values that are left, and the refusals
+    :returns: the values that are left, the same snapshot where none has changed; and the refusals
     """
     current, values = in_force.as_dict(), dict(values)
     changed = {name for name in values if values[name] != current[name]}
@@ -45,7 +45,7 @@ def keep_rules(in_force: Snapshot, values: Mapping[str, Any]) -> Tuple[Snapshot,
         candidate = in_force.from_coerced(values)
         broken = candidate.broken_rule(changed)
         if broken is None:
-            return candidate, refusals
+            return candidate if changed else in_force, refusals
         refusals.append(broken)
         values.update({name: current[name] for name in changed.intersection(broken.names)})
         changed.difference_update(broken.names)

@@ -100,7 +100,7 @@ class Reconciler(Generic[Snapshot]):
     values: Snapshot
 
     def __init__(self, declaration: Type[Snapshot], exempt: Collection[str] = ()) -> None:
-        self.values = declaration()
+        self.values = declaration.as_declared()
         self._exempt = exempt
         self._budget = Budget()
         #: What the server is to hold beside what is in force, or in its place; all else is news.

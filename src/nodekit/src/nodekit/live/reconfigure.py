@@ -84,7 +84,7 @@ class ReconfigureInterface:
         published = None
         while published is not self._live.values:
             published = self._live.values
-            self._updates.publish(_config(_offered(published)))
+            self._updates.publish(_state(published))
 
     def _set(self, request: "ReconfigureRequest") -> "Config":
         parts = (request.config.bools, request.config.ints, request.config.doubles)
@@ -97,7 +97,18 @@ class ReconfigureInterface:
             rospy.logwarn("%s", error)
         except MasterUnreachable as error:
             rospy.logwarn("the master does not answer (%s): nothing is changed", error)
-        return _config(_offered(self._live.values))
+        return _state(self._live.values)
+
+
+def _state(values: ParameterSet) -> "Config":
+    """Return the message of values; nodes that have the defaults in force share one."""
+    kind: Any = type(values)
+    return _defaults(kind) if values is kind.as_declared() else _config(_offered(values))
+
+
+@functools.lru_cache(maxsize=None)
+def _defaults(kind: Type[ParameterSet]) -> "Config":
+    return _config(_offered(kind.as_declared()))
 
 
 def _offered(values: ParameterSet) -> Dict[str, Any]:

@@ -371,6 +371,21 @@ class Closing(OnMaster):
         node.close()
         self.assertEqual(done, [True])
 
+    def test_closed_service_ends_lasting_connections_of_its_own_clients_alone(self) -> None:
+        clients = []
+        for name in ("gone", "here"):
+            node = self.node(name)
+            node.service("~ask", Trigger, lambda _request: TriggerResponse(True, "answer"))
+            node.start()
+            clients.append(rospy.ServiceProxy(node.name + "/ask", Trigger, persistent=True))
+            self.addCleanup(clients[-1].close)
+            self.assertEqual(clients[-1]().message, "answer")
+            if name == "gone":
+                gone = node
+        gone.close()
+        self.assertRaisesRegex(rospy.ServiceException, "transport error", clients[0])
+        self.assertEqual(clients[1]().message, "answer")
+
     def test_close_does_not_wait_for_ever_nor_for_its_own_callback(self) -> None:
         node, go_on, took = self.node(), threading.Event(), []  # type: Any
         self.addCleanup(go_on.set)

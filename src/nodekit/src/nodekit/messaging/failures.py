@@ -11,17 +11,17 @@ from nodekit.messaging.seldom import Seldom
 LOG_PERIOD_S = 5.0
 
 
-class Failures:
+class Failures(Seldom):
     """The failures of one function.
 
     :ivar count: how many there were
     """
 
-    __slots__ = ("count", "_seldom")
+    __slots__ = ("count",)
 
     def __init__(self) -> None:
+        super().__init__(LOG_PERIOD_S)
         self.count = 0
-        self._seldom = Seldom(LOG_PERIOD_S)
 
     def note(self, what: str, is_ending: bool = False) -> None:
         """Count the exception that is being handled, and log it with its traceback now and then.
@@ -32,6 +32,6 @@ class Failures:
         self.count += 1
         # What fails when the end has begun fails because of it, as a call of a closed client.
         is_ending = is_ending or rospy.core.is_shutdown_requested()
-        if not is_ending and self._seldom.is_due():
+        if not is_ending and self.is_due():
             text = "%s failed, %d times by now:\n%s"
             rospy.logerr(text, what, self.count, traceback.format_exc().rstrip())

@@ -6,6 +6,17 @@ from nodekit.messaging.failures import Failures
 from nodekit.rospy_internals.services import ClosableService
 
 
+class _LoggedService(ClosableService):
+    """Logs what goes wrong; mostly an answer that its type cannot hold."""
+
+    _failures: Optional[Failures] = None  # made for the first one: hardly any service has one
+
+    def error_handler(self, *_: Any) -> None:
+        """Log the exception that is being handled; rospy calls this."""
+        self._failures = self._failures or Failures()
+        self._failures.note(f"service {self.resolved_name}")
+
+
 class Service:
     """A service of a node.
 
@@ -15,24 +26,21 @@ class Service:
         a thread for each call
     """
 
+    __slots__ = ("resolved_name", "_service_class", "_handler", "_service", "_is_closed")
+
     def __init__(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
         self.resolved_name = name
         self._service_class, self._handler = service_class, handler
         self._service: Optional[ClosableService] = None
-        self._failures = Failures()
         self._is_closed = False
 
     def open(self) -> None:
         """Offer it, unless it was closed."""
         if self._is_closed:
             return
-        self._service = ClosableService(
-            self.resolved_name, self._service_class, self._handler, error_handler=self._on_error
-        )
-
-    def _on_error(self, *_: Any) -> None:
-        """Log what went wrong; mostly an answer that its type cannot hold."""
-        self._failures.note(f"service {self.resolved_name}")
+        service = _LoggedService(self.resolved_name, self._service_class, self._handler)
+        self._service = service
+        self.resolved_name = service.resolved_name  # rospy makes a copy, which is enough of them
 
     def close(self) -> None:
         """Offer it no longer."""

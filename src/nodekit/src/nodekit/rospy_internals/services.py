@@ -2,7 +2,7 @@
 
 import contextlib
 import socket
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 import rospy
 
@@ -15,8 +15,10 @@ class ClosableService(rospy.Service):
     :raises NameTaken: if this process offers one of that name already
     """
 
+    #: All services with such connections, and those: in most processes there are none.
+    _lasting: List[Tuple["ClosableService", Any]] = []
+
     def __init__(self, name: str, *args: Any, **kwds: Any) -> None:
-        self._lasting: List[Any] = []
         try:
             super().__init__(name, *args, **kwds)
         except rospy.ServiceException:
@@ -31,11 +33,11 @@ class ClosableService(rospy.Service):
         if header.get("persistent", "").lower() not in ("1", "true"):
             super().handle(transport, header)  # which ends by itself after one call
             return
-        self._lasting.append(transport)
+        self._lasting.append((self, transport))
         try:
             super().handle(transport, header)
         finally:
-            self._lasting.remove(transport)
+            self._lasting.remove((self, transport))
 
     def shutdown(self, reason: str = "") -> None:
         """End the service; the client of a call that is under way still gets its answer.
@@ -43,6 +45,7 @@ class ClosableService(rospy.Service):
         :param reason: for rospy's debug log
         """
         super().shutdown(reason)
-        for transport in list(self._lasting):
-            with contextlib.suppress(OSError, AttributeError):  # it has just ended
-                transport.socket.shutdown(socket.SHUT_RD)
+        for service, transport in list(self._lasting):
+            if service is self:
+                with contextlib.suppress(OSError, AttributeError):  # it has just ended
+                    transport.socket.shutdown(socket.SHUT_RD)

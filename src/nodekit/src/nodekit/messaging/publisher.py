@@ -43,6 +43,13 @@ class Publisher:
         subscriptions are open before anything is published
     """
 
+    __slots__ = (
+        *("resolved_name", "data_class", "_latch", "_lifespan"),
+        *("_first", "_publisher", "_topic", "_is_closed"),
+    )
+    #: Held for a moment, where what is published is kept, or from then on sent; one for all.
+    _lock = threading.Lock()
+
     def __init__(
         self, name: str, data_class: type, latch: bool = False, lifespan: float = 0.0
     ) -> None:
@@ -51,8 +58,6 @@ class Publisher:
         self._latch = latch
         self._lifespan = lifespan
         self._first: Any = None
-        #: Held where what is published is kept, or from then on sent.
-        self._lock = threading.Lock()
         self._publisher: Optional[rospy.Publisher] = None
         self._topic: Optional[publishers.OutgoingTopic] = None
         self._is_closed = False
@@ -72,6 +77,7 @@ class Publisher:
             publisher = rospy.Publisher(
                 name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
             )
+        publisher.resolved_name = name  # rospy has made a copy
         while True:  # another thread may publish meanwhile, and what is latched is the newest
             with self._lock:
                 first, self._first = self._first, None

@@ -34,6 +34,8 @@ _PUBLISHER_ATTRIBUTES = (
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
 
 _LENGTH = struct.Struct("<I")
+#: The links of all topics that nobody hears over a connection; never changed.
+_NO_LINKS: Dict[Any, SubscriberLink] = {}
 
 
 @functools.lru_cache(maxsize=None)
@@ -100,7 +102,8 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
-        self._links: Dict[Any, SubscriberLink] = {}
+        self._links = _NO_LINKS
+        self.buff = None  # which rospy's own publish() needs alone
         #: for how long a later subscriber gets the last message, s
         self.lifespan = 0.0
         self._last: Any = None
@@ -228,4 +231,4 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
                 links[connection] = SubscriberLink(connection, self._lock, self.resolved_name)
-        self._links = links
+        self._links = links or _NO_LINKS

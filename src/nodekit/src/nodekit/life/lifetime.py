@@ -76,7 +76,7 @@ class Lifetime(TopicMaker):
         :returns: an object whose ``values`` are those in force
         :raises ParameterError: if a value on the server is not allowed
         """
-        used = {*exempt, *OwnParameters.declared}
+        used = (*exempt, *OwnParameters.declared)
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:

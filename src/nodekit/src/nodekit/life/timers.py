@@ -2,7 +2,7 @@
 
 import itertools
 import threading
-from typing import Any, Callable, Iterable, List, Optional, Union
+from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
@@ -31,6 +31,10 @@ class NodeTimer(Callback):
     """
 
     kind = "timer"
+    #: Held for a moment, while a rate is set; one for all.
+    _lock = threading.Lock()
+    #: Numbers the questions for rates.
+    _questions = itertools.count(1)
 
     def __init__(
         self,
@@ -47,9 +51,8 @@ class NodeTimer(Callback):
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
-        self._lock = threading.Lock()
-        #: Numbers the questions for the rate; the latest that was answered, and set.
-        self._questions, self._answered = itertools.count(1), 0
+        #: The latest question for its rate that was answered, and the rate set.
+        self._answered = 0
 
     def attach(self, line: Optional[Line]) -> None:
         """Have the calls made by an executor, or none; see :meth:`.Callback.attach`."""
@@ -109,15 +112,17 @@ class NodeTimer(Callback):
 class RateFollowers:
     """The timers of a node whose rates follow its parameters."""
 
+    __slots__ = ("_timers",)
+
     def __init__(self) -> None:
-        self._timers: List[NodeTimer] = []
+        self._timers: Tuple[NodeTimer, ...] = ()
 
     def add(self, timer: NodeTimer) -> None:
         """Have a timer follow until it is closed.
 
         :param timer: one whose rate is a function
         """
-        self._timers = [other for other in self._timers if not other.closed] + [timer]
+        self._timers = (*(other for other in self._timers if not other.closed), timer)
 
     def follow(self) -> None:
         """Ask for all rates, as parameters have changed."""

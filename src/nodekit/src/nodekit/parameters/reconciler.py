@@ -112,9 +112,9 @@ class Reconciler(Generic[Snapshot]):
         self._own: List[Tuple[str, Any, float]] = []
         #: Since when values on the server do not go together, s; None if they do.
         self._broken_since: Optional[float] = None
-        #: What was warned of: refused values until they are put back, and unknown names.
-        self._told_refused: Set[str] = set()
-        self._told_unknown: Set[str] = set()
+        #: What was warned of, () if nothing: refused values until they are put back, unknown names.
+        self._told_refused: Collection[str] = ()
+        self._told_unknown: Collection[str] = ()
 
     def is_news(self, raw: Any) -> bool:
         """Tell whether the server holds something else than it is to hold.
@@ -180,7 +180,7 @@ class Reconciler(Generic[Snapshot]):
         self._last_write = now
         self._broken_since = None
         if all(value is not _UNKNOWN for value in self._odd.values()):  # all is put back
-            self._told_refused.clear()
+            self._told_refused = ()
 
     def failed(self) -> None:
         """Note that they may not have reached it: what it holds is not known."""
@@ -239,10 +239,10 @@ class Reconciler(Generic[Snapshot]):
                 self._own += [(each, held[each], now) for each in names]
             else:
                 self._odd.update(dict.fromkeys(names, _UNKNOWN))
-        told, self._told_refused = self._told_refused, set(map(str, refusals))
+        told, self._told_refused = self._told_refused, tuple(map(str, refusals))
         names = [name for name in leaves(tree) if name not in self._told_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
-        self._told_unknown.update(unknown)
+        self._told_unknown = {*self._told_unknown, *unknown} or ()
         return Outcome(values, writes, [e for e in refusals if str(e) not in told], unknown)
 
 

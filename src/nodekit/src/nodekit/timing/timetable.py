@@ -20,6 +20,11 @@ class Timetable:
         other, s; of those that are later only the latest is
     """
 
+    __slots__ = (
+        *("skipped", "next_deadline", "_rate", "_is_paused", "_catch_up", "_is_retimed"),
+        *("_anchor", "_elapsed_at_anchor", "_next", "_taken_at"),
+    )
+
     def __init__(self, rate: float, catch_up: float = 0.0) -> None:
         #: Deadlines that were left out because they were too late.
         self.skipped = 0

@@ -49,6 +49,20 @@ def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: Lis
     ]
 
 
+def test_of_what_does_not_keep_up_the_newest_is_kept(
+    logged: List[str], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(callbacks, "MOST_KEPT", 3)
+    group, heard = Group(), []  # type: Group, List[Any]
+    slow = callbacks.Receiving(group, heard.append, "/one", batches=True)
+    with group:
+        for messages in ([1], [2, 3], [], [4, 5]):
+            slow.receive(messages, False)
+    assert heard == [[3, 4, 5]]
+    slow.receive([6], False)
+    assert heard[1:] == [[6]]
+
+
 def test_what_does_not_keep_up_is_told_of_once_for_each_topic(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -1,8 +1,8 @@
 """A user's function as nodekit calls it: in its group, guarded, and no more once it is closed."""
 
-from collections import deque
+import threading
 from concurrent.futures import Future
-from typing import Any, Callable, Deque, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 from weakref import WeakValueDictionary
 
 import rospy
@@ -164,9 +164,7 @@ class Bell(Callback):
     Ringing never waits: if the group is taken, the thread that leaves it calls the function.
     """
 
-    def __init__(self, group: Group, function: Callable[[], Any], what: str) -> None:
-        super().__init__(group, function, what)
-        self._rung = False
+    _rung = False
 
     def ring(self) -> None:
         """Have the function called, after all that is new by now was noted."""
@@ -190,6 +188,7 @@ class Receiving(Callback):
     """
 
     kind = "subscription"
+    _keeping = threading.Lock()  # one for all: held for a moment, while messages are kept or taken
 
     def __init__(
         self,
@@ -201,7 +200,7 @@ class Receiving(Callback):
     ) -> None:
         super().__init__(group, function, what)
         self._batches, self._depth = batches, depth
-        self._kept: Deque[Any] = deque(maxlen=MOST_KEPT)
+        self._kept: List[Any] = []  # mostly empty, and then a tenth of a deque
         self._bell = Bell(group, self._receive_kept, what)
         self._seldom = Seldom(10.0)
 
@@ -213,8 +212,7 @@ class Receiving(Callback):
 
         :param messages: the messages, oldest first
         :param may_wait: whether the calling thread serves nobody else. One that has published
-            these in a callback of its own must not: two nodes of one process would wait for each
-            other.
+            these in a callback must not: two nodes of one process would wait for each other.
         """
         source = self.source
         if source is not None:
@@ -225,10 +223,12 @@ class Receiving(Callback):
                 self._hand_over(messages)
                 self.group.leave()
                 return
-            if len(self._kept) + len(messages) > MOST_KEPT:
-                if self._seldom.is_due():
-                    rospy.logwarn("%s does not keep up: messages are lost", self.what)
-            self._kept.extend(messages)
+            with self._keeping:
+                self._kept += messages
+                lost = max(0, len(self._kept) - MOST_KEPT)
+                del self._kept[:lost]
+            if lost and self._seldom.is_due():
+                rospy.logwarn("%s does not keep up: messages are lost", self.what)
             self._bell.ring()
         elif self._batches:
             self.call(messages)
@@ -237,9 +237,10 @@ class Receiving(Callback):
                 self.call(message)
 
     def _receive_kept(self) -> None:
-        kept = self._kept
-        while kept:
-            self._hand_over([kept.popleft() for _ in range(len(kept))])
+        while self._kept:
+            with self._keeping:
+                kept, self._kept = self._kept, []
+            self._hand_over(kept)
 
     def _hand_over(self, messages: List[Any]) -> None:
         if self._batches:

@@ -77,7 +77,7 @@ class Publisher:
             publisher = rospy.Publisher(
                 name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
             )
-        publisher.resolved_name = name  # rospy has made a copy
+        publisher.name = publisher.resolved_name = name  # rospy has made copies
         while True:  # another thread may publish meanwhile, and what is latched is the newest
             with self._lock:
                 first, self._first = self._first, None

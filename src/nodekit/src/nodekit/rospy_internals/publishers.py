@@ -99,6 +99,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
 
     def __init__(self, name: str, data_class: type) -> None:
         super().__init__(name, data_class)
+        self.resolved_name = name  # rospy has made a copy
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None

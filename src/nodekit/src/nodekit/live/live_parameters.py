@@ -18,6 +18,8 @@ from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
 from nodekit.parameters.schema import AT_START
 
 Bell = Callable[[], None]
+#: Most namespaces that are opened at a time: what they hold takes memory until then.
+_TOGETHER = 50
 
 
 class LiveParameters(Generic[Snapshot]):
@@ -194,22 +196,12 @@ def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
     :param parameters: all with the same watcher
     :raises MasterUnreachable: if the master does not answer; nothing is followed then
     """
-    if not parameters:
-        return
-    watcher = parameters[0]._watcher
     if len(parameters) >= MANY:
-        write_missing(watcher.client, {one.namespace: one.values for one in parameters})
-    watcher.subscribe([one._follower for one in parameters])
+        in_force = {one.namespace: one.values for one in parameters}
+        write_missing(parameters[0]._watcher.client, in_force)
     try:
-        with contextlib.ExitStack() as locks:
-            for one in parameters:
-                locks.enter_context(one._lock)
-            read_at = time.monotonic()
-            held = watcher.client.read([one.namespace for one in parameters]).values
-            writes: Dict[str, Any] = {}
-            for one in parameters:
-                writes.update(one._begin(held[one.namespace], read_at))
-            _write(parameters, writes)
+        for start in range(0, len(parameters), _TOGETHER):
+            _open(parameters[start : start + _TOGETHER])
     except MasterUnreachable:
         close_all(parameters)
         raise
@@ -218,13 +210,23 @@ def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
         one._tell()
 
 
+def _open(parameters: Sequence[LiveParameters[Any]]) -> None:
+    watcher = parameters[0]._watcher
+    watcher.subscribe([one._follower for one in parameters])
+    with contextlib.ExitStack() as locks:
+        for one in parameters:
+            locks.enter_context(one._lock)
+        read_at = time.monotonic()
+        held = watcher.client.read([one.namespace for one in parameters]).values
+        writes = [one._begin(held[one.namespace], read_at) for one in parameters]
+        _write(parameters, {key: value for each in writes for key, value in each.items()})
+
+
 def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
     """Follow the server no longer; changes from within the node do not reach it any more.
 
-    :param parameters: all with the same watcher
+    :param parameters: all with the same watcher, one at least
     """
-    if not parameters:
-        return
     for one in parameters:
         with one._lock:
             one._is_open = False

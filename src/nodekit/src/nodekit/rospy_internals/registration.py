@@ -121,7 +121,7 @@ class _Registrar(RegistrationListener):
 
     def put_right(self, batch: _Batch) -> None:
         """Tell the master what another thread has made or closed since the batch has noted it."""
-        made = {(kind, name): (kind, name, its) for kind, name, its in all_made()}
+        made = {entry[:2]: entry for entry in all_made()}
         self.add([made[entry[:2]] for entry in batch.removed if entry[:2] in made])
         self.remove([entry for entry in batch.added if entry[:2] not in made])
 

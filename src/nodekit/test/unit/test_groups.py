@@ -290,3 +290,37 @@ def test_closing_a_reentrant_group_does_not_wait_for_the_callers_own_callback() 
     left: List[bool] = []
     Callback(group, lambda: left.append(group.wait_until_left(0.0)), "").call()
     assert left == [True]
+
+
+def test_who_is_in_a_reentrant_group_twice_is_waited_for_until_it_has_left_twice() -> None:
+    group, inside, once, twice = ReentrantGroup(), *(threading.Event() for _ in range(3))
+
+    def enter_and_leave() -> None:
+        group.enter()
+        group.enter()
+        inside.set()
+        assert once.wait(TIMEOUT_S)
+        group.leave()
+        inside.set()
+        assert twice.wait(TIMEOUT_S)
+        group.leave()
+
+    thread = in_thread(enter_and_leave)
+    for event in (once, twice):
+        assert inside.wait(TIMEOUT_S)
+        inside.clear()
+        assert not group.wait_until_left(0.01)
+        event.set()
+    assert group.wait_until_left(TIMEOUT_S)
+    thread.join(TIMEOUT_S)
+
+
+def test_who_leaves_a_reentrant_group_just_then_is_not_waited_for_in_vain() -> None:
+    group = ReentrantGroup()
+    for _ in range(100):
+        busy, began = Busy(group), time.monotonic()
+        busy.go_on.set()
+        assert group.wait_until_left(TIMEOUT_S)
+        assert time.monotonic() < began + TIMEOUT_S
+        busy.end()
+    assert not group._depths and not group._awaiting

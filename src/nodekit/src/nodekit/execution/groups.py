@@ -11,7 +11,6 @@ for somebody who asked to be let in, an executor, which then finds a thread for 
 """
 
 import threading
-import time
 from typing import Callable, Dict, List, NamedTuple, Union
 
 #: Work that may be left with a group; raises nothing.
@@ -180,8 +179,11 @@ class ReentrantGroup(Group):
 
     def __init__(self, urgent: bool = False) -> None:
         super().__init__(urgent)
-        self._depths: Dict[int, int] = {}  # how often each thread is inside
+        # How often each thread is inside. Only that thread changes it, so this takes no lock, which
+        # would be most of the time that a short callback takes.
+        self._depths: Dict[int, int] = {}
         self._left = threading.Condition()
+        self._awaiting = 0  # how many threads wait for others to leave
 
     def try_enter(self) -> bool:
         """Go in."""
@@ -190,18 +192,18 @@ class ReentrantGroup(Group):
     def enter(self, timeout: float = -1.0) -> bool:
         """Go in without waiting."""
         me = threading.get_ident()
-        with self._left:
-            self._depths[me] = self._depths.get(me, 0) + 1
+        self._depths[me] = self._depths.get(me, 0) + 1
         return True
 
     def leave(self) -> None:
         """Go out."""
         me = threading.get_ident()
-        with self._left:
-            self._depths[me] -= 1
-            if not self._depths[me]:
-                del self._depths[me]
-                self._left.notify_all()
+        self._depths[me] -= 1
+        if not self._depths[me]:
+            del self._depths[me]
+            if self._awaiting:  # who begins to wait from now on, does not find this thread
+                with self._left:
+                    self._left.notify_all()
 
     def offer(self, work: Work) -> None:
         """Do some work at once.
@@ -233,13 +235,12 @@ class ReentrantGroup(Group):
         :param timeout: longest wait, s
         :returns: whether they have ended
         """
-        deadline = time.monotonic() + timeout
         with self._left:
+            self._awaiting += 1
             others = set(self._depths) - {threading.get_ident()}
-            while others & set(self._depths):
-                if not self._left.wait(deadline - time.monotonic()):
-                    return False
-        return True
+            have_left = self._left.wait_for(lambda: not others & set(self._depths), timeout)
+            self._awaiting -= 1
+        return have_left
 
 
 class Outside(ReentrantGroup):

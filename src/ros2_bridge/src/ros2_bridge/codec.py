@@ -101,7 +101,7 @@ class Codec:
         end = self._convert(self._down, data, out)
         if end != len(data):
             raise ConversionError(f"{self._type}: {len(data) - end} bytes too many")
-        return _CDR + bytes(out)
+        return _CDR + out  # bytes, as what it begins with
 
     def to_ros1(self, cdr: bytes, seq: int = 0) -> bytes:
         """Return a ROS 2 message as ROS 1's bytes.

@@ -77,11 +77,14 @@ class Lamps:
             left = {key: one for key, one in self._subscribers.items() if key != topic}
             self._subscribers = left
         for topic in set(topics) - set(self._subscribers):
-            made = rospy.Subscriber(topic, String, self._hear, topic)
+            # As it comes: a process hears a topic as one type, and a tap may hear this one.
+            made = rospy.Subscriber(topic, rospy.AnyMsg, self._hear, topic)
             self._subscribers = {**self._subscribers, topic: made}
 
-    def _hear(self, message: String, topic: str) -> None:
-        self._deliver(partial(self._on_state, topic, message.data))
+    def _hear(self, message: Any, topic: str) -> None:
+        if message._connection_header["type"] == _TYPE:
+            text = String().deserialize(message._buff).data
+            self._deliver(partial(self._on_state, topic, text))
 
     def _on_state(self, topic: str, text: str) -> None:
         for node, told in self._topics.items():

@@ -4,7 +4,7 @@ import contextlib
 import socket
 import struct
 import tracemalloc
-from typing import Iterator
+from typing import Iterator, List
 from unittest import mock
 
 import pytest
@@ -14,6 +14,7 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE, TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
+from topic_scope.lamps import Lamps
 from topic_scope.taps import Clock, Tap, Taps
 
 TOPIC, OTHER = "/topic", "/other"
@@ -36,8 +37,11 @@ class Connection:
         self._topic.add_connection(self.transport)
 
     def bring(self, *numbers: float) -> None:
+        self.receive(b"".join(map(packet, numbers)))
+
+    def receive(self, data: bytes) -> None:
         """Do what the thread of a connection does."""
-        self.socket.sendall(b"".join(map(packet, numbers)))
+        self.socket.sendall(data)
         self._topic.receive_callback(self.transport.receive_once(), self.transport)
 
 
@@ -98,6 +102,22 @@ def test_messages_of_two_publishers_are_told_apart(tap: Tap, stack: contextlib.E
         connection.transport.header for connection in (one, other, one)
     ]
     assert [len(batch.messages) for batch in batches] == [1, 1, 2]
+
+
+@pytest.mark.parametrize("kind, heard", [("String", ["idle"]), ("Float32", [])])
+def test_what_a_node_says_of_itself_is_heard_beside_a_tap(
+    tap: Tap, stack: contextlib.ExitStack, kind: str, heard: List[str]
+) -> None:
+    tell = mock.Mock()
+    lamps = Lamps(mock.Mock(), lambda function: function(), tell)
+    lamps.follow({"/node": TOPIC})
+    stack.callback(lamps._adjust, [])
+    lamps._adjust([TOPIC])
+    connection = Connection(stack)
+    connection.transport.header = {"type": "std_msgs/" + kind}
+    connection.receive(struct.pack("<II", 8, 4) + b"idle")
+    assert [call[0][0]["nodes"]["/node"] for call in tell.call_args_list] == heard
+    assert len(tap.take()[0].messages) == 1
 
 
 def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(

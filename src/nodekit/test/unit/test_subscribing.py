@@ -22,7 +22,7 @@ from std_msgs.msg import Float32, String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.subscription import Latest, Subscription
-from nodekit.rospy_internals import subscribers
+from nodekit.rospy_internals import latched, registration, subscribers
 from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
@@ -64,18 +64,21 @@ class Publisherless(Ear):
         self.transport = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
         self.transport.set_socket(ours, "/publisher")
         stack.callback(self.transport.close)
-        self.impl.add_connection(self.transport)
+        self.topic = self.impl
+        self.topic.add_connection(self.transport)
 
     def receive_all(self):
         """Do what the thread of a connection does, with all that has been sent."""
         self.socket.shutdown(socket.SHUT_WR)
         self.receive_until_closed()
 
+    def receive_some(self):
+        self.topic.receive_callback(self.transport.receive_once(), self.transport)
+
     def receive_until_closed(self):
-        topic = self.impl
         with pytest.raises(TransportTerminated):
             while True:
-                topic.receive_callback(self.transport.receive_once(), self.transport)
+                self.receive_some()
 
 
 @pytest.fixture
@@ -172,7 +175,7 @@ def test_what_came_with_the_header_is_not_lost(connected):
 
 def test_a_new_connection_begins_with_a_new_message(connected):
     connected.socket.sendall(packet("whole") + packet("torn")[:6])
-    connected.receive_all()
+    connected.receive_some()
     ours, theirs = socket.socketpair()
     with ours, theirs:
         connected.transport.socket = ours
@@ -197,12 +200,27 @@ def test_latched_message_is_kept_for_callbacks_that_come_later(connected):
 def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected, stack):
     connected.transport.is_latched = True
     connected.socket.sendall(packet("old") + packet("last"))
-    connected.receive_all()
+    connected.receive_some()
     late = Ear(stack)
     late.subscription.receive_latched()
     connected.subscription.receive_latched()
     assert (late.words, late.may_wait) == (["last"], [False])
     assert connected.words == ["old", "last"], "the first one has heard it from the connection"
+
+
+@pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([subscribers.ANEW_S], 0)])
+def test_publisher_that_was_told_of_before_its_connection_ended_is_looked_for(
+    connected, monkeypatch, told, expected
+):
+    now, looked_for = time.monotonic(), []
+    monkeypatch.setattr(registration, "connect", lambda *what: looked_for.append(what))
+    for ago in told:
+        with monkeypatch.context() as patch:
+            patch.setattr(time, "monotonic", lambda: now - ago)
+            assert connected.topic.has_connection("/publisher")
+    connected.receive_all()
+    assert (connected.transport.done, connected.topic.connections) == (True, []), "at once"
+    assert looked_for == [(TOPIC, "/publisher")] * expected
 
 
 def test_a_read_takes_no_more_memory_than_it_brings(connected):
@@ -522,8 +540,8 @@ def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(m
 
     monkeypatch.setattr(manager, "_add", add_and_receive)
     heard, heard_too = [], []
-    first = subscribers.subscribe_heard(TOPIC, String, heard.append)
-    second = subscribers.subscribe_heard(TOPIC, String, heard_too.append)
+    first = latched.subscribe_heard(TOPIC, String, heard.append)
+    second = latched.subscribe_heard(TOPIC, String, heard_too.append)
     impl = first.impl
     impl.receive_callback([String("next")], None)
     first.unregister()

@@ -5,7 +5,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence
 
 import rospy
 
-from nodekit.rospy_internals import publishers, registration
+from nodekit.rospy_internals import made, publishers
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
 FALLBACK_QUEUE_SIZE = 100
@@ -71,7 +71,7 @@ class Publisher:
             rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
         name, data_class = self.resolved_name, self.data_class
         topic: Optional[publishers.OutgoingTopic] = None
-        with registration.topic_lock():
+        with made.topic_lock():
             if not mismatch:
                 topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
             publisher = rospy.Publisher(

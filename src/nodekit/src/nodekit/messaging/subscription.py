@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Optional
 
 import rospy
 
-from nodekit.rospy_internals import latched, registration, subscribers
+from nodekit.rospy_internals import latched, made, subscribers
 
 
 class Subscription:
@@ -37,7 +37,7 @@ class Subscription:
         if mismatch:
             rospy.logwarn_once("receiving one by one, as this rospy is not known: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
-        with registration.topic_lock():
+        with made.topic_lock():
             self._is_late = latched.is_heard(name)
             if not mismatch and subscribers.receive_in_batches(name, data_class, self._receive):
                 self._subscriber = rospy.Subscriber(name, data_class, tcp_nodelay=True)

@@ -1,10 +1,17 @@
-"""What was latched on a topic before a subscription of it, and no connection brings again."""
+"""What was latched on a topic before somebody subscribes to it."""
 
 import io
+from typing import Any, Callable
 
-from rospy.impl.registration import get_topic_manager
+import rospy
+import rospy.topics
+from rospy.impl.registration import Registration, get_topic_manager
 
-from nodekit.rospy_internals.subscribers import BatchCallback, IncomingTopic
+from nodekit.rospy_internals.subscribers import (
+    BatchCallback,
+    IncomingTopic,
+    subscriber_mismatch,
+)
 
 
 def is_heard(name: str) -> bool:
@@ -34,3 +41,26 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
         messages += topic.copies([buffer.getvalue()])
     if messages:
         callback(messages, False)
+
+
+def subscribe_heard(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
+    """Subscribe as with rospy alone, but miss nothing that comes at once.
+
+    rospy registers a topic before the callback is in place, so that on a busy machine a latched
+    message may come in between, and is lost for good.
+
+    :param name: topic, resolved
+    :param data_class: message class
+    :param callback: called with each message
+    :returns: the ``rospy.Subscriber``
+    """
+    manager = get_topic_manager()
+    with manager.lock:
+        if subscriber_mismatch() or manager.get_subscriber_impl(name) is not None:
+            return rospy.Subscriber(name, data_class, callback)
+        topic = rospy.topics._SubscriberImpl(name, data_class)
+        topic.add_callback(callback, None)
+        manager._add(topic, manager.subs, Registration.SUB)
+        subscriber = rospy.Subscriber(name, data_class)
+        subscriber.callback, subscriber.callback_args = callback, None  # what its end takes back
+        return subscriber

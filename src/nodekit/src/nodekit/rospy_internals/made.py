@@ -1,6 +1,6 @@
 """What this process publishes, subscribes to and serves at the moment, as rospy keeps it."""
 
-from typing import List, Tuple
+from typing import Any, ContextManager, List, Tuple
 
 from rospy.impl.registration import Registration, get_service_manager, get_topic_manager
 
@@ -19,3 +19,9 @@ def all_made() -> List[Entry]:
     ):
         entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
     return entries
+
+
+def topic_lock() -> ContextManager[Any]:
+    """Keep rospy from closing a topic, whose last user goes, while another one is made."""
+    lock: ContextManager[Any] = get_topic_manager().lock
+    return lock

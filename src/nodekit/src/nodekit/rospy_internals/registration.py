@@ -7,7 +7,7 @@ time-out, several registrations at once where it is told to.
 import contextlib
 import threading
 import time
-from typing import Any, ContextManager, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 import rospy
 import rospy.core
@@ -112,7 +112,7 @@ class _Registrar(RegistrationListener):
                     continue
                 taken = True
                 if kind == Registration.SUB:
-                    self._connect(name, answer[2])
+                    self.connect(name, answer[2])
                 elif kind == Registration.SRV and not name.startswith(self._private):
                     self.services[name] = type_or_uri
             if rospy.core.is_shutdown_requested():  # rospy's own farewell may have come before
@@ -157,8 +157,8 @@ class _Registrar(RegistrationListener):
         except ConnectionError as error:
             rospy.logwarn("what was closed stays registered: %s", error)
 
-    def _connect(self, name: str, publishers: List[str]) -> None:
-        """Connect to the publishers of a topic, but to those that need no connection."""
+    def connect(self, name: str, publishers: List[str]) -> None:
+        """Connect to publishers of a topic, given by URI, but to those that need no connection."""
         topic = get_topic_manager().get_subscriber_impl(name)
         missing = [uri for uri in publishers if topic is None or not topic.has_connection(uri)]
         if missing:
@@ -166,12 +166,6 @@ class _Registrar(RegistrationListener):
 
 
 _registrar: Optional[_Registrar] = None
-
-
-def topic_lock() -> ContextManager[Any]:
-    """Keep rospy from closing a topic, whose last user goes, while another one is made."""
-    lock: ContextManager[Any] = get_topic_manager().lock
-    return lock
 
 
 def take_over(request: Request) -> None:
@@ -185,6 +179,12 @@ def take_over(request: Request) -> None:
         if _registrar is None and len(listeners.listeners) == 1:
             _registrar = _Registrar(listeners.listeners[0], request)
             listeners.listeners = [_registrar]
+
+
+def connect(name: str, publisher: str) -> None:
+    """Connect a subscribed topic soon to a publisher, given by its URI, unless it is connected."""
+    if _registrar is not None:
+        _registrar.connect(name, [publisher])
 
 
 @contextlib.contextmanager

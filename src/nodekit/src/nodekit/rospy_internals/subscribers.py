@@ -8,8 +8,10 @@ published in the same process comes without a connection, in the thread that pub
 
 import functools
 import inspect
+import math
+import time
 import traceback
-from typing import Any, Callable, List
+from typing import Any, Callable, Dict, List
 
 import rospy
 import rospy.core
@@ -18,6 +20,7 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
+from nodekit.rospy_internals import registration
 from nodekit.rospy_internals.connecting import leave_where_refused
 from nodekit.rospy_internals.reading import Reader
 from nodekit.rospy_internals.topic_types import refuse_another
@@ -26,7 +29,9 @@ from nodekit.rospy_internals.topic_types import refuse_another
 #: of a connection, which may be kept waiting.
 BatchCallback = Callable[[List[Any], bool], None]
 
-_SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger"
+#: How much earlier than the end of a connection news of its successor may come, s.
+ANEW_S = 10.0
+_SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger closed"
 _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_num_msg is_latched"
 
 
@@ -85,29 +90,6 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
     return True
 
 
-def subscribe_heard(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
-    """Subscribe as with rospy alone, but miss nothing that comes at once.
-
-    rospy registers a topic before the callback is in place, so that on a busy machine a latched
-    message may come in between, and is lost for good.
-
-    :param name: topic, resolved
-    :param data_class: message class
-    :param callback: called with each message
-    :returns: the ``rospy.Subscriber``
-    """
-    manager = get_topic_manager()
-    with manager.lock:
-        if subscriber_mismatch() or manager.get_subscriber_impl(name) is not None:
-            return rospy.Subscriber(name, data_class, callback)
-        topic = rospy.topics._SubscriberImpl(name, data_class)
-        topic.add_callback(callback, None)
-        manager._add(topic, manager.subs, Registration.SUB)
-        subscriber = rospy.Subscriber(name, data_class)
-        subscriber.callback, subscriber.callback_args = callback, None  # what its end takes back
-        return subscriber
-
-
 def stop_receiving(name: str, callback: BatchCallback) -> None:
     """Hand over nothing more; to be called before unsubscribing.
 
@@ -136,6 +118,8 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
         self._batch_callbacks: List[BatchCallback] = []
+        #: When the master told of publishers that are connected, s: perhaps of a new one each.
+        self._told_of: Dict[str, float] = {}
         self._header_here = {
             "callerid": rospy.get_name(),
             "topic": name,
@@ -212,7 +196,25 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
 
         :param endpoint_id: URI of the publishing node
         """
-        return self._hears_here(endpoint_id) or bool(super().has_connection(endpoint_id))
+        if self._hears_here(endpoint_id):
+            return True
+        found = bool(super().has_connection(endpoint_id))
+        if found:
+            self._told_of[endpoint_id] = time.monotonic()
+        return found
+
+    def remove_connection(self, c: Any) -> None:
+        """Forget a publisher's connection that has ended.
+
+        A publisher that is closed and made anew may be told of before its old connection is seen to
+        end, and nobody would tell of it again.
+
+        :param c: rospy's object for it
+        """
+        super().remove_connection(c)
+        told = self._told_of.pop(c.endpoint_id, -math.inf)
+        if time.monotonic() - told < ANEW_S and not self.closed:
+            registration.connect(self.resolved_name, c.endpoint_id)
 
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.

@@ -5,7 +5,7 @@ from typing import Any, Callable, List
 
 import rospy
 
-from nodekit.rospy_internals.subscribers import subscribe_heard
+from nodekit.rospy_internals.latched import subscribe_heard
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 

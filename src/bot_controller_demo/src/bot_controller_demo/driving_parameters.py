@@ -31,7 +31,8 @@ class DrivingParameters(ParameterSet):
     control_law = EnumParameter(
         "settling",
         choices=tuple(LAWS),
-        help="settling comes to every goal; course circles it from a kp_angular of 1.2 on",
+        help="settling comes to every goal; course may circle it where kp_angular is not about "
+        "twice kp_linear",
     )
     kp_linear = _gain(0.5, "the distance")
     kp_angular = _gain(1.0, "the angle")

@@ -12,11 +12,14 @@ from bot_controller_demo.commands import Commands
 from bot_controller_demo.driving_parameters import DrivingParameters
 from bot_controller_demo.freshness import Freshness
 from bot_controller_demo.geometry import Goal, Pose, heading_of
-from bot_controller_demo.laws import COURSE_CIRCLES_FROM
+from bot_controller_demo.laws import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
 from bot_controller_demo.pursuit import ARRIVED, Pursuit
 from bot_controller_demo.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
 from nodekit import LiveParameters, Node
+
+#: Frame of the odometry, until there is some.
+_ODOM = "odom"
 
 
 class Driver:
@@ -59,8 +62,11 @@ class Driver:
         rospy.loginfo("goal: %s", goal)
         self._pursuit = Pursuit(goal)
         self._arrived.publish(Bool(False))
+        self._tell_goal(goal)
+
+    def _tell_goal(self, goal: Goal) -> None:
         message = PoseStamped()
-        message.header.stamp, message.header.frame_id = rospy.Time.now(), self.frame or "odom"
+        message.header.stamp, message.header.frame_id = rospy.Time.now(), self.frame or _ODOM
         message.pose.position.x, message.pose.position.y = goal.x, goal.y
         theta = goal.theta or 0.0
         message.pose.orientation.z, message.pose.orientation.w = (
@@ -104,7 +110,9 @@ class Driver:
             return  # it grows old
         self._pose, self._stamp = pose, message.header.stamp or rospy.Time.now()
         self._freshness.note(message.header.stamp.to_sec(), rospy.get_time())
-        self.frame = message.header.frame_id
+        guess, self.frame = self.frame or _ODOM, message.header.frame_id
+        if self.frame != guess and self._pursuit is not None:
+            self._tell_goal(self._pursuit.goal)
 
     def _has_odometry(self, limit: float) -> bool:
         """Tell whether it is known where the robot is; stop it where not, and say so once."""
@@ -130,9 +138,12 @@ class Driver:
         if settings is self._judged:
             return
         self._judged = settings
-        if settings.control_law == "course" and settings.kp_angular >= COURSE_CIRCLES_FROM:
+        tuning = settings.tuning
+        if tuning.law == "course" and may_circle(tuning.gains, tuning.linear_tolerance):
             rospy.logwarn(
-                "control_law course with kp_angular %g 1/s circles its goal: must be below %g 1/s, "
-                "or the law settling",
-                *(settings.kp_angular, COURSE_CIRCLES_FROM),
+                "control_law course may circle its goal with kp_linear %g 1/s, kp_angular %g 1/s "
+                "and linear_tolerance %g m: must be kp_angular %g to %g times kp_linear and "
+                "linear_tolerance at least %g m, or the law settling",
+                *(*tuning.gains, tuning.linear_tolerance),
+                *(*COURSE_RATIOS, COURSE_LEAST_TOLERANCE),
             )

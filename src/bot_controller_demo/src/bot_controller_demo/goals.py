@@ -1,11 +1,15 @@
 """Goals as messages give them."""
 
-import math
 from typing import Optional
 
 from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo.geometry import Goal, heading_of
+
+
+#: Largest coordinate, m, and heading, rad: those of the parameters. From 1e308 on errors overflow,
+#: and with them the velocities.
+FARTHEST = 1e6
 
 
 class GoalRefused(ValueError):
@@ -17,7 +21,7 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
 
     :param message: a pose; without a frame, it is in that of the odometry
     :param frame: of the odometry, None where there was none yet
-    :raises GoalRefused: if it is in another frame, or not finite
+    :raises GoalRefused: if it is in another frame, not finite, or too far away
     """
     named = message.header.frame_id.lstrip("/")
     if named and frame is None:
@@ -30,15 +34,15 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
         raise GoalRefused(
             "orientation is 0 in all parts: must be a quaternion, w = 1 to look ahead"
         )
-    return finite(Goal(position.x, position.y, heading_of(*parts)))
+    return allowed(Goal(position.x, position.y, heading_of(*parts)))
 
 
-def finite(goal: Goal) -> Goal:
+def allowed(goal: Goal) -> Goal:
     """Return a goal.
 
     :param goal: to be judged
-    :raises GoalRefused: if it is not finite
+    :raises GoalRefused: if it is not finite, or too far away
     """
-    if not all(map(math.isfinite, (goal.x, goal.y, goal.theta or 0.0))):
-        raise GoalRefused(f"{goal}: must be finite")
+    if not all(abs(part) <= FARTHEST for part in (goal.x, goal.y, goal.theta or 0.0)):
+        raise GoalRefused(f"{goal}: each must be from -1e6 to 1e6")
     return goal

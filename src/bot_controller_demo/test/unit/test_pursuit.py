@@ -1,13 +1,16 @@
 """Goals, laws, limits, and how old odometry is."""
 
 import math
+from typing import Optional
 
 import pytest
+from geometry_msgs.msg import PoseStamped
 from hypothesis import given
 from hypothesis import strategies as st
 
 from bot_controller_demo.freshness import Freshness
 from bot_controller_demo.geometry import Errors, Goal, Pose, errors, heading_of, wrap
+from bot_controller_demo.goals import GoalRefused, goal_of
 from bot_controller_demo.laws import LAWS, Gains, course, settling
 from bot_controller_demo.pursuit import ARRIVED, DRIVING, TURNING, Pursuit, Tuning
 from bot_controller_demo.velocities import STOP, Limits, Velocity, clamp, saturate
@@ -26,10 +29,21 @@ def test_an_angle_is_wrapped_to_the_same_direction(angle: float) -> None:
     assert math.sin(wrap(angle)) == pytest.approx(math.sin(angle), abs=1e-9)
 
 
-@given(ANGLES)
-def test_a_heading_comes_back_from_its_quaternion(theta: float) -> None:
-    found = heading_of(0.0, 0.0, math.sin(theta / 2.0), math.cos(theta / 2.0))
-    assert wrap(found - theta) == pytest.approx(0.0, abs=1e-9)
+@given(ANGLES, st.sampled_from([1.0, -1.0, math.sqrt(2.0), 1e-3, 100.0]))
+def test_a_heading_comes_back_from_its_quaternion_of_any_length(
+    theta: float, length: float
+) -> None:
+    z, w = length * math.sin(theta / 2.0), length * math.cos(theta / 2.0)
+    assert wrap(heading_of(0.0, 0.0, z, w) - theta) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_heading_of_a_tilted_robot_is_where_its_nose_points() -> None:
+    half = 0.5 * 0.3  # pitched by 0.3 rad, then turned by 1 rad
+    x, y, z, w = (
+        *(-math.sin(half) * math.sin(0.5), math.sin(half) * math.cos(0.5)),
+        *(math.cos(half) * math.sin(0.5), math.cos(half) * math.cos(0.5)),
+    )
+    assert heading_of(x, y, z, w) == pytest.approx(1.0)
 
 
 def test_errors_are_seen_from_the_robot() -> None:
@@ -122,6 +136,40 @@ def test_age_is_that_of_the_stamp_or_of_the_arrival() -> None:
     assert freshness.age(19.0) == math.inf  # the clock was set back
     freshness.note(5.0, 20.0)  # late, out of a cut link
     assert freshness.age(20.0) == 15.0
+
+
+def pose(frame: str = "", x: float = 0.0, z: float = 0.0, w: float = 1.0) -> PoseStamped:
+    """Return a goal as a message."""
+    message = PoseStamped()
+    message.header.frame_id, message.pose.position.x = frame, x
+    message.pose.orientation.z, message.pose.orientation.w = z, w
+    return message
+
+
+@pytest.mark.parametrize("named, frame", [("odom", "odom"), ("/odom", "odom"), ("", None)])
+def test_a_goal_is_in_the_frame_of_the_odometry_or_names_none(
+    named: str, frame: Optional[str]
+) -> None:
+    assert goal_of(pose(named, 2.0), frame) == Goal(2.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "message, frame, reason",
+    [
+        (pose("map"), "odom", "frame_id 'map': must be 'odom', that of the odometry, or empty"),
+        (pose("odom"), None, "frame_id 'odom': must be empty while there is no odometry"),
+        (pose(w=0.0), "odom", "must be a quaternion"),
+        (pose(x=math.nan), "odom", "each must be from -1e6 to 1e6"),
+        (pose(z=math.inf), "odom", "each must be from -1e6 to 1e6"),
+        (pose(x=1.1e6), "odom", "x 1.1e\\+06 m, .*: each must be from -1e6 to 1e6"),
+        (pose(x=-1e308), "odom", "each must be from -1e6 to 1e6"),
+    ],
+)
+def test_a_goal_that_makes_no_sense_is_refused_in_words(
+    message: PoseStamped, frame: Optional[str], reason: str
+) -> None:
+    with pytest.raises(GoalRefused, match=reason):
+        goal_of(message, frame)
 
 
 def test_the_same_seed_gives_the_same_velocities_within_the_limits() -> None:

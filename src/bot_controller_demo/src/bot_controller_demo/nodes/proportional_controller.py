@@ -9,13 +9,13 @@ from bot_controller_demo.driver import Driver
 from bot_controller_demo.driving_parameters import DrivingParameters
 from bot_controller_demo.geometry import Goal
 from bot_controller_demo.go_to_server import GoToServer
-from bot_controller_demo.goals import GoalRefused, finite, goal_of
+from bot_controller_demo.goals import FARTHEST, GoalRefused, allowed, goal_of
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest, SetGoalResponse
 from nodekit import FloatParameter, Node, run
 
 
 def _coordinate(default: float, unit: str, what: str) -> FloatParameter:
-    return FloatParameter(default, minimum=-1e6, maximum=1e6, unit=unit, help=what)
+    return FloatParameter(default, minimum=-FARTHEST, maximum=FARTHEST, unit=unit, help=what)
 
 
 class ProportionalControllerParameters(DrivingParameters):
@@ -77,7 +77,7 @@ class ProportionalController:
     def _set_goal(self, request: SetGoalRequest) -> SetGoalResponse:
         goal = Goal(request.x, request.y, request.theta)
         try:
-            self._head_for(finite(goal))
+            self._head_for(allowed(goal))
         except GoalRefused as refusal:
             return SetGoalResponse(False, str(refusal))
         return SetGoalResponse(True, str(goal))

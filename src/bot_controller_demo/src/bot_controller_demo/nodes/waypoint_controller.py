@@ -7,6 +7,7 @@ import rospy
 from bot_controller_demo.driver import Driver
 from bot_controller_demo.driving_parameters import DrivingParameters
 from bot_controller_demo.geometry import Goal
+from bot_controller_demo.goals import FARTHEST
 from bot_controller_demo.pursuit import ARRIVED
 from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run
 
@@ -18,7 +19,7 @@ class WaypointControllerParameters(DrivingParameters):
         [],
         element=ListParameter(
             [0.0, 0.0],
-            element=FloatParameter(0.0, minimum=-1e6, maximum=1e6, help=""),
+            element=FloatParameter(0.0, minimum=-FARTHEST, maximum=FARTHEST, help=""),
             min_length=2,
             max_length=3,
             help="",
@@ -63,8 +64,8 @@ class WaypointController:
             return
         if self._ahead:
             self._driver.head_for(self._ahead.pop(0))
-        elif self._parameters.values.repeat:
-            self._start()
+        elif self._parameters.values.repeat and len(set(self._parameters.values.goals)) > 1:
+            self._start()  # but for a single point: the robot is there, and stays
 
     def _start(self) -> None:
         self._ahead = self._parameters.values.goals

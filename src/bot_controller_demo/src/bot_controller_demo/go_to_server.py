@@ -45,11 +45,14 @@ class GoToServer:
             self._is_new = False
             server.start()
         if server.is_new_goal_available():
+            is_driving = server.is_active()
             goal = server.accept_new_goal()  # the one before is preempted by this
             try:
                 self._accept(goal.target_pose)
             except GoalRefused as refusal:
-                self._stop()
+                rospy.logwarn("the goal is left out: %s", refusal)
+                if is_driving:  # otherwise the robot is somebody else's
+                    self._stop()
                 server.set_aborted(GoToResult(), str(refusal))
         elif server.is_active() and server.is_preempt_requested():
             self._stop()

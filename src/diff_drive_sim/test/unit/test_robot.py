@@ -56,8 +56,8 @@ def test_curve_is_kept(linear: float, angular: float, robot: RobotSettings) -> N
 
 
 @given(
-    st.lists(st.tuples(COMMANDS, STEPS), max_size=8),
-    ROBOTS,
+    st.lists(st.tuples(COMMANDS, STEPS | st.just(HOUR)), max_size=8),
+    ROBOTS | ROBOTS.map(forever),
     st.sampled_from([0.0, 0.5, 5.0, 1000.0]),
 )
 def test_neither_speed_nor_its_change_exceeds_a_limit_in_any_run(

@@ -10,6 +10,8 @@ Samples = Tuple[numpy.ndarray, numpy.ndarray]
 #: Most samples of a trace that are kept: 24 MB.
 LIMIT = 1 << 20
 _SMALLEST = 1 << 10
+#: Memory for more than this many times what there is goes back, as when a topic is slower now.
+_SPARE = 16
 
 
 class Ring:
@@ -52,7 +54,8 @@ class Ring:
         if not count:
             return
         self._forget(added[0, -1] - self._history, count)
-        if self._end + count > self._data.shape[1]:
+        capacity = self._data.shape[1]
+        if self._end + count > capacity or capacity > max(_SMALLEST, _SPARE * (len(self) + count)):
             self._make_room(count)
         self._data[:, self._end : self._end + count] = added
         self._end += count
@@ -104,12 +107,14 @@ class Ring:
         self._start = max(self._start, self._end + more - self._limit)
 
     def _make_room(self, count: int) -> None:
-        """Move the samples to the front, of more memory where they fill half of it."""
+        """Move the samples to the front, of other memory where that is full, or almost empty."""
         kept = self._data[:, self._start : self._end]
-        capacity = self._data.shape[1]
-        while capacity < 2 * (kept.shape[1] + count) and capacity < 2 * self._limit:
+        needed, capacity = kept.shape[1] + count, self._data.shape[1]
+        if capacity > _SPARE * needed:
+            capacity = min(capacity, _SMALLEST)
+        while capacity < 2 * needed and capacity < 2 * self._limit:
             capacity *= 2
-        capacity = max(capacity, kept.shape[1] + count)
+        capacity = max(capacity, needed)
         # In its place where that does: memory that is taken and given back again and again tears.
         data = self._data if capacity == self._data.shape[1] else numpy.empty((3, capacity))
         data[:, : kept.shape[1]] = kept

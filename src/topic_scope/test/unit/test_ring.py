@@ -88,6 +88,20 @@ def test_memory_stays_what_the_history_needs() -> None:
     assert ring._data.shape[1] <= 8 * 100 * HISTORY
 
 
+@pytest.mark.parametrize("slow", [1, 10, 100])
+def test_memory_goes_back_when_a_topic_is_quick_no_more(slow: int) -> None:
+    ring, sizes, everything = Ring(HISTORY), [], []
+    for second in range(30):
+        times = second + numpy.arange(20000 if second < 15 else slow) / 20000.0
+        ring.append(times, times, times)
+        everything += list(times)
+        sizes.append(ring._data.shape[1])
+    assert sizes[14] >= 20000 * HISTORY
+    assert sizes[-1] <= max(1024, 4 * slow * (HISTORY + 1))
+    assert len(set(sizes[14:])) <= 5, "seldom"
+    assert content(ring) == [(at, at) for at in everything if at >= times[-1] - HISTORY]
+
+
 @given(st.lists(st.lists(st.floats(0.0, 9.0), max_size=20), max_size=20))
 def test_what_is_late_is_sorted_in_with_the_time_it_was_received(batches: list) -> None:
     ring, everything = Ring(1e6), []

@@ -50,7 +50,7 @@ def measure(
 def frequency(
     times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
 ) -> Optional[float]:
-    """Return how often a trace crosses its mean upwards in a second.
+    """Return how often a trace crosses its mean upwards in a second, or downwards.
 
     The crossings are taken on the straight line between two samples, and whole periods only are
     counted.
@@ -65,6 +65,8 @@ def frequency(
     # Short pulses leave a mean that is close to where they come from on one side only.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
     ups = rises(times, values, level, band)
+    if len(ups) < 2:  # of two periods, one may begin too close to an end to be seen
+        ups = rises(times, -values, -level, band)
     periods = numpy.diff(ups)
     gaps = numpy.concatenate([[0], numpy.cumsum(numpy.diff(times) > longest)])
     if gaps[-1]:

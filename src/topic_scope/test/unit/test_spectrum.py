@@ -78,7 +78,7 @@ def test_a_peak_is_told_between_the_lines(frequency: float, peak: float, window:
     assert found is not None
     told = peaks(found, window)
     assert told[0][0] == pytest.approx(frequency, abs=0.1 * found.step)
-    assert decibels(numpy.array(told[0][1] / peak)) == pytest.approx(0.0, abs=0.2)
+    assert decibels(numpy.array(told[0][1] / peak)) == pytest.approx(0.0, abs=0.1)
     assert len(told) == 1
 
 

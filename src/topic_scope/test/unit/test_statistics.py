@@ -25,6 +25,17 @@ def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: f
     assert result["rms"] == pytest.approx(math.hypot(mean, peak / math.sqrt(2)), rel=1e-2)
 
 
+@given(st.floats(100.0, 2000.0), st.floats(0.0, 1.0), st.floats(1e-3, 1e3), st.floats(-3.0, 3.0))
+@example(100.0, 0.0, 1.0, 0.0)
+def test_two_periods_tell_the_frequency_wherever_they_begin(
+    rate: float, begin: float, peak: float, mean: float
+) -> None:
+    # In 2 s, less what has not come yet.
+    times = 1.7e9 + begin + numpy.arange(0.0, 1.99, 1.0 / rate)
+    values = peak * (mean + numpy.sin(2 * math.pi * (times - 1.7e9)))
+    assert measure(times, values)["frequency"] == pytest.approx(1.0, abs=1e-4)
+
+
 def test_noise_on_a_sine_makes_no_periods() -> None:
     times = numpy.arange(0.0, 5.0, 0.001)
     values = numpy.sin(2 * math.pi * 3.0 * times)

@@ -35,7 +35,7 @@ class Site:
         self._running.wait()
         if self._error is not None:
             raise self._error
-        threading.Thread(target=self._say_waiting, daemon=True).start()
+        threading.Thread(target=self._look_for_master, daemon=True).start()
 
     def show(self, make: Callable[[], Server]) -> None:
         """Show something from now on.
@@ -48,8 +48,8 @@ class Site:
         def begin() -> None:
             try:
                 self._front.scope = make()
-                for connection in self._waiting.sockets:
-                    connection.enter()
+                while self._waiting.sockets:
+                    self._waiting.sockets.pop(0).enter()
             except Exception as error:
                 self._error = error
             made.set()
@@ -71,11 +71,12 @@ class Site:
         self._loop.add_callback(self._running.set)
         self._loop.start()
 
-    def _say_waiting(self) -> None:
-        """Say where the page is, if that will not be said soon."""
+    def _look_for_master(self) -> None:
+        """Say where the page is, and what it waits for, if that will not be said soon."""
         try:
             client = MasterClient(rosgraph.get_master_uri(), "/scope", "", timeout=1.0)
             with contextlib.closing(client):
                 client.read([])
         except MasterUnreachable:
             rospy.logwarn("the scope is at %s already", self._options.url)
+            self._loop.add_callback(self._waiting.miss)

@@ -26,13 +26,19 @@ class Waiting:
     def __init__(self, uri: str, window: float) -> None:
         self.sockets: List[Socket] = []
         self._uri, self._window = uri, window
+        self._trouble = ""
 
     def open(self, connection: Socket) -> Page:
-        """Tell a page what it waits for."""
+        """Tell a page what it waits for, as far as that is known."""
         self.sockets.append(connection)
-        text = f"There is no ROS master at {self._uri} yet: the scope waits for it."
-        connection.send([master_message(text)])
+        connection.send([master_message(self._trouble)])
         return Page(self._window)
+
+    def miss(self) -> None:
+        """Tell pages that the master does not answer: before, the scope may only need a moment."""
+        self._trouble = f"There is no ROS master at {self._uri} yet: the scope waits for it."
+        for connection in self.sockets:
+            connection.send([master_message(self._trouble)])
 
     def close(self, connection: Socket) -> None:
         """Forget a page."""

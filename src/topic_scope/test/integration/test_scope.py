@@ -140,7 +140,7 @@ class Signals(ScopeTest):
 
     def test_measures_and_triggers(self) -> None:
         page = self.page("/signal/signal_y")
-        page.send("view", window=3.0, width=500, end=None)
+        page.send("view", window=2.0, width=500, end=None)
         found = page.wait_for(
             "stats",
             # By the time of the messages it is exact, however late these come.

@@ -17,7 +17,7 @@ from topic_scope.bag_reading import Sample
 from topic_scope.definitions import layout_of
 from topic_scope.derived import make, parts
 from topic_scope.fields import Key, Path
-from topic_scope.time_base import longest_step, path_of, placed
+from topic_scope.time_base import longest_step, path_of, placed, said_in
 from topic_scope.values import getter, value_at
 from topic_scope.xy import paired
 
@@ -81,8 +81,9 @@ class _Recorded:
         """Return all of it in the order of time; where the time was set back, the line ends."""
         times, values = array("d"), array("d")
         function, rows = make(self._column.function), numpy.array(self._rows)
-        begin = 0
-        for part in placed(self._path, numpy.array(self._own), numpy.array(self._received)):
+        begin, own = 0, numpy.array(self._own)
+        path = self._path if said_in(self._path, own).any() else None
+        for part in placed(self._path, own, numpy.array(self._received)):
             if times:
                 times.append(times[-1])
                 values.append(math.nan)
@@ -91,7 +92,7 @@ class _Recorded:
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
             # What is computed of two begins with the second.
             late = len(order) - len(found)
-            part, found = _with_gaps(self._path, part[order][late:], found)
+            part, found = _with_gaps(path, part[order][late:], found)
             times.extend(part)
             values.extend(found)
             begin += len(order)

@@ -14,7 +14,7 @@ from topic_scope.derived import terms
 from topic_scope.fields import FieldError
 from topic_scope.recorder import Recorder
 from topic_scope.ring import Samples
-from topic_scope.streams import Recorded, Stream
+from topic_scope.traces import Recorded, Timed
 from topic_scope.xy import paired
 
 Span = Tuple[float, float]
@@ -48,7 +48,7 @@ class Difference:
         self._first, self._second = first, second
 
     @property
-    def stream(self) -> Stream:
+    def stream(self) -> Timed:
         """What gives the first trace its topic and its time."""
         return self._first.stream
 

@@ -6,7 +6,7 @@ import numpy
 
 from topic_scope.csv_rows import Column, header, rows
 from topic_scope.recorder import Recorder
-from topic_scope.streams import Recorded
+from topic_scope.traces import Recorded
 
 #: Length of a part, s; frames are sent in between.
 PART_S = 0.25

@@ -13,8 +13,9 @@ from topic_scope.definitions import Record
 from topic_scope.layouts import Layouts
 from topic_scope.ring import Samples
 from topic_scope.source import Source
-from topic_scope.streams import Recorded, Stream, Trace
+from topic_scope.streams import Stream
 from topic_scope.taps import Batch
+from topic_scope.traces import Recorded, Trace
 
 #: Most fields that are listed, and most topics that are listened to for their first message alone.
 LISTED, UNKNOWN = 5000, 50

@@ -1,151 +1,14 @@
-"""The samples of fields, by the times of their messages."""
+"""What comes of a topic, and the time that its messages go by."""
 
-import math
-from typing import List, Optional, Protocol, Tuple
+from typing import List, Optional, Tuple
 
 import numpy
 
-from topic_scope import derived, fields, time_base
+from topic_scope import fields, time_base
 from topic_scope.decoding import Decoder
 from topic_scope.definitions import Record
-from topic_scope.ring import Ring, Samples
 from topic_scope.taps import Batch
-
-#: More than any rounding of a time since the epoch, s.
-_MORE_S = 1e-5
-#: How many samples tell what is usual between them.
-_USUAL = 200
-
-
-class Recorded(Protocol):
-    """What can be asked of the samples of a field, or of what is made of several; see Trace."""
-
-    @property
-    def stream(self) -> "Stream":
-        ...
-
-    @property
-    def span(self) -> Optional[Tuple[float, float]]:
-        ...
-
-    @property
-    def longest_step(self) -> float:
-        ...
-
-    def samples(self, start: float, end: float) -> Samples:
-        ...
-
-    def received(self, start: float, end: float) -> numpy.ndarray:
-        ...
-
-    def age(self, now: float) -> Optional[float]:
-        ...
-
-
-class Trace:
-    """The samples of one field.
-
-    :param stream: where they come from
-    :param path: where the field stands in a message
-    :param history: how long samples are kept, s
-    :param function: name of what is computed of it, see :mod:`.derived`; empty for nothing
-
-    :ivar ring: the samples, by the own clock of their messages
-    :ivar used_at: when somebody has looked at it, s
-    """
-
-    def __init__(
-        self, stream: "Stream", path: fields.Path, history: float, function: str = ""
-    ) -> None:
-        self._stream = stream
-        self.path = path
-        self.ring = Ring(history)
-        self.used_at = 0.0
-        self._pinned = (math.inf, -math.inf)
-        self._longest_step: Optional[float] = None
-        self._new = 0
-        self._function = derived.make(function)
-        #: Where a message has no element of that name it is about others: no gap, but no sample.
-        self._is_named = any(isinstance(part, fields.Key) for part in path)
-        self._paths = [path + part for part in derived.parts(function)]
-        self._decoders: List[Decoder] = []
-
-    @property
-    def stream(self) -> "Stream":
-        """Where they come from."""
-        return self._stream
-
-    def read_as(self, layout: Record) -> None:
-        """Read messages of this layout from now on; nothing, where it has no such field."""
-        found = [_decoder(layout, path) for path in self._paths]
-        self._decoders = [decoder for decoder in found if decoder is not None]
-        self._longest_step = None
-
-    def add(self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray) -> None:
-        """Take the samples of some messages.
-
-        :param messages: the messages
-        :param times: when they were taken, by their own clock, s
-        :param received: when they were received, s
-        """
-        if len(self._decoders) == len(self._paths):
-            rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
-            if self._is_named and numpy.isnan(rows).any():
-                there = [all(one.has(data) for one in self._decoders) for data in messages]
-                rows, times, received = rows[:, there], times[there], received[there]
-            values = self._function(times, rows)
-            late = len(times) - len(values)  # what is computed of two begins with the second
-            self.ring.append(times[late:], values, received[late:])
-            self._new += len(values)
-            if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
-                self._longest_step, self._new = None, 0
-
-    def samples(self, start: float, end: float) -> Samples:
-        """Return times and values of a time span by the scope's clock, its ends included, s."""
-        times, values, _ = self._between(start, end)
-        return times, values
-
-    def received(self, start: float, end: float) -> numpy.ndarray:
-        """Return when the samples of a time span were received, s."""
-        return self._between(start, end)[2]
-
-    def pin(self, start: float, end: float) -> None:
-        """Keep the samples of a time span, and no others, when their time is over, s."""
-        if (start, end) != self._pinned:
-            self._pinned = (start, end)
-            self.ring.pin(start - self.stream.offset, end - self.stream.offset)
-
-    @property
-    def span(self) -> Optional[Tuple[float, float]]:
-        """The times of the first and the last sample, s; None where there is none."""
-        times, _, _ = self._between(-math.inf, math.inf)
-        return (float(times[0]), float(times[-1])) if len(times) else None
-
-    @property
-    def longest_step(self) -> float:
-        """How far apart samples of one line may be, s: as the latest have told, or those before."""
-        if self._longest_step is None:
-            latest = self.ring.latest(_USUAL)
-            self._longest_step = time_base.longest_step(self.stream.path, latest)
-        return self._longest_step
-
-    def age(self, now: float) -> Optional[float]:
-        """Return how long ago its last sample was taken, s; None where there is none.
-
-        :param now: the time, s
-        """
-        latest = self.ring.latest(1)
-        return now - float(latest[0]) - self.stream.offset if len(latest) else None
-
-    def _between(self, start: float, end: float) -> "tuple[numpy.ndarray, ...]":
-        # Sought with some more, as the ends are rounded otherwise than the samples' times.
-        offset = self.stream.offset
-        if not offset:
-            return tuple(self.ring.between(start, end))
-        times, *others = self.ring.between(start - offset - _MORE_S, end - offset + _MORE_S)
-        times = times + offset
-        inside = slice(times.searchsorted(start), times.searchsorted(end, "right"))
-        return tuple(row[inside] for row in (times, *others))
+from topic_scope.traces import Trace, decoder_of
 
 
 class Stream:
@@ -155,7 +18,6 @@ class Stream:
     :param base: name of the time; see :func:`.time_base.path_of`
 
     :ivar traces: those that are recorded
-    :ivar path: where the time stands in the messages, None where that of receipt is in use
     """
 
     def __init__(self, topic: str, base: str) -> None:
@@ -163,7 +25,7 @@ class Stream:
         self.traces: List[Trace] = []
         self._base = base
         self._layout: Optional[Record] = None
-        self.path: Optional[fields.Path] = None
+        self._path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
         self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
         self._time = time_base.OwnTime(None)
@@ -172,6 +34,11 @@ class Stream:
     def offset(self) -> float:
         """What is to be added to the times in the rings to get the scope's, s."""
         return self._time.offset
+
+    @property
+    def path(self) -> Optional[fields.Path]:
+        """Where the time stands in the messages, None where that of receipt is in use."""
+        return self._path if self._time.is_said else None
 
     @property
     def base(self) -> str:
@@ -216,7 +83,7 @@ class Stream:
             times, back = self._time.take(own, received)
             if back:
                 for trace in self.traces:
-                    trace.ring.move(back)
+                    trace.move(back)
         for trace in self.traces:
             trace.add(batch.messages, times, received)
         self._latest = (batch.messages[-1:], times[-1:], received[-1:])
@@ -228,18 +95,11 @@ class Stream:
             path = time_base.path_of(self._base, layout)
         except fields.FieldError:  # the topic has got another type
             path = None
-        if path != self.path:
+        if path != self._path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
-                trace.ring.move(self.offset)
+                trace.move(self.offset)
             self._time = time_base.OwnTime(path)
-        self.path = path
-        self._decoder = None if path is None else _decoder(layout, path)
+        self._path = path
+        self._decoder = None if path is None else decoder_of(layout, path)
         for trace in self.traces:
             trace.read_as(layout)
-
-
-def _decoder(layout: Record, path: fields.Path) -> Optional[Decoder]:
-    try:
-        return Decoder(layout, path)
-    except fields.FieldError:  # the topic has got another type
-        return None

@@ -60,6 +60,19 @@ def name_of(path: Optional[Path]) -> str:
     return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
 
 
+def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
+    """Tell which messages say when they were made.
+
+    A stamp that nobody has filled in is no time, nor is NaN, or what is beyond all clocks.
+
+    :param path: where their times stand
+    :param own: these times, s
+    :returns: a truth value for each
+    """
+    said: numpy.ndarray = numpy.abs(own) <= _LARGEST
+    return said & (own != 0.0) if path == _STAMP_PATH else said
+
+
 def placed(
     path: Optional[Path], own: numpy.ndarray, received: numpy.ndarray
 ) -> "List[numpy.ndarray]":
@@ -111,7 +124,9 @@ class OwnTime:
     def __init__(self, path: Optional[Path]) -> None:
         #: What is to be added to an own time to get the scope's, s.
         self.offset = 0.0
-        self._is_stamp = path == _STAMP_PATH
+        #: Whether any message has said a time; else the time of receipt counts.
+        self.is_said = False
+        self._path = path
         self._begin_anew()
 
     def _begin_anew(self) -> None:
@@ -128,21 +143,28 @@ class OwnTime:
         :returns: their times by the own clock, and by how much it was set back before them, s:
             what came earlier is to be moved by that; 0 where it was not
         """
-        # No time at all: a stamp that nobody has filled in, NaN, what is beyond all clocks.
-        silent = ~(numpy.abs(own) <= _LARGEST)
-        if self._is_stamp:
-            silent |= own == 0.0
-        said = ~silent
+        said = said_in(self._path, own)
         back = 0.0
         if said.any():
             differences = received[said] - own[said]
-            if own[said].max() < self._latest - BACK_S:
-                before, self.offset = self.offset, float(numpy.median(differences))
+            # What came before a first time, as without /clock, stands where it was received.
+            is_first = not self.is_said and self._latest > -numpy.inf
+            if is_first or own[said].max() < self._latest - BACK_S:
+                before, self.offset = self.offset, self._middle(differences)
                 back = before - self.offset
                 self._begin_anew()
+            self.is_said = True
             self._latest = max(self._latest, float(own[said].max()))
             self._follow(received[said], differences)
-        return numpy.where(silent, received - self.offset, own), back
+        elif not self.is_said:
+            self._latest = float(received.max(initial=self._latest))
+        return numpy.where(said, own, received - self.offset), back
+
+    def _middle(self, differences: numpy.ndarray) -> float:
+        """Return how far the clocks are apart, s."""
+        median = float(numpy.median(differences))
+        is_same = self._path == _STAMP_PATH and abs(median) < SAME_CLOCK_S
+        return 0.0 if is_same else median
 
     def _follow(self, received: numpy.ndarray, differences: numpy.ndarray) -> None:
         recent = numpy.concatenate([self._recent, [received, differences]], axis=1)[:, -_RECENT:]
@@ -151,10 +173,8 @@ class OwnTime:
         settles = received[-1] >= self._settles_at and self._tolerance != SETTLED_S
         if not settles and abs(differences - self.offset).max() <= self._tolerance:
             return  # nothing speaks against what is known: the median would take the time
-        median = float(numpy.median(self._recent[1]))
-        if self._is_stamp and abs(median) < SAME_CLOCK_S:
-            median = 0.0
+        middle = self._middle(self._recent[1])
         if settles:
-            self.offset, self._tolerance = median, SETTLED_S
-        if abs(median - self.offset) > self._tolerance:
-            self.offset = median
+            self.offset, self._tolerance = middle, SETTLED_S
+        if abs(middle - self.offset) > self._tolerance:
+            self.offset = middle

@@ -46,7 +46,7 @@ def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
         goal = PoseStamped()
         goal.header.frame_id, goal.pose.position.x = "odom", time
         bag.write("goal", goal, received)
-        path = Path(poses=[goal])
+        path = Path(poses=[PoseStamped(), goal])
         path.header.frame_id = "odom"
         bag.write("plan", path, received)
     if time <= 18.0 and round(time * RATE_HZ) % 10 == 0:
@@ -122,6 +122,25 @@ class Bag(unittest.TestCase):
     def wait_text(self, browser: Browser, selector: str, text: str) -> None:
         """Wait until something is said."""
         wait_until(lambda: text in browser.text(selector), lambda: browser.text(selector))
+
+    def painted(self, browser: Browser, name: str) -> int:
+        """Return how many pixels of the robots' picture have a colour of the page."""
+        code = """
+          const canvas = document.querySelector("#robot-canvas");
+          const colour = getComputedStyle(document.documentElement).getPropertyValue(arguments[0]);
+          const wanted = colour.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+          const { width, height } = canvas;
+          const copy = new OffscreenCanvas(width, height);
+          const context = copy.getContext("2d", { willReadFrequently: true });
+          context.drawImage(canvas, 0, 0);
+          const { data } = context.getImageData(0, 0, width, height);
+          let count = 0;
+          for (let at = 0; at < data.length; at += 4) {
+            if (wanted.every((part, place) => Math.abs(data[at + place] - part) < 40)) count += 1;
+          }
+          return count;
+        """
+        return int(browser.run(code, "--" + name))
 
     def shown(self, page: Client) -> float:
         """Return up to where it is shown, s since the begin."""
@@ -204,7 +223,7 @@ class Bag(unittest.TestCase):
         scenery = page.wait_for("scenery", lambda told: told["goals"])
         self.assertEqual([one["kind"] for one in scenery["markers"]], ["lines"])
         self.assertEqual([one["x"] for one in scenery["goals"]], [12.0])
-        self.assertEqual([one["points"] for one in scenery["paths"]], [[12.0, 0.0]])
+        self.assertEqual([one["points"] for one in scenery["paths"]], [[0.0, 0.0, 12.0, 0.0]])
         # Before: nothing is known of what was told later.
         self.play(page, time=BEGIN + 5.05)
         self.at(page, 0.5)
@@ -309,6 +328,11 @@ class Bag(unittest.TestCase):
         self.play(page, time=BEGIN + 15.05)
         browser.keys("r")
         self.wait_text(browser, "#robot-list", "odom: 1.50, 0.00 m, 0°, 0.1 m/s")
+        # The path is a line across the picture, and what the laser sees a dot of three pixels.
+        wait_until(
+            lambda: self.painted(browser, "good") > 200 and 3 < self.painted(browser, "bad") < 30,
+            lambda: [self.painted(browser, colour) for colour in ("good", "bad")],
+        )
         self.assertFalse(browser.find("#robot-drive").is_displayed())
         self.assertFalse(browser.find("#robot-goal").is_displayed())
         browser.keys(" ")

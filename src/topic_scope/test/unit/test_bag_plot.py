@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import List
 
 import pytest
+from geometry_msgs.msg import PointStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.image import imread
@@ -78,6 +79,13 @@ def test_a_line_ends_where_several_samples_are_missing() -> None:
     (series,) = collect([Column("/x", ("data",))], samples)
     assert repr(list(series.values)) == repr([1.0] * 5 + [math.nan] + [1.0] * 2)
     assert list(series.times) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.4, 2.0, 2.1]
+
+
+def test_a_stamp_that_nobody_has_filled_in_ends_no_line() -> None:
+    times = [0.0, 0.01, 0.02, 0.03, 0.04, 0.2, 0.21]  # received with a delay: less than 0.25 s
+    samples = [Sample(round(time * 1e9), "/x", PointStamped()) for time in times]
+    (series,) = collect([Column("/x", ("point", "x"))], samples)
+    assert list(series.times) == times and list(series.values) == [0.0] * 7
 
 
 def test_a_difference_is_taken_between_two_points_and_not_across_a_gap() -> None:

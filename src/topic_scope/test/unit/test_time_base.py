@@ -122,7 +122,20 @@ def test_stamps_of_another_clock_are_moved() -> None:
 def test_stamps_that_nobody_has_filled_in_are_as_received() -> None:
     time = OwnTime(STAMP)
     assert taken(time, [0.0] * 20, moments(20)) == (moments(20), [])
-    assert time.offset == 0.0
+    assert time.offset == 0.0 and not time.is_said
+
+
+@pytest.mark.parametrize("begin, other", [(3.0, True), (EPOCH - 0.4, False), (2 * EPOCH, True)])
+def test_stamps_that_begin_later_leave_what_came_before_where_it_was_received(
+    begin: float, other: bool
+) -> None:
+    """As of a node that is there before the first message on /clock."""
+    time, own = OwnTime(STAMP), [0.0] * 10 + [begin + 0.1 * index for index in range(10, 20)]
+    times, moves = taken(time, own, moments(20))
+    assert time.offset == pytest.approx(EPOCH - begin if other else 0.0, abs=1e-6) and time.is_said
+    there = [at + sum(moves) + time.offset for at in times[:10]]
+    assert there == pytest.approx(moments(10), abs=1e-6)
+    assert times[10:] == own[10:]
 
 
 @pytest.mark.parametrize("nothing", [numpy.nan, numpy.inf, -1e300])

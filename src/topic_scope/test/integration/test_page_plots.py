@@ -91,6 +91,13 @@ class Plots(PageTest):
             )
 
         wait_until(marked, lambda: seen)
+        self.browser.choose("[aria-label='scale of the spectrum']", "linear")
+        wait_until(
+            lambda: re.search(r"^1\.000 Hz, 2\.0\d\d$", self.browser.run(written), re.MULTILINE),
+            lambda: self.browser.run(written),
+        )
+        self.browser.choose("[aria-label='scale of the spectrum']", "dB")
+        wait_until(marked, lambda: seen)
         # A picture for a report has its numbers, what is measured, and the date.
         self.browser.find("#png").click()
         picture = self.browser.run(written).split("\n")
@@ -479,7 +486,9 @@ class Plots(PageTest):
             self.addCleanup(hog.kill)
         began = time.monotonic()
         wait_until(
-            lambda: self.is_full() and time.monotonic() > began + 2.0,
+            lambda: self.is_full()
+            and time.monotonic() > began + 2.0
+            and abs(self.cell(SINE, "frequency") - 2.0) < 2e-4,
             lambda: self.browser.text("#legend"),
         )
         self.browser.find("#run").click()

@@ -104,19 +104,39 @@ function tableOf(fields) {
   return { heads, rows: rows.map((row) => ({ field: row.dataset.field, figures: cells(row) })) };
 }
 
-/** What is written below the plot: a legend with figures, the readout of the cursors, the date. */
-function below(context, fields, width, notes, labelOf) {
+/** Break what cursors tell where it has gaps, and where that is not enough, as a name. */
+function fitted(text, most, widthOf) {
+  const lines = [];
+  for (const part of text.split(/\s{3,}/)) {
+    const longer = lines.length ? `${lines[lines.length - 1]}   ${part}` : "";
+    if (longer && widthOf(longer) <= most) lines[lines.length - 1] = longer;
+    else lines.push(...wrapped(part, most, widthOf));
+  }
+  return lines;
+}
+
+/**
+ * What is written below the plot: a legend with figures, the readout of the cursors, the date.
+ * Figures that have no room beside the others are below them, with the names once more.
+ */
+function below(context, fields, width, texts, labelOf) {
+  const widthOf = (text) => context.measureText(text).width;
   const { heads, rows } = tableOf(fields);
   const right = width - EDGE;
-  const shown = Math.max(0, Math.min(heads.length, Math.floor((right - 190) / COLUMN)));
+  const shown = Math.max(1, Math.min(heads.length, Math.floor((right - 190) / COLUMN)));
   const room = right - shown * COLUMN - EDGE - SWATCH - 8;
-  const lines = rows.map(({ field, figures }) => ({
-    field,
-    names: wrapped(labelOf(field), room, (text) => context.measureText(text).width),
-    figures: figures.slice(0, shown),
-  }));
-  const count = lines.reduce((sum, { names }) => sum + names.length, 1 + notes.length);
-  return { heads: heads.slice(0, shown), lines, height: count * LINE + 10 };
+  const names = rows.map(({ field }) => wrapped(labelOf(field), room, widthOf));
+  const blocks = [];
+  for (let first = 0; first < Math.max(1, heads.length); first += shown) {
+    const part = (cells) => cells.slice(first, first + shown);
+    blocks.push({
+      heads: part(heads),
+      lines: rows.map(({ field, figures }, place) => ({ field, names: names[place], figures: part(figures) })),
+    });
+  }
+  const notes = texts.flatMap((text) => fitted(text, right - EDGE, widthOf));
+  const each = names.reduce((sum, lines) => sum + lines.length, 1);
+  return { blocks, notes, columns: shown, height: (blocks.length * each + notes.length) * LINE + 10 };
 }
 
 function drawSample(context, y, colour, dash) {
@@ -130,24 +150,27 @@ function drawSample(context, y, colour, dash) {
   context.restore();
 }
 
-function drawBelow(context, { heads, lines }, top, width, notes, { colourOf, dashOf, styleOf }) {
+function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, dashOf, styleOf }) {
   const right = width - EDGE;
   const writeFigures = (texts, y) => texts.forEach((text, place) => {
     context.textAlign = "right";
-    context.fillText(text, right - (texts.length - 1 - place) * COLUMN, y);
+    context.fillText(text, right - (columns - 1 - place) * COLUMN, y);
   });
-  let y = top + LINE / 2 + 2;
+  let y = top - LINE / 2 + 2;
   context.textBaseline = "middle";
-  context.fillStyle = styleOf("muted");
-  writeFigures(heads, y);
-  for (const { field, names, figures } of lines) {
+  for (const { heads, lines } of blocks) {
     y += LINE;
-    drawSample(context, y, colourOf(field), dashOf(field));
-    context.fillStyle = styleOf("text");
-    writeFigures(figures, y);
-    context.textAlign = "left";
-    names.forEach((name, place) => context.fillText(name, EDGE + SWATCH, y + place * LINE));
-    y += (names.length - 1) * LINE;
+    context.fillStyle = styleOf("muted");
+    writeFigures(heads, y);
+    for (const { field, names, figures } of lines) {
+      y += LINE;
+      drawSample(context, y, colourOf(field), dashOf(field));
+      context.fillStyle = styleOf("text");
+      writeFigures(figures, y);
+      context.textAlign = "left";
+      names.forEach((name, place) => context.fillText(name, EDGE + SWATCH, y + place * LINE));
+      y += (names.length - 1) * LINE;
+    }
   }
   context.fillStyle = styleOf("muted");
   context.textAlign = "left";
@@ -174,12 +197,12 @@ export function picture(drawn, fields, looks, until) {
   const overlay = document.getElementById("overlay");
   const readouts = overlay.hidden ? [] : [...overlay.querySelectorAll(".readout:not([hidden])")];
   const date = new Date(until * 1000).toLocaleDateString("sv"); // year first
-  const notes = readouts.map(({ textContent }) => textContent);
-  notes.push(`${date}, ${clockText(until, 0.1)}, ${zoneText(until)}`);
+  const texts = readouts.map(({ textContent }) => textContent);
+  texts.push(`${date}, ${clockText(until, 0.1)}, ${zoneText(until)}`);
   const canvas = make("canvas", {});
   const context = canvas.getContext("2d");
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
-  const table = below(context, fields, box.width, notes, looks.labelOf);
+  const table = below(context, fields, box.width, texts, looks.labelOf);
   const height = box.height + table.height;
   sharply(drawn, ratio, () => {
     Object.assign(canvas, { width: Math.round(box.width * ratio), height: Math.round(height * ratio) });
@@ -193,7 +216,7 @@ export function picture(drawn, fields, looks, until) {
     drawLabels(context, box, drawn.element);
     context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     if (!overlay.hidden) drawHandles(context, box, overlay, styleOf);
-    drawBelow(context, table, box.height, box.width, notes, { ...looks, styleOf });
+    drawBelow(context, table, box.height, box.width, { ...looks, styleOf });
   });
   return canvas;
 }

@@ -7,7 +7,6 @@ import json
 import math
 import re
 import socket
-import struct
 import subprocess
 import threading
 from pathlib import Path
@@ -20,6 +19,7 @@ import rosbag
 import rospy
 from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
+from browsing.picture import Picture
 from browsing.scope_process import ScopeProcess, free_port
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
@@ -84,12 +84,23 @@ class Page(PageTest):
         self.browser.choose("#window", "2")
         self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
         self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
+        colour = self.browser.find(f"[aria-label='colour of {SIGNAL}']")
+        self.browser.run(
+            "arguments[0].value = '#123456'; arguments[0].dispatchEvent(new Event('change'));",
+            colour,
+        )
+        times = ".dygraph-axis-label-x"
+        wait_until(
+            lambda: "−4" not in self.browser.text(times).split(), lambda: self.browser.text(times)
+        )
+        self.browser.keys("c")
         self.browser.choose("#trigger-mode", "normal")
+        self.shows_the_setup()
         address = str(
             wait_until(
-                lambda: re.search(r"#.*normal", self.browser.driver.current_url)
+                lambda: re.search('normal.*"cursors":{"a":-0.(3|29)', self.address())
                 and self.browser.driver.current_url,
-                lambda: self.browser.driver.current_url,
+                self.address,
             )
         )
         setup = self.browser.call(
@@ -116,6 +127,26 @@ class Page(PageTest):
         self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
         self.load(setup)
         self.shows_the_setup()
+        # Pasted where the page is open, an address loads nothing. One that was cut off is told of.
+        self.browser.open(self.scope.url)
+        self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+        self.browser.driver.get(address)
+        self.shows_the_setup()
+        for cut in (address[:-1], address[:-5]):
+            self.browser.run("document.querySelector('#notice').textContent = ''")
+            self.browser.driver.get(cut)
+            wait_until(
+                lambda: self.browser.text("#notice") == "the set-up is no JSON",
+                lambda: self.browser.text("#notice"),
+            )
+            self.shows_the_setup()
+        self.browser.driver.get("about:blank")
+        self.browser.open(cut)
+        self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
+
+    def address(self) -> str:
+        """Return the address of the page as people read it."""
+        return unquote(self.browser.driver.current_url)
 
     def load(self, setup: Any) -> None:
         with TemporaryDirectory() as folder:
@@ -131,8 +162,16 @@ class Page(PageTest):
             lambda: self.browser.count("#legend tr") == 1
             and self.browser.value("#window") == "2"
             and self.browser.value("#trigger-mode") == "normal"
-            and self.browser.text(f"[aria-label='right axis for {SIGNAL}']") == "right",
-            lambda: self.browser.driver.current_url,
+            and self.browser.text("#trigger-state") == "triggered"
+            and self.browser.text(f"[aria-label='right axis for {SIGNAL}']") == "right"
+            and self.browser.value(f"[aria-label='colour of {SIGNAL}']") == "#123456",
+            self.address,
+        )
+        # By the axis of the trigger, whose zero is in the middle.
+        wait_until(
+            lambda: re.match(r"A −0\.3000 s\s+B 0\.3000 s", self.browser.text(".readout"))
+            and "1.0" in self.browser.text(".dygraph-axis-label-x").split(),
+            lambda: self.browser.text(".readout"),
         )
 
     def test_says_what_is_missing(self) -> None:
@@ -197,10 +236,16 @@ class Page(PageTest):
             lambda: self.browser.text(f"{choice} option[value='']") == "auto (time_x)",
             lambda: self.browser.text("#legend"),
         )
+        self.browser.choose("#trigger-mode", "auto")
+        self.browser.find("#value-cursors").click()
         self.browser.choose(choice, "received")
         renamed = f"{SIGNAL}@received"
         self.browser.wait_for(f"#legend tr[data-field='{renamed}']")
         wait_until(lambda: self.cell(renamed, "max") > 1.9, lambda: self.browser.text("#legend"))
+        # All else that goes by the trace goes on so.
+        trigger = [self.browser.value(f"#trigger-{part}") for part in ("mode", "field")]
+        self.assertEqual(trigger, ["auto", renamed])
+        self.assertTrue(self.browser.find(".value-cursor").is_displayed())
 
     def test_csv_is_what_a_bag_has(self) -> None:
         self.browser.choose("#window", "2")
@@ -464,6 +509,8 @@ class Page(PageTest):
                 )
                 self.assertEqual(self.painted_outside(ratio), 0, (ratio, text))
             self.browser.keys(Keys.ESCAPE)
+            height = self.browser.find("#plot").size["height"]
+            self.assertEqual(self.saved(max(2.0, ratio)).strokes(self.box(), height), [])
 
     def painted_outside(self, ratio: float) -> int:
         """Return how many pixels of the canvases are painted that are not of the plot itself."""
@@ -498,18 +545,48 @@ class Page(PageTest):
             "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
             "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
             " window.written.push(text); return write.call(this, text, ...place); };"
+            "const copy = CanvasRenderingContext2D.prototype.drawImage;"
+            "CanvasRenderingContext2D.prototype.drawImage = function(image, x, y, width, height) {"
+            " window.ratio = image.width / width;"
+            " return copy.call(this, image, x, y, width, height); };"
         )
         self.browser.keys("c", "v")
-        wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
+        wait_until(
+            lambda: self.cell(SIGNAL, "max") > 1.9 and self.cell(SIGNAL, "min") < -1.9,
+            lambda: self.browser.text("#legend"),
+        )
         size = self.browser.find("#plot").size
-        self.browser.find("#png").click()
-        path = self.browser.downloads / "scope.png"
-        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
-        head = path.read_bytes()[:24]
-        self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
-        width, height = struct.unpack(">II", head[16:])
-        self.assertEqual(width, 2 * size["width"])
-        self.assertGreater(height, 2 * size["height"] + 100)
+        picture = self.saved()
+        self.assertEqual(picture.painted.shape[1], 2 * size["width"])
+        self.assertEqual(self.browser.run("return window.ratio"), 2, "not drawn so, but stretched")
+        # Heads, two traces, what both pairs of cursors tell, the date.
+        self.assertEqual(picture.lines(size["height"]), [True] * 6)
+        self.assertFalse(
+            picture.part(picture.painted, (-11, size["height"], 0, 0)).any(), "cut off"
+        )
+        box = self.box()
+        for field in (SIGNAL, PROCESSED):
+            colour = picture.of_colour(self.browser.value(f"[aria-label='colour of {field}']"))
+            curve = picture.part(colour, box)
+            self.assertGreater(curve.any(axis=0).mean(), 0.08, "from left to right")
+            self.assertGreater(curve.any(axis=1).mean(), 0.15, "from its least value upwards")
+            sample = picture.part(colour, (13, size["height"], 35, 0))
+            self.assertTrue(sample.any(axis=0).all(), "as long as the sample in the legend")
+        dark = picture.of_colour(self.style("cursor"))
+        for x, y in self.browser.run(
+            "const plot = document.querySelector('#plot').getBoundingClientRect();"
+            "return [...document.querySelectorAll('.handle:not([hidden])')].map((handle) => {"
+            " const box = handle.getBoundingClientRect();"
+            " const middle = [box.left + box.width / 2, box.top + box.height / 2];"
+            " return handle.matches('.cursor') ? [middle[0] - plot.left, null]"
+            " : [null, middle[1] - plot.top]; })"
+        ):
+            left, top, right, bottom = box
+            place = (
+                (left, y - 1.5, right, y + 1.5) if x is None else (x - 1.5, top, x + 1.5, bottom)
+            )
+            dashes = picture.part(dark, place).any(axis=0 if x is None else 1).mean()
+            self.assertTrue(0.35 < dashes < 0.75, (x, y, dashes))
         written = self.browser.run("return window.written")
         for text in (SIGNAL, PROCESSED, "A", "B", "C", "D", "RMS", "time, s"):
             self.assertIn(text, written)
@@ -518,12 +595,69 @@ class Page(PageTest):
         self.assertTrue(any(re.match(r"2\.000\d\Z|1\.99\d\d\Z", text) for text in written), written)
         date = r"\d{4}-\d\d-\d\d, \d\d:\d\d:\d\d\.\d, UTC"
         self.assertTrue(any(re.match(date, text) for text in written), written)
+        self.assertEqual(picture.strokes(box, size["height"]), [])
         # The page is as it was: as many pixels as the screen has, and it goes on.
         self.assertEqual(
             self.browser.run("return [document.querySelector('#plot canvas').width]"),
             [size["width"]],
         )
         self.wait_moving()
+
+    def style(self, name: str) -> str:
+        """Return a colour of the page."""
+        code = "return getComputedStyle(document.documentElement).getPropertyValue(arguments[0])"
+        return str(self.browser.run(code, "--" + name)).strip()
+
+    def saved(self, ratio: float = 2.0) -> Picture:
+        """Have the page save a picture, and return it."""
+        self.browser.find("#png").click()
+        path = self.browser.downloads / "scope.png"
+        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
+        try:
+            return Picture(path, ratio)
+        finally:
+            path.unlink()
+
+    def box(self) -> Any:
+        """Return where in a picture the traces are, and the lines of the axes around them."""
+        return self.browser.run(
+            "const [plot, inner] = ['#plot', '#overlay'].map((name) =>"
+            " document.querySelector(name).getBoundingClientRect());"
+            "return [inner.left - plot.left - 2, Math.max(0, inner.top - plot.top - 2),"
+            " inner.right - plot.left + 2, inner.bottom - plot.top + 2];"
+        )
+
+    def test_a_picture_has_all_that_is_measured_however_narrow_the_page_is(self) -> None:
+        self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
+        name = "/robot1/left_arm/joint_states/position[shoulder]"
+        self.browser.keys("a", name)
+        self.browser.wait_for("#chooser-list input")
+        self.browser.keys(Keys.ENTER, Keys.ESCAPE)
+        self.browser.wait_for(f"#legend tr.gone[data-field='{name}']")
+        self.browser.find("#cursors").click()
+        self.browser.find("#value-cursors").click()
+        self.browser.resize(412, HEIGHT, 2.625)
+        wait_until(lambda: self.box()[2] < 412, self.box)
+        self.browser.run(
+            "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
+            "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
+            " window.written.push(text);"
+            " return write.call(this, text, ...place); };"
+        )
+        picture = self.saved(2.625)
+        written = self.browser.run("return window.written")
+        heads = self.browser.run(
+            "return [...document.querySelectorAll('#legend-head .figure')]"
+            ".map((one) => one.innerText)"
+        )
+        self.assertIn("B − A", heads)
+        self.assertEqual([text for text in written if text in heads], heads)
+        self.assertNotIn(name, written)
+        self.assertIn(name, "".join(written), "in two lines")
+        height = self.browser.find("#plot").size["height"]
+        lines = picture.lines(height)
+        self.assertTrue(len(lines) > 20 and all(lines), lines)
+        self.assertFalse(picture.part(picture.painted, (-11, height, 0, 0)).any(), "cut off")
 
     def test_theme_is_remembered(self) -> None:
         theme = "return document.documentElement.dataset.theme"
@@ -596,7 +730,7 @@ class Page(PageTest):
         self.browser.wait_for("#banner")
         self.scope.start()
         self.browser.wait_connected()
-        self.assertFalse(self.browser.find("#banner").is_displayed())
+        self.wait_banner("")
         # The server shows what the page had before, which is not what it was started with.
         wait_until(
             lambda: self.cell("/signal/frequency", "mean") > 6.0,

@@ -130,6 +130,14 @@ class Modules(BrowserTest):
 
     def test_the_clock_is_local(self) -> None:
         moments = [0, 1.7e9, 1.72e9 + 0.25, 1.72e9 + 59.9999]
+        zone = "Emulation.setTimezoneOverride"
+        self.addCleanup(self.browser.driver.execute_cdp_cmd, zone, {"timezoneId": ""})
+        self.browser.driver.execute_cdp_cmd(zone, {"timezoneId": "America/St_Johns"})
+        names = self.browser.call("clock.js", "a[0].map(module.zoneText)", [1.7e9, 1.72e9])
+        self.assertEqual(names, ["UTC−03:30", "UTC−02:30"])  # in winter, and in summer
+        self.assertEqual(
+            self.browser.call("clock.js", "module.dateText(1.7e9 + 2e4)"), "2023-11-15"
+        )
         found = self.browser.call(
             "clock.js",
             "a[0].map((time) => [module.clockText(time, 1),"
@@ -162,6 +170,26 @@ class Modules(BrowserTest):
         for name in ("after", "panned"):
             for value, expected in zip(told[name], told["before"]):
                 self.assertAlmostEqual(value, expected, places=9)
+
+    def test_a_path_keeps_its_form_where_both_scales_are_to_be_equal(self) -> None:
+        code = """(() => {
+          const element = document.createElement("div");
+          element.style.cssText = "position: fixed; width: 500px; height: 300px";
+          document.body.append(element);
+          const chart = new module.Chart(element, () => "#123456", () => []);
+          const line = { field: "/a", xs: [0, 10, 10], ys: [0, 0, 1], marks: [] };
+          const draw = (isEqual) => {
+            chart.draw({ lines: [line], titles: { x: "", y: "" }, isEqual, exact: false });
+            return line.xs.map((x, index) => chart.place(x, line.ys[index]));
+          };
+          const places = [draw(true), draw(false)];
+          element.remove();
+          return places;
+        })()"""
+        equal, filled = self.browser.call("chart.js", code)
+        sizes = [(b[0] - a[0], b[1] - c[1]) for a, b, c in (equal, filled)]  # y is down
+        self.assertAlmostEqual(sizes[0][0] / sizes[0][1], 10.0)
+        self.assertLess(sizes[1][0] / sizes[1][1], 4.0)
 
     def test_a_robot_that_is_put_elsewhere_leaves_no_line(self) -> None:
         code = """(() => {

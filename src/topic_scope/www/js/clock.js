@@ -4,6 +4,8 @@ import { niceStep } from "./numbers.js";
 
 const STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600]; // s
 
+const DAY = 86400; // s
+
 const two = (number) => String(Math.floor(number)).padStart(2, "0");
 
 /** How far the zone's clock is ahead of UTC at a time, s. */
@@ -20,7 +22,8 @@ export function clockText(time, step) {
   const units = Math.round((time + ahead(time)) * 10 ** places);
   const seconds = Math.floor(units / 10 ** places);
   const rest = places ? `.${String(units - seconds * 10 ** places).padStart(places, "0")}` : "";
-  return `${two((seconds / 3600) % 24)}:${two((seconds / 60) % 60)}:${two(seconds % 60)}${rest}`;
+  const ofDay = ((seconds % DAY) + DAY) % DAY; // also west of Greenwich in the first hours, as in a simulation
+  return `${two(ofDay / 3600)}:${two((ofDay / 60) % 60)}:${two(ofDay % 60)}${rest}`;
 }
 
 /**

@@ -16,6 +16,7 @@ export class Cursors {
     this.state = state;
     this.plot = plot;
     this.lastAxis = null; // left edge, length and reference of the axis when last drawn
+    this.own = null; // the cursors as they were set for an axis that was shown; a set-up has others
     this.readout = make("output", { class: "readout", hidden: true });
     overlay.append(this.readout);
     this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
@@ -37,13 +38,18 @@ export class Cursors {
   toggle() {
     const [from, to] = this.plot.times;
     const cursors = { a: from + (to - from) * 0.35, b: from + (to - from) * 0.65 };
-    this.state.set({ cursors: this.state.values.cursors ? null : cursors });
+    this.set(this.state.values.cursors ? null : cursors);
   }
 
   moveTo(key, part) {
     const [from, to] = this.plot.times;
     const moved = { [key]: from + part * (to - from) };
-    this.state.set({ cursors: { ...this.state.values.cursors, ...moved } });
+    this.set({ ...this.state.values.cursors, ...moved });
+  }
+
+  set(cursors) {
+    this.own = cursors;
+    this.state.set({ cursors });
   }
 
   place() {
@@ -65,14 +71,21 @@ export class Cursors {
 
   /** Stay where they are on the screen when the axis begins to count from something else. */
   stay(from, to) {
-    const { cursors } = this.state.values;
+    const { cursors, trigger } = this.state.values;
     const before = this.lastAxis;
-    const reference = this.plot.shown?.reference;
+    const { shown } = this.plot;
+    const reference = shown?.reference;
     this.lastAxis = { from, length: to - from, reference };
-    if (!cursors || !before || before.reference === reference) return;
+    if (!cursors || !shown) return;
+    if (cursors !== this.own) {
+      // Of a set-up, they are by the axis of its trigger, also where that has not come yet.
+      if (trigger.mode === "off" || reference !== shown.to) this.own = cursors;
+      return;
+    }
+    if (!before || before.reference === reference) return;
     const shift = from - before.from;
     if (Math.abs(to - from - before.length) > 1e-9 || Math.abs(shift) < 1e-9) return;
-    this.state.set({ cursors: { a: cursors.a + shift, b: cursors.b + shift } });
+    this.set({ a: cursors.a + shift, b: cursors.b + shift });
   }
 
   /**

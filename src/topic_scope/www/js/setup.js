@@ -95,11 +95,17 @@ export class Setup {
     state.on(Object.keys(PARTS), () => this.keepSoon());
     byId("setup-save").addEventListener("click", () => this.save());
     byId("setup-load").addEventListener("change", (event) => this.load(event.target));
+    // An address that is pasted where the page is open loads nothing: it differs at its end alone.
+    window.addEventListener("hashchange", () => this.restoreAddress());
   }
 
   /** Show what the address says. */
   restoreAddress() {
-    this.chosen = this.restore(decodeURIComponent(location.hash.slice(1)));
+    let text = location.hash.slice(1);
+    try {
+      text = decodeURIComponent(text);
+    } catch (error) { /* it was cut off, and is no JSON either */ }
+    this.chosen = this.restore(text);
   }
 
   /** Take note of what the scope shows by itself: an address need not say that. */
@@ -132,8 +138,8 @@ export class Setup {
    */
   apply(setup) {
     const { trigger, ...others } = read(setup);
-    this.state.set(others);
-    if (trigger) this.state.setTrigger(trigger);
+    if (trigger) this.state.setTrigger(trigger, others);
+    else this.state.set(others);
   }
 
   keepSoon() {

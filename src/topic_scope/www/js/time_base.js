@@ -37,17 +37,21 @@ export function timesOf(available, topic) {
  */
 export function goBy(state, name, time) {
   const next = parted(name)[0] + (time && `@${time}`);
-  const { fields, hidden, right, colours, traces, trigger } = state.values;
+  const { fields, hidden, right, colours, traces, trigger, levels, chart, measures } = state.values;
   if (fields.includes(next)) return;
   const renamed = (other) => (other === name ? next : other);
-  state.set({
+  const changes = {
     fields: fields.map(renamed),
     hidden: new Set([...hidden].map(renamed)),
     right: new Set([...right].map(renamed)),
     colours: new Map([...colours].map(([field, colour]) => [renamed(field), colour])),
     traces: new Map([...traces].map(([field, chosen]) => [renamed(field), chosen])),
-  });
-  if (trigger.field === name) state.setTrigger({ field: next });
+    levels: levels && { ...levels, field: renamed(levels.field) },
+    chart: { ...chart, x: renamed(chart.x) },
+    measures: { ...measures, against: renamed(measures.against) },
+  };
+  if (trigger.field === name) state.setTrigger({ field: next }, changes);
+  else state.set(changes);
 }
 
 /** Shows by which time a trace goes, and lets another one be chosen. */

@@ -1,6 +1,7 @@
 """No second bridge between the same master and the same domain."""
 
 import contextlib
+import os
 import socket
 import uuid
 
@@ -11,10 +12,24 @@ from nodekit.life.server import Server
 from nodekit.process.ending import end
 from nodekit.transport.service_call import ServiceCall
 from ros2_bridge.ros1 import Trigger
-from ros2_bridge.ros2_side import domain
 
+#: The highest number of a domain: ports follow from it, and there is none for the next one.
+_LAST_DOMAIN = 232
 #: Has a name that one process of a machine can have at a time, until its end, whatever that is.
 _held = socket.socket(socket.AF_UNIX)
+
+
+def domain() -> int:
+    """Return the number of ROS 2's domain.
+
+    :raises ValueError: if there is none of that number
+    """
+    given = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not given.isdecimal() or int(given) > _LAST_DOMAIN:
+        raise ValueError(
+            f"ROS_DOMAIN_ID is '{given}': must be a whole number in [0, {_LAST_DOMAIN}]"
+        )
+    return int(given)
 
 
 def marker() -> str:
@@ -24,13 +39,17 @@ def marker() -> str:
 
 def refuse_second() -> None:
     """End where there is such a bridge already: two would answer each other for ever."""
+    try:
+        name = marker()
+    except ValueError as error:
+        end(f"bridge: {error}")
     with contextlib.suppress(CallError):
         call = ServiceCall(1.0)
-        Server(marker(), Trigger).look(call)
+        Server(name, Trigger).look(call)
         end(f"bridge: {call.said.get('callerid')} joins this master and this domain already")
     # One that is starting too, or that is stopped, does not answer.
     master = uuid.uuid5(uuid.NAMESPACE_URL, rosgraph.get_master_uri().rstrip("/"))
     try:
-        _held.bind(f"\0{marker()} {master}")
+        _held.bind(f"\0{name} {master}")
     except OSError:
         end("bridge: another one on this machine joins this master and this domain already")

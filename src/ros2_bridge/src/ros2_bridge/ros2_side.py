@@ -3,7 +3,6 @@
 import collections
 import contextlib
 import ctypes
-import os
 import threading
 import time
 import uuid
@@ -39,11 +38,6 @@ def _profile(quality: Quality) -> QoSProfile:
         durability=kept if quality.latched else DurabilityPolicy.VOLATILE,
         reliability=lost if quality.best_effort else ReliabilityPolicy.RELIABLE,
     )
-
-
-def domain() -> int:
-    """Return the number of ROS 2's domain."""
-    return int(os.environ.get("ROS_DOMAIN_ID") or 0)
 
 
 class Ros2:

@@ -13,6 +13,9 @@ from nodekit.process.ending import end
 #: Where the environment is, unless ./ci/ros2 has made it in build/ros2 above this file, or
 #: make_environment in the user's folder.
 VARIABLE = "ROS2_BRIDGE_ENVIRONMENT"
+#: What an environment has once it is made. For another Python than this one, as before an upgrade
+#: of Debian, it has to be made anew.
+PARTS = ("share/ros2_bridge/names.yaml", f"lib/python{sys.version_info[0]}.{sys.version_info[1]}")
 #: Where Debian has ROS 1's Python packages, which a virtual environment does not see.
 DEBIAN = "/usr/lib/python3/dist-packages"
 
@@ -49,7 +52,7 @@ def find(environ: Mapping[str, str], here: pathlib.Path) -> Optional[pathlib.Pat
     if environ.get(VARIABLE):
         places = [pathlib.Path(environ[VARIABLE])]
     for place in places:
-        if (place / "share" / "ros2_bridge" / "names.yaml").exists():
+        if all((place / part).exists() for part in PARTS):
             return place
     return None
 
@@ -73,5 +76,7 @@ def variables(environ: Mapping[str, str], path: List[str]) -> Mapping[str, str]:
         # As our ROS 1 side: nodes of other machines are not seen unless that is asked for.
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         **environ,
+        # The only one there; another one, chosen for a ROS 2 elsewhere, would end the process.
+        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "PYTHONPATH": ":".join([*ros1, DEBIAN]),
     }

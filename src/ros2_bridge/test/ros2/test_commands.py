@@ -92,6 +92,10 @@ def test_param_use_sim_time_is_that_of_all_nodes(ros: both.Both, node: both.Runn
 
 def test_camera_is_set_and_its_topic_timed(ros: both.Both, camera: both.Running) -> None:
     """Course 001-params-11, 001-params-12, 001-params-13, 001-command-10."""
+    service = "/camera_demo/describe_parameters"
+    (rates,) = ros.call2(DescribeParameters, service, names=["camera_rate"]).descriptors
+    (limits,) = rates.integer_range
+    assert (limits.from_value, limits.to_value, limits.step) == (10, 80, 10)
     for rate, is_good in ((5, False), (15, False), (70, True), (90, False), (20, True)):
         assert set_one(ros, "camera_rate", rate, "/camera_demo").successful is is_good, rate
     assert set_one(ros, "camera_name", "front_facing_camera", "/camera_demo").successful

@@ -6,12 +6,15 @@ import struct
 import time
 from typing import List
 
+import pytest
 import rospy
 import yaml
+from rclpy.node import Node
 from std_msgs.msg import Float32, String
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.one_bridge import domain
 from test_topics import publisher1
 
 
@@ -45,6 +48,23 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
             return ("ros2_bridge", "/") not in ros.node.get_node_names_and_namespaces()
 
         wait_until(is_gone, lambda: "ROS 2 still lists it", 10.0)  # 20 s if it had been killed
+
+
+def test_domain_that_there_is_not_is_refused(
+    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    for number in ("232", ""):
+        monkeypatch.setenv("ROS_DOMAIN_ID", number)
+        assert domain() == int(number or 0)
+    for number in ("-1", "lab", "233"):
+        monkeypatch.setenv("ROS_DOMAIN_ID", number)
+        with pytest.raises(ValueError, match=rf"is '{number}': must be a whole number in"):
+            domain()
+    with both.Bridge() as bridge:
+        assert bridge.wait() == 1
+    assert bridge.error_lines == [
+        "bridge: ROS_DOMAIN_ID is '233': must be a whole number in [0, 232]"
+    ]
 
 
 def test_killed_and_started_again(ros: both.Both) -> None:
@@ -113,9 +133,14 @@ WAYS = (("to_ros1", "/quick2"), ("to_ros2", "/quick1"))
 
 
 def test_master_dies_and_returns(ros: both.Both) -> None:
+    node = Node("plant")
+    node.declare_parameter("gain", 2.5)
+    out = node.create_publisher(Float32, "/level", 10)
+    ros.executor.add_node(node)
     with both.Running("basic_comms", "talker.py") as talker, both.Bridge() as bridge:
         ear = ros.hear2("/chatter", String)
         ear.wait()
+        wait_until(lambda: rospy.get_param("/plant/gain", None) == 2.5, lambda: "no gain")
         ros.master.kill()
         heard = len(ear.heard)
         ear.wait(heard + 3)  # what is connected goes on without it
@@ -126,7 +151,31 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
         )
         ear.wait(len(ear.heard) + 20)
         assert ros.node.count_publishers("/chatter")
+
+        def is_told_anew() -> bool:
+            published = dict(rospy.get_master().getSystemState()[2][0])
+            node_of_ros2 = rospy.get_master().lookupNode("/plant")[0] == 1
+            is_published = "/ros2_bridge" in published.get("/level", [])
+            return node_of_ros2 and is_published and rospy.get_param("/plant/gain", None) == 2.5
+
+        wait_until(is_told_anew, lambda: "the new master does not know of ROS 2")
         talker.interrupt()
         wait_until(lambda: not ros.node.count_publishers("/chatter"), lambda: "it stays")
         assert not bridge.logged("Traceback")
         ear.end()
+    ros.executor.remove_node(node)
+    node.destroy_publisher(out)
+    node.destroy_node()
+
+
+def test_bridge_is_there_before_the_master(ros: both.Both) -> None:
+    out = ros.node.create_publisher(Float32, "/early", 10)
+    with both.Bridge() as bridge:
+        ros.master.kill()
+        bridge.wait_for_log("waiting for the master")
+        ros.master.start()
+        ear = ros.hear1("/early", "std_msgs/Float32")
+        wait_until(lambda: out.publish(Float32(data=1.5)) or ear.heard, lambda: "nothing comes")
+        ear.end()
+        assert bridge.interrupt() == 0
+    ros.node.destroy_publisher(out)

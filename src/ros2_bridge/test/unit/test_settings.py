@@ -1,6 +1,7 @@
 """Qualities of service, and where the environment is."""
 
 import pathlib
+import sys
 from typing import Any
 
 import pytest
@@ -9,6 +10,9 @@ from nodekit import ParameterError
 from ros2_bridge.renaming import Renaming
 from ros2_bridge.settings import BridgeParameters, Qualities, Quality
 from ros2_bridge.start import find, variables
+
+
+PYTHON = f"lib/python{sys.version_info[0]}.{sys.version_info[1]}"
 
 
 def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
@@ -40,6 +44,12 @@ def test_nonsense_is_refused(chosen: Any, words: str) -> None:
         Qualities(10, chosen)
 
 
+def test_what_is_read_at_the_start_says_so() -> None:
+    declared = BridgeParameters().declared
+    # The qualities of service and the names are made of these, once.
+    assert {name for name in declared if declared[name].read_once} == {"depth", "remap"}
+
+
 def test_direction() -> None:
     rules = BridgeParameters(direction="to_ros2").openings(Renaming())
     assert (rules.to_ros2, rules.to_ros1) == (True, False)
@@ -61,11 +71,14 @@ def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
     for place in (installed, workspace, tmp_path / "other"):
         (place / "share" / "ros2_bridge").mkdir(parents=True)
         (place / "share" / "ros2_bridge" / "names.yaml").write_text("{}")
+        (place / PYTHON).mkdir(parents=True)
     assert find(user, tmp_path / "usr" / "start.py") == installed
     assert find(user, here) == workspace
     named = {"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path / "other")}
     assert find(named, here) == tmp_path / "other"
     assert find({"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path)}, here) is None
+    (workspace / PYTHON).rename(workspace / "lib" / "python3.2")  # of an earlier Debian
+    assert find(user, here) == installed
 
 
 def test_only_ros1_s_packages_go_along() -> None:
@@ -75,3 +88,8 @@ def test_only_ros1_s_packages_go_along() -> None:
     assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     chosen = variables({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, path)
     assert chosen["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+
+
+def test_what_is_chosen_for_another_ros2_is_not_looked_for() -> None:
+    given = variables({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, [])
+    assert given["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"

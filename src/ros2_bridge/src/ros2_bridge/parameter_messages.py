@@ -18,25 +18,19 @@ from ros2_bridge.parameter_values import (
     as_kind,
     declared_kind,
     description_of,
-    kind_of,
     range_of,
 )
 
 
 def to_message(value: Any, kind: int) -> ParameterValue:
     """Return a plain value as a message; NOT_SET where ROS 2 has no kind for it."""
-    message = ParameterValue(type=kind)
+    message = ParameterValue(type=kind, check_fields=True)  # or it would fail when it is sent
     if kind != NOT_SET:
         try:
             setattr(message, FIELDS[kind], as_kind(value, kind))
         except (TypeError, ValueError, AssertionError, OverflowError):
             return ParameterValue()
     return message
-
-
-def of_value(value: Any) -> ParameterValue:
-    """Return a plain value of no declared kind as a message."""
-    return to_message(value, kind_of(value))
 
 
 def to_plain(message: ParameterValue) -> Any:

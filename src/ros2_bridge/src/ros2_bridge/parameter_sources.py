@@ -116,6 +116,9 @@ class Plain:
         """
         keys = {f"{self._name}/{ros1_key(name)}": value for name, value in values.items()}
         try:
+            ((code, _, _),) = self._client.request([("lookupService", f"{self._name}/describe")])
+            if code == 1:  # a managed one that was configured since the last look
+                return f"{self._name} has just begun to judge its parameters itself: try again"
             self._client.write(keys)
         except MasterUnreachable as error:
             return f"the master does not answer ({error})"

@@ -47,7 +47,20 @@ def as_kind(value: Any, kind: int) -> Any:
         return float(value)
     if kind == DOUBLES:
         return [float(one) for one in value]
+    if kind == BYTES:
+        return [bytes([one]) for one in value]
     return list(value) if isinstance(value, tuple) else value
+
+
+def fitting_kind(value: Any, kind: int) -> int:
+    """Return as which kind a value of ROS 1 is given to a parameter of a kind.
+
+    ROS 1 has whole numbers for bytes, and of an empty list nobody knows what it is a list of.
+    """
+    found = kind_of(value)
+    if (kind, found) == (BYTES, INTEGERS) or (kind >= BYTES and value == []):
+        return kind
+    return found
 
 
 def flat(tree: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:

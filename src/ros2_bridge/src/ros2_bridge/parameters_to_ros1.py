@@ -1,9 +1,10 @@
 """The parameters of a node of ROS 2, on the parameter server of ROS 1."""
 
+import collections
 import queue
 import threading
 import traceback
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Deque, Dict, List, Tuple
 
 import rospy
 from rcl_interfaces.msg import Parameter
@@ -15,7 +16,15 @@ from nodekit.live.master import MasterClient
 from nodekit.live.watcher import get_watcher
 from ros2_bridge import parameter_messages as messages
 from ros2_bridge.parameter_sources import unfit
-from ros2_bridge.parameter_values import DOUBLE, DOUBLES, as_kind, flat, kind_of, ros1_key
+from ros2_bridge.parameter_values import (
+    DOUBLE,
+    DOUBLES,
+    as_kind,
+    fitting_kind,
+    flat,
+    kind_of,
+    ros1_key,
+)
 from ros2_bridge.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2_side import Ros2
 from ros2_bridge.telling import Telling
@@ -45,6 +54,8 @@ class ParametersToRos1:
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_read = False
+        #: What stands on the server, as it was told last and until it is taken.
+        self._tree: Deque[Any] = collections.deque(maxlen=1)
         self._following = Following(name, get_watcher(), self._take_tree)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
@@ -133,11 +144,20 @@ class ParametersToRos1:
         return f"{self._name}/{ros1_key(name)}"
 
     def _take_tree(self, tree: Any) -> None:
-        """Take note of what stands on the server."""
+        """Take note of what stands on the server.
+
+        What stood there before is of no matter: what was refused of it may have been put right.
+        """
+        self._tree.append(tree)
+        self._work.put(self._take_latest)
+
+    def _take_latest(self) -> None:
+        tree = self._tree.pop() if self._tree else None  # it may have been taken already
         if isinstance(tree, dict):
-            self._work.put(lambda: self._take(flat(tree)))
+            self._take(flat(tree))
 
     def _take(self, found: Dict[str, Any]) -> None:
+        refused, kept = [], {}
         for name, old in list(self._values.items()):
             value = found.get(name, old)
             kind = self._kinds[name]
@@ -147,16 +167,17 @@ class ParametersToRos1:
                 continue
             why = self._change(name, value)
             if why:
-                rospy.logwarn(
-                    "%s=%r is refused by ROS 2: %s; %r stays", self._key(name), value, why, old
-                )
-                self._tell_server({self._key(name): old})
+                refused.append(f"{self._key(name)}={value!r} ({why}; {old!r} stays)")
+                kept[self._key(name)] = old
             else:
                 self._values[name] = value
+        if refused:
+            rospy.logwarn("refused by ROS 2: %s", ", ".join(refused))
+            self._tell_server(kept)
 
     def _change(self, name: str, value: Any) -> str:
         """Have the node take a value; return why not."""
-        message = messages.of_value(value)
+        message = messages.to_message(value, fitting_kind(value, self._kinds[name]))
         if not message.type:
             return "no parameter of ROS 2 has such a value"
         request = SetParameters.Request(parameters=[Parameter(name=name, value=message)])

@@ -1,6 +1,9 @@
 """Parameters, both ways."""
 
+import collections
+import queue
 import threading
+from types import SimpleNamespace
 from typing import Any, Iterator, List
 
 import pytest
@@ -16,9 +19,14 @@ from rcl_interfaces.srv import (
 )
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Value
+from rclpy.serialization import serialize_message
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.parameter_messages import to_message
+from ros2_bridge.parameter_sources import Plain
+from ros2_bridge.parameter_values import BYTES, INTEGER, STRING, STRINGS
+from ros2_bridge.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters_to_ros2 import ParametersToRos2
 
 GENERATOR = "/signal_generator"
@@ -68,6 +76,13 @@ def test_set_and_refuse(ros: both.Both, generator: both.Running) -> None:
     assert not set_one(ros, "amplitude", "loud").successful
 
 
+def test_each_is_judged_by_itself(ros: both.Both, generator: both.Running) -> None:
+    given = [value("offset", 0.5), value("amplitude", -2.0), value("frequency", 3.0)]
+    answer = ros.call2(SetParameters, f"{GENERATOR}/set_parameters", parameters=given)
+    assert [result.successful for result in answer.results] == [True, False, True]
+    assert get(ros, "offset", "frequency") == [0.5, 3.0]
+
+
 def test_set_atomically(ros: both.Both, generator: both.Running) -> None:
     before = get(ros, "amplitude", "offset")
     for last, is_good in ((-2.0, False), (1.25, True)):
@@ -89,6 +104,9 @@ def test_describe(ros: both.Both, generator: both.Running) -> None:
     assert not set_one(ros, "amplitude", limits.from_value - 1e-3).successful
     assert set_one(ros, "amplitude", limits.from_value).successful
     assert waveform.additional_constraints.startswith("one of sine, ")
+    names.append("no_such_thing")  # as rclpy: all or nothing
+    service = f"{GENERATOR}/describe_parameters"
+    assert not ros.call2(DescribeParameters, service, names=names).descriptors
 
 
 def test_events(ros: both.Both, generator: both.Running) -> None:
@@ -127,10 +145,22 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     out.unregister()
 
 
+def test_node_that_judges_itself_since_a_moment_is_not_passed_over() -> None:
+    written: List[Any] = []
+    client: Any = SimpleNamespace(write=written.append)
+    for code, uri in ((1, "rosrpc://localhost:1"), (-1, "")):
+        client.request = lambda calls, code=code, uri=uri: [(code, calls[0][1], uri)]
+        why = Plain(client, "/generator").change({"pid.p": 2})
+        assert ("/generator has just begun to judge" in why) is (code == 1)
+    assert written == [{"/generator/pid/p": 2}]
+
+
 def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("motor_of_ros2")
     node.declare_parameter("sample_time", 0.02)
     node.declare_parameter("pid.p", 3)
+    node.declare_parameter("limits", [1.5, 2.5])
+    node.declare_parameter("mask", [b"a", b"b"])
 
     def judge(parameters: List[Any]) -> SetParametersResult:
         bad = [one for one in parameters if one.name == "sample_time" and one.value <= 0.0]
@@ -144,8 +174,14 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     rospy.set_param(key, 1)  # a whole number stands for another
     wait_until(lambda: node.get_parameter("sample_time").value == 1.0, lambda: "not taken")
     rospy.set_param(key, -1.0)
-    bridge.wait_for_log(key, "must be above 0", "1.0 stays")
+    bridge.wait_for_log("refused by ROS 2: ", f"{key}=-1.0 (must be above 0; 1.0 stays)")
     wait_until(lambda: rospy.get_param(key) == 1.0, lambda: "not put back")
+    limits, mask = "/motor_of_ros2/limits", "/motor_of_ros2/mask"
+    assert rospy.get_param(limits) == [1.5, 2.5] and rospy.get_param(mask) == [97, 98]
+    rospy.set_param(limits, [])
+    rospy.set_param(mask, [1, 2])
+    wait_until(lambda: len(node.get_parameter("limits").value) == 0, lambda: "not emptied")
+    wait_until(lambda: node.get_parameter("mask").value == [b"\1", b"\2"], lambda: "not taken")
     node.set_parameters([Value("sample_time", value=0.5)])
     wait_until(lambda: rospy.get_param(key) == 0.5, lambda: "its own change is not told")
     ros.executor.remove_node(node)
@@ -181,6 +217,41 @@ def test_a_node_of_ros2_whose_answers_make_no_sense(ros: both.Both, bridge: both
         wait_until(lambda: rospy.get_param(key) == 1.5, lambda: "not put back")
     ros.executor.remove_node(node)
     node.destroy_node()
+
+
+def test_the_latest_that_stands_on_the_server_is_taken() -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._work, mirror._tree = queue.SimpleQueue(), collections.deque(maxlen=1)
+    taken: List[Any] = []
+    mirror._take = taken.append
+    for tree in ({"pid": {"p": 1}}, {"pid": {"p": 2}}, 3, {"pid": {"p": 4}}):
+        mirror._take_tree(tree)  # while it waits for the node
+    while not mirror._work.empty():
+        mirror._work.get()()
+    assert taken == [{"pid.p": 4}]
+
+
+def test_all_that_is_refused_is_told_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._name, mirror._values = "/motor", {"gain": 1, "tau": 2}
+    mirror._kinds = dict.fromkeys(mirror._values, INTEGER)
+    written: List[Any] = []
+    lines: List[str] = []
+    mirror._change, mirror._tell_server = (lambda *_: "no"), written.append
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *given: lines.append(text % given))
+    mirror._take({"gain": 3, "tau": -1})
+    told = "/motor/gain=3 (no; 1 stays), /motor/tau=-1 (no; 2 stays)"
+    assert lines == [f"refused by ROS 2: {told}"]
+    assert written == [{"/motor/gain": 1, "/motor/tau": 2}]
+
+
+@pytest.mark.parametrize(
+    "nonsense, kind", [("x", INTEGER), ([5], STRINGS), ([], STRING), (5, BYTES)]
+)
+def test_a_value_that_is_not_of_its_kind_is_none(nonsense: Any, kind: int) -> None:
+    message = to_message(nonsense, kind)
+    assert message.type == ParameterType.PARAMETER_NOT_SET
+    serialize_message(message)
 
 
 def test_a_look_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -76,6 +76,25 @@ def test_names_have_dots() -> None:
     assert values.ros1_key("pid.limits.low") == "pid/limits/low"
 
 
+@pytest.mark.parametrize(
+    "value, kind, fitting",
+    [
+        *[(1, values.INTEGER, values.INTEGER), ("a", values.INTEGER, values.STRING)],
+        *[([], values.INTEGERS, values.INTEGERS), ([], values.STRING, values.NOT_SET)],
+        *[([1], values.BYTES, values.BYTES), ([], values.BYTES, values.BYTES)],
+        *[(["a"], values.BYTES, values.STRINGS), ([1], values.INTEGERS, values.INTEGERS)],
+    ],
+)
+def test_kind_of_what_is_set_in_ros1(value: Any, kind: int, fitting: int) -> None:
+    assert values.fitting_kind(value, kind) == fitting
+
+
+def test_bytes_are_whole_numbers_in_ros1() -> None:
+    assert values.as_kind([1, 255], values.BYTES) == [b"\1", b"\xff"]
+    with pytest.raises(ValueError):
+        values.as_kind([256], values.BYTES)
+
+
 def test_changes() -> None:
     old = {"same": 1, "kind": 1, "value": 1, "gone": 1}
     new = {"same": 1, "kind": 1.0, "value": 2, "new": 1}

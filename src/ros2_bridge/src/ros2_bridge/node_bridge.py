@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message
 
-from nodekit import Node
+from nodekit import Lifetime, Node
 from nodekit.live.master import MasterClient
 from ros2_bridge.pairing import Patience
 from ros2_bridge.parameter_sources import Described, Plain, WithSimTime
@@ -32,14 +32,23 @@ _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 class NodeTwin:
     """A node of ROS 1 in ROS 2: its name, and its parameters.
 
-    :param style: how its parameters are bridged
-    :param made: what it has in ROS 1
+    It stays, with the services that it offers, while its parameters come and go.
+
+    :ivar style: how its parameters are bridged
+    :ivar made: what these have in ROS 1
     """
 
-    def __init__(
-        self, home: Ros2Node, style: str, parameters: Optional[ParametersToRos2], made: Any
-    ) -> None:
-        self.home, self.style, self.parameters, self.made = home, style, parameters, made
+    def __init__(self, home: Ros2Node) -> None:
+        self.home, self.style = home, "none"
+        self.parameters: Optional[ParametersToRos2] = None
+        self.made: Optional[Lifetime] = None
+
+    def end_parameters(self) -> None:
+        """Bridge the parameters no longer."""
+        for part in (self.parameters, self.made):
+            if part is not None:
+                part.close()
+        self.style, self.parameters, self.made = "none", None, None
 
 
 class NodeBridge:
@@ -93,12 +102,12 @@ class NodeBridge:
             style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
             style = "described" if name in describing else style
             style = style if parameters else "none"
-            twin = self.twins.get(name)
-            if twin is not None and twin.style != style:
-                self._end_twin(name)  # a managed node has its parameters only for a time
-                twin = None
-            if twin is None:
-                self._begin_twin(name, style)
+            if name not in self.twins:
+                home = self._side.make_node(self._names.in_ros2(name) or name)
+                self.twins[name] = NodeTwin(home)
+            if self.twins[name].style != style:  # a managed node has them only for a time
+                self.twins[name].end_parameters()
+                self._begin_parameters(name, style)
         telling = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
         self._look_at_ros2(telling - ros1.nodes() if parameters else set(), most, is_restarted)
 
@@ -107,38 +116,38 @@ class NodeBridge:
         order = [name for name in self.twins if name in nodes | describing]
         order += sorted(nodes - set(order)) + sorted(describing - nodes - set(order))
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
-        if len(legal) > most:
-            left = len(legal) - most
-            self._telling.say(
-                f"{left} nodes of ROS 1 as nodes of ROS 2 (~max_nodes is {most}): "
-                + ", ".join(legal[most : most + 3])
-                + (", …" if left > 3 else "")
-            )
-        return legal[:most]
+        return self._at_most(legal, most, "nodes of ROS 1 as nodes of ROS 2")
 
-    def _begin_twin(self, name: str, style: str) -> None:
-        other = self._names.in_ros2(name) or name
-        home = self._side.make_node(other)
-        made = self._node.lifetime()
-        source: Union[Described, Plain] = Plain(self._client, name)
-        if style == "described":
-            source = Described(made, name)
-        twin = None
+    def _at_most(self, names: List[str], most: int, what: str) -> List[str]:
+        """Return the first so many names, and say which are left out."""
+        left = len(names) - most
+        if left > 0:
+            some = ", ".join(names[most : most + 3]) + (", …" if left > 3 else "")
+            self._telling.say(f"{left} {what} (~max_nodes is {most}): {some}")
+        return names[:most]
+
+    def _begin_parameters(self, name: str, style: str) -> None:
+        twin, other = self.twins[name], self._names.in_ros2(name) or name
         if style != "none":
-            tell = self._tell.publish
-            whole = WithSimTime(source, self._client)
-            twin = ParametersToRos2(self._node, self._side, home, name, other, whole, tell)
-        self.twins[name] = NodeTwin(home, style, twin, made)
+            twin.made = self._node.lifetime()
+            source: Union[Described, Plain] = Plain(self._client, name)
+            if style == "described":
+                source = Described(twin.made, name)
+            whole, tell = WithSimTime(source, self._client), self._tell.publish
+            twin.parameters = ParametersToRos2(
+                self._node, self._side, twin.home, name, other, whole, tell
+            )
+        twin.style = style
 
     def _end_twin(self, name: str) -> None:
         twin = self.twins.pop(name)
-        if twin.parameters is not None:
-            twin.parameters.close()
-        twin.made.close()
+        twin.end_parameters()
         self._side.destroy_node(twin.home)
 
     def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
-        wanted = sorted(nodes)[:most]
+        order = [name for name in self.mirrors if name in nodes]
+        order += sorted(nodes - set(order))
+        wanted = self._at_most(order, most, "nodes of ROS 2 with their parameters")
         for name in self._mirror_patience.gone(self.mirrors, wanted):
             self.mirrors.pop(name).close()
         for name in wanted:

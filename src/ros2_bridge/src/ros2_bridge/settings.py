@@ -43,11 +43,19 @@ class BridgeParameters(ParameterSet):
         )
     )
     parameters = BoolParameter(True, help="whether parameters are bridged")
-    depth = IntParameter(
-        1000, minimum=1, maximum=100_000, help="how many messages of a topic ROS 2 keeps in a burst"
+    depth = read_once(
+        IntParameter(
+            1000,
+            minimum=1,
+            maximum=100_000,
+            help="how many messages of a topic ROS 2 keeps in a burst",
+        )
     )
     max_nodes = IntParameter(
-        100, minimum=0, maximum=1000, help="most nodes of ROS 1 that appear in ROS 2"
+        100,
+        minimum=0,
+        maximum=1000,
+        help="most nodes of ROS 1 that appear in ROS 2, and of ROS 2 whose parameters are in ROS 1",
     )
     service_timeout = FloatParameter(
         5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for the answer of a service"

@@ -9,6 +9,7 @@ import rospy
 from basic_comms.msg import SignalMsg
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import Float32
 
 import both
@@ -18,18 +19,20 @@ LAUNCHED = (
     ("basic_comms", "cw1.launch"),
     (
         *("ros2_bridge", "bridge.launch", "deny:=['/proc_signal']", "direction:=to_ros2"),
-        "remap:=['/lab=/elsewhere']",
+        *("remap:=['/lab=/elsewhere']", "qos_file:={file}"),
     ),
 )
 
 
 @pytest.fixture(scope="module")
-def course(ros: both.Both) -> Iterator[None]:
+def course(ros: both.Both, tmp_path_factory: "pytest.TempPathFactory") -> Iterator[None]:
+    file = tmp_path_factory.mktemp("course") / "qos.yaml"
+    file.write_text("qos: [{topic: /sig*, durability: transient_local, depth: 5}]")
     running: List["subprocess.Popen[bytes]"] = []
     rospy.set_param("/run_id", "tests")  # or each would give the master another one
     try:
         for arguments in LAUNCHED:
-            command = ["roslaunch", *arguments]
+            command = ["roslaunch", *(argument.format(file=file) for argument in arguments)]
             running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
         yield
     finally:
@@ -52,6 +55,18 @@ def test_signal_is_right_and_its_generator_is_set(ros: both.Both, course: None) 
     assert "refused -1" in result.reason
     wait_until(lambda: ear.heard[-1].amplitude == 0.5, lambda: str(ear.heard[-1]))
     ear.end()
+
+
+def test_quality_of_service_is_that_of_the_file(ros: both.Both, course: None) -> None:
+    wait_until(lambda: ros.node.count_publishers("/signal"), lambda: "no /signal")
+    (found,) = ros.node.get_publishers_info_by_topic("/signal")
+    assert found.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    ear = ros.hear2("/signal", SignalMsg, latched=True)
+    ear.wait()  # what begins to be heard now is kept for those who come later
+    later = ros.hear2("/signal", SignalMsg, latched=True)
+    assert later.wait(2)[0].time_x <= ear.heard[-1].time_x
+    ear.end()
+    later.end()
 
 
 def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> None:

@@ -4,8 +4,9 @@ import struct
 import subprocess
 import sys
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Dict, cast
 
+import pytest
 import rospy
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
@@ -15,7 +16,11 @@ from tf2_msgs.msg import TFMessage
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge import node_bridge
+from ros2_bridge.node_bridge import NodeBridge
+from ros2_bridge.pairing import Patience
 from ros2_bridge.renaming import Renaming
+from ros2_bridge.ros1_graph import Ros1Graph
 from ros2_bridge.ros2_graph import Ros2Graph
 from test_topics import publisher1
 
@@ -118,6 +123,65 @@ def test_pairs_are_printed(ros: both.Both) -> None:
     assert "basic_comms/signal_msg <=> basic_comms/msg/SignalMsg" in pairs
     assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in pairs
     assert "only sensor_msgs/Range of ROS 2 has the field variance" in done.stderr
+
+
+class FewNodes(NodeBridge):
+    """Notes which nodes it would show, and how."""
+
+    def __init__(self) -> None:
+        self.twins, self.mirrors, self._since = {}, {}, {}
+        self._names, self._telling = Renaming(), cast(Any, SimpleNamespace(say=print))
+        self._patience, self._mirror_patience = Patience(1), Patience(1)
+        self._side: Any = SimpleNamespace(make_node=lambda _: object(), destroy_node=id)
+        self._client: Any = None
+
+    def _begin_parameters(self, name: str, style: str) -> None:
+        self.twins[name].style = style
+
+    def shown(self, nodes: str, most: int = 100, parameters: bool = True) -> Dict[str, str]:
+        """Look at a graph of such nodes, of which /d describes its parameters."""
+        services = {"/d/describe": "/d", "/d/change": "/d"} if "d" in nodes else {}
+        heard = {"/rosout": {f"/{name}" for name in nodes}}
+        self.look(Ros1Graph({}, heard, {}, services, 1), set(), (), parameters, most, False)
+        return {name: twin.style for name, twin in self.twins.items()}
+
+
+def test_no_more_nodes_appear_than_may(capsys: "pytest.CaptureFixture[str]") -> None:
+    bridge = FewNodes()
+    assert set(bridge.shown("bc")) == {"/b", "/c"}
+    assert not capsys.readouterr().out
+    assert set(bridge.shown("abcdefg", most=3)) == {"/a", "/b", "/c"}  # who is there stays
+    said = "4 nodes of ROS 1 as nodes of ROS 2 (~max_nodes is 3): /d, /e, /f, …\n"
+    assert capsys.readouterr().out == said
+    assert set(bridge.shown("ac", most=1)) == {"/c"}
+    assert bridge.shown("ac", most=0) == {}
+
+
+def test_no_more_nodes_of_ros2_have_their_parameters_in_ros1_than_may(
+    capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    def mirror(*_: Any) -> Any:
+        return SimpleNamespace(look=dict, close=dict)
+
+    monkeypatch.setattr(node_bridge, "ParametersToRos1", mirror)
+    bridge = FewNodes()
+    bridge._look_at_ros2({"/b", "/c"}, 2, False)
+    before = dict(bridge.mirrors)
+    assert set(before) == {"/b", "/c"} and not capsys.readouterr().out
+    bridge._look_at_ros2({"/a", "/b", "/c"}, 2, False)
+    assert bridge.mirrors == before  # who is there stays
+    told = "1 nodes of ROS 2 with their parameters (~max_nodes is 2): /a\n"
+    assert capsys.readouterr().out == told
+
+
+def test_parameters_are_bridged_as_the_node_and_the_user_want() -> None:
+    bridge = FewNodes()
+    assert bridge.shown("cd") == {"/c": "none", "/d": "described"}
+    homes = bridge.homes()
+    bridge._since["/c"] -= 6.0  # it has had its time to describe them
+    assert bridge.shown("cd") == {"/c": "plain", "/d": "described"}
+    assert bridge.shown("cd", parameters=False) == {"/c": "none", "/d": "none"}
+    assert bridge.homes() == homes  # or calls of their services would be given up each time
 
 
 class ManyTopics:

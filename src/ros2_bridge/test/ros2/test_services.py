@@ -4,6 +4,7 @@ import contextlib
 import struct
 import threading
 import time
+from types import SimpleNamespace
 from typing import Any, List
 
 import pytest
@@ -11,11 +12,16 @@ import rospy
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 import both
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.pairing import Rules, Way
 from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.service_bridge import ServiceBridge
+from ros2_bridge.topic_bridge import TopicBridge
 from test_topics import RCLError
 
 ADD = "my_robot_package_interfaces/AddTwoInts"
@@ -57,20 +63,59 @@ def test_error_is_told_where_the_answer_has_a_place_for_it(
     server.shutdown()
 
 
+def test_error_is_logged_where_there_is_no_place_for_it(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    raw, over = ros.types.service(ADD).raw, threading.Event()
+
+    def fail(request: Any) -> Any:
+        if request._buff == struct.pack("<qq", 1, 0):
+            over.wait(20.0)
+        raise rospy.ServiceException("out of order")
+
+    server = rospy.Service("/broken_sum", raw, fail)
+    client = ros.node.create_client(AddTwoInts, "/broken_sum")
+    assert client.wait_for_service(20.0)
+    hangs = client.call_async(AddTwoInts.Request(a=1))
+    fails = client.call_async(AddTwoInts.Request(a=2))  # beside it
+    bridge.wait_for_log("no answer in ROS 2: ", "/broken_sum", "out of order")
+    bridge.wait_for_log("no answer in ROS 2: /broken_sum: no answer within 5 s")
+    assert not hangs.done() and not fails.done()
+    over.set()
+    ros.node.destroy_client(client)
+    server.shutdown()
+
+
 def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
-    bridge_end = threading.Event()
+    called, bridge_end = threading.Event(), threading.Event()
 
     def add(request: Any, response: Any) -> Any:
         if request.a == 0:
+            called.set()
             bridge_end.wait(20.0)
         response.sum = request.a + request.b
         return response
 
-    group = ReentrantCallbackGroup()
-    server = ros.node.create_service(AddTwoInts, "/add", add, callback_group=group)
+    adder, executor = Node("adder"), MultiThreadedExecutor(2)
+    adder.create_service(AddTwoInts, "/add", add, callback_group=ReentrantCallbackGroup())
+    executor.add_node(adder)
+    threading.Thread(target=executor.spin, daemon=True).start()
+    rospy.set_param("/ros2_bridge/service_timeout", 20.0)
+    bridge.wait_for_log("service_timeout: 5 -> 20")
+    slow: List[bytes] = []
+    waiting = threading.Thread(
+        target=lambda: slow.append(ros.call1("/add", ADD, struct.pack("<qq", 0, 7)))
+    )
+    waiting.start()
+    assert called.wait(20.0)
     assert ros.call1("/add", ADD, struct.pack("<qq", 40, 2)) == struct.pack("<q", 42)
+    assert not slow  # that call was answered beside it
+    bridge_end.set()
+    waiting.join()
+    assert slow == [struct.pack("<q", 7)]
+    bridge_end.clear()
     rospy.set_param("/ros2_bridge/service_timeout", 0.5)
-    bridge.wait_for_log("service_timeout: 5 -> 0.5")
+    bridge.wait_for_log("service_timeout: 20 -> 0.5")
     began = time.monotonic()
     with pytest.raises(rospy.ServiceException, match="/add in ROS 2: no answer within 0.5 s"):
         ros.call1("/add", ADD, struct.pack("<qq", 0, 2))
@@ -79,7 +124,8 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
     rospy.set_param("/ros2_bridge/service_timeout", 20.0)
     bridge.wait_for_log("service_timeout: 0.5 -> 20")
     assert ros.call1("/add", ADD, struct.pack("<qq", 1, 2)) == struct.pack("<q", 3)
-    ros.node.destroy_service(server)
+    executor.shutdown()
+    adder.destroy_node()
 
     def is_gone() -> bool:
         return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
@@ -120,6 +166,21 @@ def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
 
     wait_until(is_called, lambda: "it has the old type in ROS 1")
     ros.node.destroy_service(others[0])
+
+
+def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
+    rules = Rules(True, True, ["*"], [])
+    services: Any = ServiceBridge.__new__(ServiceBridge)
+    services.pairs, services._side = {}, SimpleNamespace(node=None)
+    services._types = SimpleNamespace(service=pytest.fail)
+    # Of this type is /NODE/set_parameters of many nodes of ROS 1: the very name that ROS 2 uses.
+    for kind in ("dynamic_reconfigure/Reconfigure", "roscpp/SetLoggerLevel"):
+        services._asked = SimpleNamespace(of=lambda _, kind=kind: kind)
+        services._begin(Way("/camera/set_parameters", True), rules, None, {})
+    topics: Any = TopicBridge.__new__(TopicBridge)
+    topics._types = SimpleNamespace(message=pytest.fail, ros1_name=str)
+    way = Way("/camera/parameter_updates", True)
+    assert topics._kind(way, "dynamic_reconfigure/Config", None) is None
 
 
 def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:

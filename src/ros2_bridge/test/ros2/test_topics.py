@@ -9,12 +9,15 @@ from typing import Any, List, cast
 import rospy
 from basic_comms.msg import SignalMsg
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, String
 
 import both
 from nodekit.testing.waiting import wait_until
+from nodekit.transport.definitions import parse
+from ros2_bridge.codec import Codec
 from ros2_bridge.settings import Qualities
-from ros2_bridge.topics import ToRos1, ToRos2
+from ros2_bridge.topics import Count, ToRos1, ToRos2
 
 
 RCLError = _rclpy.RCLError
@@ -68,8 +71,6 @@ def test_latched_topics_stay_latched(ros: both.Both, bridge: both.Bridge) -> Non
         ear = ros.hear2("/level1", Float32, latched=True)
         assert ear.wait()[0].data == 2.5
         ear.end()
-    from rclpy.qos import DurabilityPolicy, QoSProfile
-
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     out = ros.node.create_publisher(Float32, "/level2", qos)
     out.publish(Float32(data=3.5))
@@ -78,6 +79,17 @@ def test_latched_topics_stay_latched(ros: both.Both, bridge: both.Bridge) -> Non
         assert ear.wait()[0]._buff == struct.pack("<f", 3.5)
         ear.end()
     latched.unregister()
+    ros.node.destroy_publisher(out)
+
+
+def test_quality_of_service_fits_that_of_the_publisher(ros: both.Both, bridge: both.Bridge) -> None:
+    out = ros.node.create_publisher(Float32, "/range", qos_profile_sensor_data)
+    ear = ros.hear1("/range", "std_msgs/Float32")
+    # Who asks for more than is offered is told nothing.
+    wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
+    wait_until(lambda: out.publish(Float32(data=1.5)) or ear.heard, lambda: "nothing is heard")
+    assert ear.heard[0]._buff == struct.pack("<f", 1.5)
+    ear.end()
     ros.node.destroy_publisher(out)
 
 
@@ -166,6 +178,31 @@ def test_what_gone_nodes_have_latched_is_forgotten() -> None:
     pair.look(False, set())
     pair._latch("/second", b"10")
     assert side.published[-3:] == [b"0", b"9", b"10"]  # the master was restarted: all stay
+
+
+def test_what_does_not_arrive_from_ros2_is_counted() -> None:
+    pair: Any = ToRos1.__new__(ToRos1)
+    pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
+    pair._side = SimpleNamespace(is_ours=lambda sender: sender == b"ours")
+    pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
+    passed: List[Any] = []
+    pair._publisher = SimpleNamespace(publish_all=passed.extend)
+    good, bad = b"\0\1\0\0\0", b""
+    arrived = [
+        (good, b"a", 1),
+        (good, b"a", 4),
+        (good, b"b", 7),
+        (bad, b"a", 5),
+        (good, b"ours", 1),
+    ]
+    pair._forward(
+        [
+            (data, {"publisher_gid": {"data": sender}, "publication_sequence_number": number})
+            for data, sender, number in arrived
+        ]
+    )
+    assert vars(pair.count) == {"passed": 3, "lost": 2, "refused": 1}
+    assert len(passed) == 3
 
 
 def test_senders_without_number_are_not_all_remembered() -> None:

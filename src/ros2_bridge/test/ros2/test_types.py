@@ -12,9 +12,11 @@ import pytest
 import rospkg
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ros2_bridge.types import Types, Unbridgeable
+from ros2_bridge.types import Types, Unbridgeable, package_folder
 
-PACKAGES = "std_msgs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"
+PACKAGES = (
+    "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"
+)
 #: Types that differ: what is bridged of them is nothing, with a sentence.
 DIFFERENT = {"sensor_msgs/Range"}
 #: What ROS 2 has in another way: actions, and what goes with its tf2.
@@ -31,11 +33,9 @@ def names(kind: str) -> List[str]:
     packages = PACKAGES.split() + [path.parent.name for path in sources.glob("*/package.xml")]
     found = []
     for package in packages:
-        try:
-            place = pathlib.Path(rospkg.RosPack().get_path(package), kind)
-        except rospkg.ResourceNotFound:
-            continue
-        found += [f"{package}/{path.stem}" for path in sorted(place.glob(f"*.{kind}"))]
+        place = package_folder(rospkg.RosPack(), package)
+        assert place is not None, package
+        found += [f"{package}/{path.stem}" for path in sorted(place.glob(f"{kind}/*.{kind}"))]
     return [name for name in found if not OLD.search(name)]
 
 

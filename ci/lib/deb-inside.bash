@@ -47,9 +47,9 @@ take_build() { # SUITE ROOT
         dh_md5sums
         dh_builddeb --destdir=../earlier' "$version" || return
     rm -rf "${dist:?}/$1"
-    mkdir -p "$dist/$1/earlier"
-    cp "$2"/home/student/*.{deb,buildinfo,changes} "$dist/$1"
-    cp "$2"/home/student/earlier/*.deb "$dist/$1/earlier"
+    mkdir -p "$dist/$1/earlier" &&
+        cp "$2"/home/student/*.{deb,buildinfo,changes} "$dist/$1" &&
+        cp "$2"/home/student/earlier/*.deb "$dist/$1/earlier" || return
     verdict="$(within "$2" root offline sh -c 'ls /home/student/*.deb | wc -l') packages, version $version"
 }
 

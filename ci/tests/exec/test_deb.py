@@ -66,6 +66,17 @@ def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
         ]
 
 
+def test_packages_that_do_not_get_to_dist_are_told(tmp_path: pathlib.Path) -> None:
+    stubs = "; ".join(
+        f"{name}() {{ :; }}" for name in "apt_get succeeds git tar python3 chroot cp".split()
+    )
+    furnish = 'furnish() { mkdir -p "$1/home/student"; }; within() { echo 1; }'
+    build = 'dist=$1/dist commit=it; take_build bookworm "$1" 2>/dev/null && echo good || echo bad'
+    assert inside(f"{stubs}; {furnish}; {build}", str(tmp_path / "one")) == ["good"]
+    full = "cp() { return 1; }"  # as on a disk that is full
+    assert inside(f"{stubs}; {full}; {furnish}; {build}", str(tmp_path / "two")) == ["bad"]
+
+
 def test_a_file_in_two_packages_is_told_and_a_shared_folder_is_not(tmp_path: pathlib.Path) -> None:
     for name, files in (("a", ["one", "both"]), ("b", ["both", "two"])):
         tree = tmp_path / name

@@ -78,12 +78,22 @@ def said(*command: str, place: pathlib.Path = WORKSPACE) -> str:
         raise Refused(f"'{' '.join(command)}' ended with status {error.returncode}") from None
 
 
+def author() -> List[str]:
+    """Return the options by which git learns who releases: a clone lacks what is set here alone.
+
+    :raises Refused: git does not know it here either
+    """
+    name, _, rest = said("git", "var", "GIT_COMMITTER_IDENT").partition(" <")
+    return ["-c", f"user.name={name}", "-c", f"user.email={rest.partition('>')[0]}"]
+
+
 def judge(version: str) -> None:
     """Look whether there can be such a release.
 
     :raises Refused: there cannot
     """
     wanted = number(version)
+    author()
     changed = said("git", "status", "--porcelain")
     if changed:
         raise Refused(f"something is not committed: {changed.splitlines()[0].strip()}")
@@ -141,8 +151,12 @@ def release(version: str) -> None:
     with clone() as tree:
         bump(tree, version)
         run(PREPARE, tree)
-        said("git", "commit", "--quiet", "--all", "--message", f"Release {version}", place=tree)
+        message = ["--no-gpg-sign", "--message", f"Release {version}"]
+        said("git", *author(), "commit", "--quiet", "--all", *message, place=tree)
         run(CHECKS, tree)
+        for source in PRODUCTS:
+            if not (tree / source).is_dir():
+                raise Refused(f"{source} was not made, which takes Debian 12: nothing was released")
         said("git", "fetch", "--quiet", str(tree), "HEAD")
         said("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
         said("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)

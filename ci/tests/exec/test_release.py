@@ -129,6 +129,49 @@ def test_nothing_is_released_where_a_check_is_bad(copy: Copy, check: str) -> Non
     assert copy.git("tag") == "" and not (copy.root / "dist").exists()
 
 
+def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
+    copy.script("test", "")  # as where the tools of that tier are missing
+    copy.commit()
+    before = copy.state()
+    done = copy.release("1.2.0")
+    assert done.returncode == 1
+    assert "docs/_build/html was not made, which takes Debian 12: nothing" in done.stderr
+    assert copy.state() == before
+    assert copy.git("tag") == "" and not (copy.root / "dist").exists()
+
+
+def test_its_author_is_told_here_and_signs_nothing(
+    copy: Copy, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    (tmp_path / "config").write_text(
+        "[user]\nuseConfigOnly = true\n[commit]\ngpgSign = true\n[tag]\ngpgSign = true\n"
+    )
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "config"))
+    for role in ("AUTHOR", "COMMITTER"):
+        monkeypatch.delenv(f"GIT_{role}_NAME")
+        monkeypatch.delenv(f"GIT_{role}_EMAIL")
+    done = copy.release("1.2.0")
+    assert done.returncode == 125 and "GIT_COMMITTER_IDENT" in done.stderr
+    copy.git("config", "user.name", "some body")  # in this repository, not in its clones
+    copy.git("config", "user.email", "some@example.invalid")
+    done = copy.release("1.2.0")
+    assert done.returncode == 0, done.stderr
+    told = copy.git("log", "-1", "--format=%an <%ae>, %cn <%ce>, %G?").strip()
+    assert told == ", ".join(2 * ["some body <some@example.invalid>"] + ["N"])
+    assert "PGP" not in copy.git("cat-file", "tag", "1.2.0")
+
+
+def test_each_package_has_its_part_in_the_changelog() -> None:
+    whole = (CI.parent / "docs" / "changelog.rst").read_text("utf-8")
+    for manifest in sorted(CI.parent.glob("src/*/package.xml")):
+        name = manifest.parent.name
+        part = f"\n{name}\n{'~' * len(name)}\n\n.. include:: ../src/{name}/CHANGELOG.rst\n"
+        assert part in whole, name
+        lines = manifest.with_name("CHANGELOG.rst").read_text("utf-8").splitlines()
+        title = f"Changelog for package {name}"  # as REP 132 has it
+        assert lines[:4] == ["^" * len(title), title, "^" * len(title), ""]
+
+
 def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
     before = copy.state()
     done = copy.release("--dry-run", "1.2.0")

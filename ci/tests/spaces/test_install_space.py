@@ -10,6 +10,10 @@ from typing import Callable, Dict, List
 import pytest
 from conftest import PACKAGES, SOURCES
 
+# Only what hangs takes as long: a look at the eleven launch files of a package has taken more
+# than a minute on a machine that had ten times as much to do.
+LIMIT_S = 300.0
+
 # A command in the install space, its streams and its process.
 Start = Callable[..., "subprocess.Popen[str]"]
 
@@ -49,7 +53,7 @@ def start(install_space: pathlib.Path, underlay: Dict[str, str]) -> Start:
 
 
 def output(process: "subprocess.Popen[str]") -> str:
-    out, _ = process.communicate(timeout=60)
+    out, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0, out
     return out.strip()
 

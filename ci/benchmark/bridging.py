@@ -19,14 +19,19 @@ from processes import Session
 from stacks import RCLPY
 
 ROSPY, TO_ROS2, TO_ROS1 = "rospy", "to_ros2", "to_ros1"
+#: Bare rospy and rclpy in one process, from ROS 1 to ROS 2: the least that a bridge can take.
+BARE = "bare"
 #: Which ROS sends and which hears.
 ENDS: Dict[str, Tuple[str, str]] = {
     ROSPY: ("1", "1"),
     RCLPY: ("2", "2"),
     TO_ROS2: ("1", "2"),
     TO_ROS1: ("2", "1"),
+    BARE: ("1", "2"),
 }
 BRIDGE = WORKSPACE / "devel" / "lib" / "ros2_bridge" / "bridge"
+#: What is between the ends.
+PROGRAMS = {TO_ROS2: BRIDGE, TO_ROS1: BRIDGE, BARE: SCRIPTS / "bridge" / "bare.py"}
 #: longest wait for the first message, and for the last, s
 LIMIT = 40.0
 DOMAIN = "97"
@@ -64,10 +69,10 @@ def rest(bench: Bench, subject: str) -> Figures:
 
 
 @contextlib.contextmanager
-def bridge(session: Session) -> Iterator[int]:
-    """Run the bridge; tell its process id."""
+def bridge(session: Session, program: pathlib.Path = BRIDGE) -> Iterator[int]:
+    """Run the bridge, or another; tell its process id."""
     environment = dict(session.environment, ROS_DOMAIN_ID=DOMAIN)
-    process = session.start([str(BRIDGE)], environment)
+    process = session.start([sys.executable, str(program)], environment)
     try:
         yield process.pid
     finally:
@@ -99,8 +104,8 @@ def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -
     figures: Figures = {}
     with contextlib.ExitStack() as stack:
         pids: List[int] = []
-        if subject in (TO_ROS2, TO_ROS1):
-            pids.append(stack.enter_context(bridge(bench.session)))
+        if subject in PROGRAMS:
+            pids.append(stack.enter_context(bridge(bench.session, PROGRAMS[subject])))
         stack.enter_context(ends(bench.session, subject, file, rate, seconds, topics))
         wait_until(file.with_suffix(".first").exists, LIMIT, "the first message")
         if pids:

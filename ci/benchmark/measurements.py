@@ -141,7 +141,7 @@ MEASUREMENTS = [
     Measurement(
         "bridge",
         "a message at 1 kHz from one ROS to the other, and within each",
-        [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
+        [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1, bridging.BARE],
         bridging.at_1_khz,
         repeats=3,
     ),

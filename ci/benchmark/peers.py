@@ -14,7 +14,7 @@ WORKSPACE = HERE.parents[1]
 BUILD = WORKSPACE / "build" / "benchmark"
 
 #: What is left out where there is no rclpy.
-NEED_RCLPY = ("rclpy", "to_ros2", "to_ros1")
+NEED_RCLPY = ("rclpy", "to_ros2", "to_ros1", "bare")
 #: Python of the environment that ./ci/ros2 makes
 RCLPY = WORKSPACE / "build" / "ros2" / "bin" / "python"
 

@@ -1,4 +1,4 @@
-"""What simulated robots cost: a hundred in one process, one that scans, and how soon one is up."""
+"""What simulated robots cost: a hundred, one that scans or is driven, and how soon one is up."""
 
 import time
 from typing import List
@@ -8,18 +8,20 @@ from context import Bench, Figures
 from cost import cpu_share, resident_memory
 from observers import Recorder
 
-FLEET, SCAN, START = "100 robots", "a robot that scans", "start of a robot"
-SUBJECTS = [FLEET, SCAN, START]
+FLEET, SCAN = "100 robots", "a robot that scans"
+PAIR, START = "a robot and its controller", "start of a robot"
+SUBJECTS = [FLEET, SCAN, PAIR, START]
 
 COUNT = 100
 ODOMETRY, JOINTS, RANGES = "nav_msgs/Odometry", "sensor_msgs/JointState", "sensor_msgs/LaserScan"
+COMMANDS = "geometry_msgs/Twist"
 #: A square of 6 m and a wall within it.
 WALLS = "[[3,-3,3,3],[3,3,-3,3],[-3,3,-3,-3],[-3,-3,3,-3],[1,1,2,1.5]]"
 
 
 def measure(bench: Bench, subject: str) -> Figures:
     """Measure one of SUBJECTS."""
-    return {FLEET: _fleet, SCAN: _scan, START: _start}[subject](bench)
+    return {FLEET: _fleet, SCAN: _scan, PAIR: _pair, START: _start}[subject](bench)
 
 
 def _fleet(bench: Bench) -> Figures:
@@ -63,6 +65,18 @@ def _scan(bench: Bench) -> Figures:
         return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
 
 
+def _pair(bench: Bench) -> Figures:
+    """Measure a robot at 30 Hz that its controller drives at 20 Hz, to where it never comes."""
+    controller = _command("proportional_controller", "_goal_x:=1000", package="bot_controller_demo")
+    with bench.session.node() as node, bench.session.running(
+        _command("diff_drive"), controller
+    ) as pids:
+        for topic, kind in (("/odom", ODOMETRY), ("/cmd_vel", COMMANDS)):
+            Recorder(node, topic, kind).wait()
+        time.sleep(1.0)
+        return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
+
+
 def _start(bench: Bench) -> Figures:
     """Measure from where roslaunch would start the process."""
     with bench.session.node() as node:
@@ -72,5 +86,5 @@ def _start(bench: Bench) -> Figures:
             return {"first_odom_s": recorder.wait() - began}
 
 
-def _command(executable: str, *arguments: str) -> List[str]:
-    return [str(stacks.EXECUTABLES.parent / "diff_drive_sim" / executable), *arguments]
+def _command(executable: str, *arguments: str, package: str = "diff_drive_sim") -> List[str]:
+    return [str(stacks.EXECUTABLES.parent / package / executable), *arguments]

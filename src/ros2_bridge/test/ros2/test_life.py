@@ -175,7 +175,10 @@ def test_bridge_is_there_before_the_master(ros: both.Both) -> None:
         bridge.wait_for_log("waiting for the master")
         ros.master.start()
         ear = ros.hear1("/early", "std_msgs/Float32")
-        wait_until(lambda: out.publish(Float32(data=1.5)) or ear.heard, lambda: "nothing comes")
+        wait_until(
+            lambda: out.publish(Float32(data=1.5)) or ear.heard,
+            lambda: f"nothing comes: {bridge.logged()}, {rospy.get_master().getSystemState()}",
+        )
         ear.end()
         assert bridge.interrupt() == 0
     ros.node.destroy_publisher(out)

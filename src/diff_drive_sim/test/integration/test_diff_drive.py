@@ -16,6 +16,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from diff_drive_sim.kinematics import Pose, wrapped
+from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
@@ -204,12 +205,10 @@ class DiffDrive(unittest.TestCase):
         speeds = [self.odometry[name].messages()[-1].twist.twist.linear.x for name in ("", "/lab")]
         self.assertAlmostEqual(speeds[0], 0.22)
         self.assertAlmostEqual(speeds[1], 0.26)
-        rospy.set_param("/diff_drive/max_linear_velocity", 0.1)
-        self.log.wait_for(lambda line: "max_linear_velocity: 0.22 -> 0.1" in line.msg)
+        change("/diff_drive", max_linear_velocity=0.1)
         self.advance(STEP)
         self.assertAlmostEqual(self.odometry[""].messages()[-1].twist.twist.linear.x, 0.1)
-        rospy.set_param("/diff_drive/max_linear_velocity", 0.22)
-        self.log.wait_for(lambda line: "max_linear_velocity: 0.1 -> 0.22" in line.msg)
+        change("/diff_drive", max_linear_velocity=0.22)
 
     def test_a_clock_that_jumps_an_hour_ahead_moves_it_no_longer_than_the_command_acts(
         self,
@@ -265,8 +264,7 @@ class DiffDrive(unittest.TestCase):
             self.log.forget()
 
     def test_the_type_can_be_changed_while_it_runs(self) -> None:
-        rospy.set_param("/diff_drive/controller_type", "gazebo")
-        self.log.wait_for(lambda line: "controller_type: 'rviz' -> 'gazebo'" in line.msg)
+        change("/diff_drive", controller_type="gazebo")
         self.hush("", Twist)
         wait_until(
             lambda: self.graph.topics()["/cmd_vel"] == TwistStamped._type
@@ -276,8 +274,7 @@ class DiffDrive(unittest.TestCase):
         self.drive(0.2, 0.0, "", TwistStamped)
         self.advance(2.0)  # the command ends: what moves it then is the next one, of the other type
         self.hush("", TwistStamped)
-        rospy.set_param("/diff_drive/controller_type", "rviz")
-        self.log.wait_for(lambda line: "controller_type: 'gazebo' -> 'rviz'" in line.msg)
+        change("/diff_drive", controller_type="rviz")
         self.drive(0.2, 0.0)
 
     def test_odometry_with_noise_says_how_far_it_may_be_off(self) -> None:
@@ -323,8 +320,7 @@ class DiffDrive(unittest.TestCase):
     def test_a_wall_stops_it_where_it_touches(self) -> None:
         contact = Ear("/contact", Bool)
         self.wait_for_ear("", "/contact")
-        rospy.set_param("/diff_drive/command_timeout", 0.0)
-        self.log.wait_for(lambda line: "command_timeout: 1 -> 0" in line.msg)
+        change("/diff_drive", command_timeout=0.0)
         self.drive(0.2, 0.0)
         self.advance(60.0)
         self.assert_at(Pose(3.0 - 0.105, 0.0, 0.0), delta=1e-6)
@@ -336,8 +332,7 @@ class DiffDrive(unittest.TestCase):
             lambda: "it still touches the wall",
         )
         contact.close()
-        rospy.set_param("/diff_drive/command_timeout", 1.0)
-        self.log.wait_for(lambda line: "command_timeout: 0 -> 1" in line.msg)
+        change("/diff_drive", command_timeout=1.0)
 
     def test_the_laser_sees_the_walls_where_they_are(self) -> None:
         scans = Ear("/scan", LaserScan)

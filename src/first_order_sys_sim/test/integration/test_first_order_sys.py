@@ -9,6 +9,7 @@ import rospy
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
+from nodekit.testing.changing import change
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -35,13 +36,10 @@ class FirstOrderSys(unittest.TestCase):
         wait_until(cls.input.get_num_connections, lambda: "nobody listens to /lab/input")
 
     def setUp(self) -> None:
-        rospy.set_param(NODE + "/system_param_K", 13.2)
         self.send(0.0)
         # Left alone, it would take 5 s to decay to what is 0 in a float32.
-        self.log.forget()
         almost_zero = 1e-300 if rospy.get_param(NODE + "/system_initial_conditions") == 0.0 else 0.0
-        rospy.set_param(NODE + "/system_initial_conditions", almost_zero)
-        self.log.wait_for(lambda line: "system_initial_conditions: " in line.msg)
+        change(NODE, system_param_K=13.2, system_initial_conditions=almost_zero)
         self.log.forget()
         self.output.forget()
         wait_until(self.rests, lambda: f"the output is {self.latest()}")

@@ -12,6 +12,7 @@ from roslib.packages import find_node
 from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool
+from nodekit.testing.changing import change
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
@@ -83,7 +84,7 @@ class DcMotor(unittest.TestCase):
         self.assert_response(values[rest:], 3.5)
 
     def test_change_of_gain_makes_no_jump_and_is_logged(self) -> None:
-        self.addCleanup(rospy.set_param, NODE + "/sys_gain_K", GAIN)
+        self.addCleanup(change, NODE, sys_gain_K=GAIN)
         self.input.publish(Float32(0.5))
         self.settle(0.875)
         rospy.set_param(NODE + "/sys_gain_K", 8.0)
@@ -94,9 +95,8 @@ class DcMotor(unittest.TestCase):
         self.log.wait_for(lambda line: NODE + "/sys_gain_K: 1.75 -> 8" in line.msg)
 
     def test_change_of_sample_time_makes_no_jump(self) -> None:
-        self.addCleanup(rospy.set_param, NODE + "/sample_time", SAMPLE_TIME)
-        rospy.set_param(NODE + "/sample_time", 0.001)
-        self.log.wait_for(lambda line: "sample_time: 0.02 -> 0.001" in line.msg)
+        self.addCleanup(change, NODE, sample_time=SAMPLE_TIME)
+        change(NODE, sample_time=0.001)
         self.input.publish(Float32(2.0))
         values = self.settle(3.5)
         rising = [value for value in values if 0.0 < value < 3.0]

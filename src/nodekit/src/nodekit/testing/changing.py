@@ -1,0 +1,23 @@
+"""Change parameters of a node, and know when it goes by them."""
+
+from typing import Any
+
+import rospy
+import yaml
+
+from nodekit_msgs.srv import SetParameters
+
+
+def change(node: str, **values: Any) -> None:
+    """Change parameters; a message that is sent after this finds the node with the new values.
+
+    After ``rosparam set`` nothing tells of that: what the log says comes before the node's class
+    hears of it.
+
+    :param node: its global name
+    :param values: by name
+    :raises AssertionError: if they are refused
+    """
+    rospy.wait_for_service(f"{node}/change", 30.0)
+    answer = rospy.ServiceProxy(f"{node}/change", SetParameters)(yaml.safe_dump(values))
+    assert answer.success, answer.message

@@ -1,6 +1,7 @@
 """Which point comes next; what drives there is another test's."""
 
-from typing import Any, List
+import math
+from typing import Any, List, Optional
 
 import pytest
 
@@ -14,12 +15,13 @@ from bot_controller_demo_msgs.msg import Progress
 
 
 class FakeNode:
-    """Takes what a node is given, and stands for its driver, which is there at each step."""
+    """Takes what a node is given, and stands for its driver, which needs a step for each way."""
 
     def __init__(self, values: WaypointControllerParameters) -> None:
         self.values = values
         self.tick: Any = None
         self.goals: List[Goal] = []
+        self.at = Goal(0.0, 0.0)
 
     def parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
         return self
@@ -30,7 +32,13 @@ class FakeNode:
     def head_for(self, goal: Goal) -> None:
         self.goals.append(goal)
 
-    def step(self) -> Progress:
+    def step(self) -> Optional[Progress]:
+        if not self.goals:
+            return None
+        goal = self.goals[-1]
+        if math.hypot(goal.x - self.at.x, goal.y - self.at.y) > self.values.linear_tolerance:
+            self.at = goal
+            return Progress(phase=Progress.DRIVING)
         return Progress(phase=Progress.ARRIVED)
 
 
@@ -51,15 +59,17 @@ def test_points_are_gone_through_once_or_again_and_again(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     one, two = Goal(*ONE), Goal(*TWO)
-    assert goals(monkeypatch, 3, waypoints=[ONE, TWO]) == [one, two]
-    assert goals(monkeypatch, 3, waypoints=[ONE, TWO], repeat=True) == [one, two, one, two]
+    assert goals(monkeypatch, 9, waypoints=[ONE, TWO]) == [one, two]
+    assert goals(monkeypatch, 6, waypoints=[ONE, TWO], repeat=True) == [one, two, one, two]
 
 
-def test_a_single_point_is_gone_to_once_and_not_at_each_step(
+def test_where_it_is_at_all_points_it_does_not_set_out_at_each_step(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    assert goals(monkeypatch, 5, waypoints=[ONE], repeat=True) == [Goal(*ONE)]
-    assert goals(monkeypatch, 5, waypoints=[ONE, ONE], repeat=True) == 2 * [Goal(*ONE)]
+    near = [1.05, 0.0]
+    assert goals(monkeypatch, 9, waypoints=[ONE], repeat=True) == 2 * [Goal(*ONE)]
+    found = goals(monkeypatch, 20, waypoints=[ONE, near], repeat=True)
+    assert found == 2 * [Goal(*ONE), Goal(*near)]
 
 
 def test_without_points_it_goes_nowhere(monkeypatch: "pytest.MonkeyPatch") -> None:

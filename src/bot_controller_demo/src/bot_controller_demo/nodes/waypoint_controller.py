@@ -48,6 +48,7 @@ class WaypointController:
         self._parameters = node.parameters(WaypointControllerParameters, self._on_change)
         self._driver = Driver(node, self._parameters)
         self._ahead: List[Goal] = []
+        self._has_driven = False
         node.every(lambda: self._parameters.values.control_frequency, self._step)
         self._start()
 
@@ -60,14 +61,17 @@ class WaypointController:
 
     def _step(self, _elapsed: float) -> None:
         progress = self._driver.step()
-        if progress is None or progress.phase != ARRIVED:
+        if progress is None:
             return
-        if self._ahead:
+        if progress.phase != ARRIVED:
+            self._has_driven = True
+        elif self._ahead:
             self._driver.head_for(self._ahead.pop(0))
-        elif self._parameters.values.repeat and len(set(self._parameters.values.goals)) > 1:
-            self._start()  # but for a single point: the robot is there, and stays
+        elif self._parameters.values.repeat and self._has_driven:
+            self._start()  # but where it was at all points without driving, it stays
 
     def _start(self) -> None:
+        self._has_driven = False
         self._ahead = self._parameters.values.goals
         if self._ahead:
             self._driver.head_for(self._ahead.pop(0))

@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message
 
 from nodekit import Lifetime, Node
 from nodekit.live.master import MasterClient
-from ros2_bridge.pairing import Patience
+from ros2_bridge.pairing import Patience, ranked
 from ros2_bridge.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters_to_ros2 import ParametersToRos2
@@ -112,9 +112,8 @@ class NodeBridge:
         self._look_at_ros2(telling - ros1.nodes() if parameters else set(), most, is_restarted)
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
-        """Return the nodes that appear: those that do already, then nodes, then parts of nodes."""
-        order = [name for name in self.twins if name in nodes | describing]
-        order += sorted(nodes - set(order)) + sorted(describing - nodes - set(order))
+        """Return the nodes that appear: nodes before parts of nodes, which describe parameters."""
+        order = ranked(self.twins, nodes, describing)
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
         return self._at_most(legal, most, "nodes of ROS 1 as nodes of ROS 2")
 
@@ -145,8 +144,7 @@ class NodeBridge:
         self._side.destroy_node(twin.home)
 
     def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
-        order = [name for name in self.mirrors if name in nodes]
-        order += sorted(nodes - set(order))
+        order = ranked(self.mirrors, nodes)
         wanted = self._at_most(order, most, "nodes of ROS 2 with their parameters")
         for name in self._mirror_patience.gone(self.mirrors, wanted):
             self.mirrors.pop(name).close()

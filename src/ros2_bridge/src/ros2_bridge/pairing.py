@@ -3,7 +3,19 @@
 import fnmatch
 import functools
 import re
-from typing import Dict, Generic, Hashable, List, Mapping, NamedTuple, Sequence, Set, Tuple, TypeVar
+from typing import (
+    Dict,
+    Generic,
+    Hashable,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Sequence,
+    Set,
+    Tuple,
+    TypeVar,
+)
 
 from ros2_bridge.renaming import Renaming
 
@@ -83,6 +95,18 @@ def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
     ways = [Way(name, True) for name in in_ros1 if rules.to_ros2 and rules.allows(name)]
     ways += [Way(name, False) for name in in_ros2 if rules.to_ros1 and rules.allows(name)]
     return sorted(ways)
+
+
+def ranked(there: Iterable[str], *kinds: Set[str]) -> List[str]:
+    """Return names, the first of which appear where not all may.
+
+    :param there: those that appear already, and stay as long as they are wanted
+    :param kinds: those that are wanted, of each kind after the kinds before it
+    """
+    order = [name for name in there if any(name in kind for kind in kinds)]
+    for kind in kinds:
+        order += sorted(kind.difference(order))
+    return order
 
 
 Key = TypeVar("Key", bound=Hashable)

@@ -1,6 +1,6 @@
 """What is bridged, which way, and until when."""
 
-from ros2_bridge.pairing import Patience, Rules, Way, wanted
+from ros2_bridge.pairing import Patience, Rules, Way, ranked, wanted
 from ros2_bridge.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
@@ -41,6 +41,12 @@ def test_patterns_are_of_names_in_ros1() -> None:
     assert not rules.allows("/scan") and not rules.allows("/robot1/secret")
     assert not rules.allows("/robot1/rosout")  # ROS 2 has that for itself
     assert not rules._replace(allow=["*"]).allows("/scan")  # /robot1/scan is called so there
+
+
+def test_who_appears_already_comes_first_then_kind_by_kind() -> None:
+    nodes, parts = {"/d", "/b", "/a"}, {"/c", "/b", "/aa"}
+    assert ranked([], nodes, parts) == ["/a", "/b", "/d", "/aa", "/c"]
+    assert ranked(["/gone", "/c", "/b"], nodes, parts) == ["/c", "/b", "/a", "/d", "/aa"]
 
 
 def test_gone_is_what_is_missing_look_after_look() -> None:

@@ -429,6 +429,22 @@ class Races(unittest.TestCase):
             )
         self.assert_ends_with(live, level=29.0)
 
+    def test_good_and_bad_at_once_are_told_in_their_order(self) -> None:
+        live = self.start()
+        self.warnings.setLevel(logging.INFO)
+
+        def set_both() -> None:
+            self.user.set(self.level, 5.0)
+            self.user.set(self.level, -1.0)
+
+        self.server.after_read = set_both
+        self.watcher.ring()
+        self.assert_ends_with(live, level=5.0)
+        changed, refused = [text for text in self.warnings.texts if self.level in text]
+        self.assertEqual(changed, f"{self.level}: 1 -> 5")
+        self.assertIn("refused -1: must be", refused)
+        self.assertIn("; in force is level=5", refused)
+
     def test_changes_come_through_while_a_slider_is_moved(self) -> None:
         live = self.start()
         levels = self.levels_of(live)

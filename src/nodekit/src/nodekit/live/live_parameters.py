@@ -172,20 +172,20 @@ class LiveParameters(Generic[Snapshot]):
                 call_listener(bell, self.namespace)
 
     def _log(self, old: Snapshot, outcome: Outcome) -> None:
+        before, in_force = old.as_dict(), outcome.values.as_dict()
+        # First: of a good value that was set just before a bad one, the refusal says that it stays.
+        for name, value in in_force.items():
+            if value != before[name]:
+                texts = format_value(before[name]), format_value(value)
+                late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
+                rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
         for error in outcome.refusals:
-            in_force = outcome.values.as_dict()
             kept = {name: in_force[name] for name in error.names if name in in_force}
             told = "in force is " + _settings(kept) if kept else "all values stay in force"
             rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
         for name, nearest in outcome.unknown.items():
             hint = f"; did you mean {nearest}?" if nearest else ""
             rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
-        before = old.as_dict()
-        for name, value in outcome.values.as_dict().items():
-            if value != before[name]:
-                texts = format_value(before[name]), format_value(value)
-                late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
-                rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
 
 
 def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:

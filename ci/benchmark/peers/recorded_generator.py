@@ -5,24 +5,31 @@ import sys
 
 from basic_comms.msg import signal_msg
 from basic_comms.nodes.signal_generator import SignalGenerator
-from nodekit import Node, run
+from nodekit import Node, Publisher, run
 from record import Record
 
 record = Record()
 
 
+class RecordingPublisher:
+    """Stands in for a publisher, which lets nobody change it, and notes when it publishes."""
+
+    def __init__(self, publisher: Publisher) -> None:
+        self.resolved_name = publisher.resolved_name
+        self._publish = publisher.publish
+
+    def publish(self, message: signal_msg) -> None:
+        """Note the sample's own time and the moment just before it is published."""
+        record.add(message.time_x)
+        self._publish(message)
+
+
 class RecordedGenerator(SignalGenerator):
-    """Notes the moment just before a sample is published, and the sample's own time."""
+    """The generator, with a publisher that records."""
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        publish = self._publisher.publish
-
-        def note_and_publish(message: signal_msg) -> None:
-            record.add(message.time_x)
-            publish(message)
-
-        self._publisher.publish = note_and_publish  # type: ignore[method-assign]
+        self._publisher = RecordingPublisher(self._publisher)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,10 @@ def said(*command: str) -> str:
             check=True,
         ).stdout
     except subprocess.SubprocessError as error:
-        sys.exit(f"{error}\n{error.stdout}")  # type: ignore[attr-defined]
+        output = error.stdout or ""  # type: ignore[attr-defined]
+        # Where it took too long, Python does not decode what there is.
+        text = output.decode(errors="replace") if isinstance(output, bytes) else output
+        sys.exit(f"{error}\n{text}")
 
 
 def wait_for(what: str, condition: Callable[[], bool]) -> None:

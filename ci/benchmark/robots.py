@@ -68,11 +68,10 @@ def _scan(bench: Bench) -> Figures:
 def _pair(bench: Bench) -> Figures:
     """Measure a robot at 30 Hz that its controller drives at 20 Hz, to where it never comes."""
     controller = _command("proportional_controller", "_goal_x:=1000", package="bot_controller_demo")
-    with bench.session.node() as node, bench.session.running(
-        _command("diff_drive"), controller
-    ) as pids:
-        for topic, kind in (("/odom", ODOMETRY), ("/cmd_vel", COMMANDS)):
-            Recorder(node, topic, kind).wait()
+    with bench.session.running(_command("diff_drive"), controller) as pids:
+        with bench.session.node() as node:  # and nobody else is sent anything while it is measured
+            for topic, kind in (("/odom", ODOMETRY), ("/cmd_vel", COMMANDS)):
+                Recorder(node, topic, kind).wait()
         time.sleep(1.0)
         return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
 

@@ -424,6 +424,18 @@ def test_connection_that_a_publisher_refuses_is_none_any_more(stack, monkeypatch
     assert not ear.impl.has_connection(uri)
 
 
+def test_second_connection_to_a_publisher_leaves_the_first_one_alone(connected, monkeypatch):
+    looked_for = []
+    monkeypatch.setattr(registration, "connect", lambda *what: looked_for.append(what))
+    second = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
+    second.set_endpoint_id("/publisher")
+    assert not connected.topic.add_connection(second)
+    connected.socket.sendall(packet("news"))
+    connected.receive_all()
+    assert connected.words == ["news"]
+    assert looked_for == [(TOPIC, "/publisher")], "the first one may have been about to end"
+
+
 def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):
     publisher, ear = together
     uri = "http://here"

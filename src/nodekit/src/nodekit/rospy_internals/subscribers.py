@@ -31,7 +31,7 @@ BatchCallback = Callable[[List[Any], bool], None]
 
 #: How much earlier than the end of a connection news of its successor may come, s.
 ANEW_S = 10.0
-_SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger closed"
+_SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger closed c_lock"
 _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_num_msg is_latched"
 
 
@@ -222,15 +222,18 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
         :param c: rospy's object for it
         :returns: whether it is wanted: the topic is open, and hears nothing twice
         """
-        # The node may have closed its publisher when this was begun, and made another since.
-        if self._hears_here(c.endpoint_id):
-            return False
-        if type(c) is TCPROSTransport:
-            leave_where_refused(self, c)
-            # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
-            if self.queue_size is None:
-                c.receive_once = Reader(c).receive_once
-        return bool(super().add_connection(c))
+        # The node may have closed its publisher when this was begun, and made another since. Or the
+        # master told twice of one: rospy would drop the first connection for the second, and with
+        # it what had been sent there, or leave the publisher waiting for a header half-way.
+        with self.c_lock:
+            if self.has_connection(c.endpoint_id):
+                return False
+            if type(c) is TCPROSTransport:
+                leave_where_refused(self, c)
+                # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
+                if self.queue_size is None:
+                    c.receive_once = Reader(c).receive_once
+            return bool(super().add_connection(c))
 
     def _hears_here(self, uri: str) -> bool:
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)

@@ -85,4 +85,4 @@ def _draw_margins(axes: Any, margins: List[Tuple[str, float, bool]]) -> None:
     axes.set_xscale("log")
     axes.set_xlim(0.09, 1.4 * EDGE)
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_title("times better than the goal (left of the line: short)", loc="left")
+    axes.set_title("times better than the goal", loc="left")

@@ -4,7 +4,7 @@ import threading
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from geometry_msgs.msg import Twist, TwistStamped
 
 from bot_controller_demo.velocities import STOP, Velocity
 from nodekit import Node
@@ -25,7 +25,12 @@ class Commands:
 
     def __init__(self, node: Node, controller_type: str) -> None:
         self._is_stamped = controller_type == "gazebo"
-        self._publisher = node.publisher("cmd_vel", TwistStamped if self._is_stamped else Twist)
+        # Made once and filled again: to make one takes longer than all else here.
+        self._message: Any = Twist()
+        if self._is_stamped:
+            self._message = TwistStamped()
+            self._message.header.frame_id = _FRAME
+        self._publisher = node.publisher("cmd_vel", type(self._message))
         self._last, self._is_closed = STOP, False
         self._lock = threading.Lock()
         node.own(self)
@@ -48,14 +53,13 @@ class Commands:
 
     def _send(self, velocity: Velocity) -> None:
         if not self._is_closed and (velocity != STOP or self._last != STOP):
-            self._publisher.publish(self._message(velocity))
+            self._publisher.publish(self._filled(velocity))
         self._last = velocity
 
-    def _message(self, velocity: Velocity) -> Any:
-        twist = Twist(Vector3(velocity.linear, 0.0, 0.0), Vector3(0.0, 0.0, velocity.angular))
-        if not self._is_stamped:
-            return twist
-        message = TwistStamped(twist=twist)
-        message.header.stamp = rospy.Time.now()
-        message.header.frame_id = _FRAME
+    def _filled(self, velocity: Velocity) -> Any:
+        """Return the message, which tells of a velocity now."""
+        message = twist = self._message
+        if self._is_stamped:
+            message.header.stamp, twist = rospy.Time.now(), message.twist
+        twist.linear.x, twist.angular.z = velocity
         return message

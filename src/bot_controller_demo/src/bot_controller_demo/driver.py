@@ -44,6 +44,7 @@ class Driver:
         self._parameters = parameters
         self._commands = Commands(node, parameters.values.controller_type)
         self._progress = node.publisher("~progress", Progress)
+        self._progress_message = Progress()
         self._arrived = node.publisher("~arrived", Bool, latch=True)
         self._current_goal = node.publisher("~current_goal", PoseStamped, latch=True)
         self._pursuit: Optional[Pursuit] = None
@@ -83,7 +84,8 @@ class Driver:
     def step(self) -> Optional[Progress]:
         """Tell the robot what to do now; to be called ``~control_frequency`` times a second.
 
-        :returns: how far it is; None without a goal, or while nobody knows where the robot is
+        :returns: how far it is, the same message each time; None without a goal, or while nobody
+            knows where the robot is
         """
         settings: DrivingParameters = self._parameters.values
         self._judge(settings)
@@ -92,9 +94,9 @@ class Driver:
         before = self._pursuit.phase
         step = self._pursuit.step(self._pose, settings.tuning)
         self._commands.publish(step.velocity)
-        progress = Progress(
-            phase=step.phase, distance=step.errors.distance, heading_error=step.errors.heading
-        )
+        progress = self._progress_message
+        progress.phase, progress.distance = step.phase, step.errors.distance
+        progress.heading_error = step.errors.heading
         progress.header.stamp, progress.header.frame_id = self._stamp, self.frame
         if (step.phase == ARRIVED) != (before == ARRIVED):
             self._arrived.publish(Bool(step.phase == ARRIVED))

@@ -18,6 +18,7 @@ from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from nodekit.executors import SingleThreadedExecutor
+from nodekit.life.legal_names import IllegalName
 from nodekit.life.names import Names
 from nodekit.node import Node
 from nodekit.parameters.declaration import (
@@ -518,6 +519,14 @@ class Hosting(OnMaster):
         self.assertEqual([n for n, _ in self.registered() if self.space + "/b" in n], [])
         with self.assertRaises(ParameterError):
             root.host("member", self.space + "/b", self.Member)
+
+    def test_two_members_of_one_name_are_refused(self) -> None:
+        root, name = self.node("root"), self.space + "/a/member"
+        twice = [("member", self.space + ends, self.Member) for ends in ("/a", "/b", "/a/")]
+        with self.assertRaisesRegex(IllegalName, f"node name '{name}': 2 members have it"):
+            host_all(root, twice)
+        root.start()
+        self.assertEqual(self.registered(), [])
 
 
 if __name__ == "__main__":

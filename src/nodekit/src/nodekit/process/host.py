@@ -1,10 +1,12 @@
 """Many nodes in one process, which start together."""
 
 import resource
+from collections import Counter
 from typing import Callable, List, Sequence, Tuple
 
 import rospy
 
+from nodekit.life.legal_names import IllegalName
 from nodekit.life.names import Names
 from nodekit.live.watcher import get_watcher
 from nodekit.node import Node
@@ -34,6 +36,7 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     :param node: the node that hosts them
     :param members: base name, namespace and class of each
     :returns: those that are up
+    :raises IllegalName: if ROS does not allow a member's name, or two have the same
     :raises MasterUnreachable: if the master does not answer
     """
     _allow_many_connections()
@@ -41,6 +44,9 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     parameters.cache(parameters.ROSOUT_PARAMETER, True)
     up = []
     names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise IllegalName(f"node name '{name}': {count} members have it")
     with get_watcher().reading_ahead(names) as held:
         for name, (base, namespace, cls) in zip(names, members):
             try:

@@ -1,0 +1,49 @@
+"""The command ``rosrun nodekit host [NAME=]MODULE:CLASS ...``."""
+
+import argparse
+import importlib
+
+import rospy
+
+from nodekit.life.legal_names import IllegalName, judge_base_name
+from nodekit.process.host import Member, host
+
+
+def main() -> None:
+    """Run nodes in one process until it is shut down."""
+    parser = argparse.ArgumentParser(
+        prog="host",
+        description="Run nodes of any packages in one process. What one publishes and another"
+        " hears needs no connection then, and no process has to be woken up for it.",
+    )
+    parser.add_argument(
+        "members",
+        metavar="MEMBER",
+        nargs="+",
+        type=member,
+        help="MODULE:CLASS, such as basic_comms.nodes.talker:Talker; its name is the module's"
+        " last, talker, unless another one and = stand in front: robot1/talker=...",
+    )
+    host("host", parser.parse_args(rospy.myargv()[1:]).members)
+
+
+def member(text: str) -> Member:
+    """Return a node to host.
+
+    :param text: ``MODULE:CLASS``, or the same with ``NAME=`` in front
+    :raises argparse.ArgumentTypeError: if it names nothing that there is
+    """
+    name, _, place = text.rpartition("=")
+    module, _, cls = place.partition(":")
+    name = name or module.rpartition(".")[2]
+    base = name.rpartition("/")[2]
+    if not cls:
+        raise argparse.ArgumentTypeError(f"'{text}': must be MODULE:CLASS")
+    try:
+        judge_base_name(base)
+        found = getattr(importlib.import_module(module), cls)
+    except (IllegalName, ImportError, AttributeError, TypeError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"'{text}': {error}") from None
+    if not callable(found):
+        raise argparse.ArgumentTypeError(f"'{text}': {cls} is no class")
+    return base, name[: len(name) - len(base)], found

@@ -76,6 +76,17 @@ def test_straight_line_is_a_goal_straight_ahead() -> None:
         assert parameters(**found) == parameters(**expected), argument
 
 
+def test_one_process_has_the_parameters_of_both() -> None:
+    goal = {"goal_x": -1.0, "goal_y": 3.0, "goal_theta": 0.5, "controller_type": "gazebo"}
+    arguments = [f"{name}:={value}" for name, value in goal.items()]
+    config = load("one_process.launch", *arguments, "model:=waffle")
+    assert [node.type for node in config.nodes] == ["host"]
+    found = private_parameters(config, "/proportional_controller")
+    assert ProportionalControllerParameters(**found) == ProportionalControllerParameters(**goal)
+    robot = private_parameters(config, "/diff_drive")
+    assert (robot["wheel_separation"], robot["controller_type"]) == (0.287, "gazebo")
+
+
 def test_waypoints_are_those_of_a_file(tmp_path: Any) -> None:
     with open(os.path.join(CONFIG, "waypoints.yaml")) as file:
         points = yaml.safe_load(file)["waypoints"]

@@ -9,8 +9,9 @@ from cost import cpu_share, resident_memory
 from observers import Recorder
 
 FLEET, SCAN = "100 robots", "a robot that scans"
-PAIR, START = "a robot and its controller", "start of a robot"
-SUBJECTS = [FLEET, SCAN, PAIR, START]
+HOSTED, PAIR = "a robot and its controller", "the same in two processes"
+START = "start of a robot"
+SUBJECTS = [FLEET, SCAN, HOSTED, PAIR, START]
 
 COUNT = 100
 ODOMETRY, JOINTS, RANGES = "nav_msgs/Odometry", "sensor_msgs/JointState", "sensor_msgs/LaserScan"
@@ -19,12 +20,13 @@ COMMANDS = "geometry_msgs/Twist"
 WALLS = "[[3,-3,3,3],[3,3,-3,3],[-3,3,-3,-3],[-3,-3,3,-3],[1,1,2,1.5]]"
 #: How long a robot and its controller are watched, s: on a virtual machine the same two processes
 #: take twice as much of the processor in some spells of up to a minute as in others.
-PAIR_S = 60.0
+PAIR_S = 30.0
 
 
 def measure(bench: Bench, subject: str) -> Figures:
     """Measure one of SUBJECTS."""
-    return {FLEET: _fleet, SCAN: _scan, PAIR: _pair, START: _start}[subject](bench)
+    measures = {FLEET: _fleet, SCAN: _scan, HOSTED: _hosted, PAIR: _pair, START: _start}
+    return measures[subject](bench)
 
 
 def _fleet(bench: Bench) -> Figures:
@@ -68,10 +70,26 @@ def _scan(bench: Bench) -> Figures:
         return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
 
 
+def _hosted(bench: Bench) -> Figures:
+    """Measure a robot at 30 Hz and its controller at 20 Hz in one process."""
+    members = [
+        "diff_drive_sim.nodes.diff_drive:DiffDrive",
+        "bot_controller_demo.nodes.proportional_controller:ProportionalController",
+    ]
+    return _driving(bench, _command("host", *members, package="nodekit"))
+
+
 def _pair(bench: Bench) -> Figures:
-    """Measure a robot at 30 Hz that its controller drives at 20 Hz, to where it never comes."""
-    controller = _command("proportional_controller", "_goal_x:=1000", package="bot_controller_demo")
-    with bench.session.running(_command("diff_drive"), controller) as pids:
+    """Measure the same in two processes."""
+    controller = _command("proportional_controller", package="bot_controller_demo")
+    return _driving(bench, _command("diff_drive"), controller)
+
+
+def _driving(bench: Bench, *commands: List[str]) -> Figures:
+    """Measure a robot on the way to where it never comes."""
+    with bench.session.node() as node:
+        node.master("setParam", "/proportional_controller/goal_x", 1000.0)
+    with bench.session.running(*commands) as pids:
         with bench.session.node() as node:  # and nobody else is sent anything while it is measured
             for topic, kind in (("/odom", ODOMETRY), ("/cmd_vel", COMMANDS)):
                 Recorder(node, topic, kind).wait()

@@ -330,6 +330,21 @@ def test_subscriber_of_the_same_process_hears_without_a_connection(together, mon
     assert batches[0][0]._connection_header["topic"] == TOPIC
 
 
+def test_subscriber_of_any_type_in_the_same_process_is_told_the_type(stack, monkeypatch):
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
+    publisher = opened(stack, Float32, latch=True)
+    ear = Ear(stack, rospy.AnyMsg)
+    assert ear.impl.has_connection("http://here")
+    publisher.publish(Float32(0.1))
+    late = Ear(stack, rospy.AnyMsg)
+    late.subscription.receive_latched()
+    for (message,) in (ear.batches[0], late.batches[0]):
+        header = message._connection_header
+        assert (header["type"], header["md5sum"]) == (Float32._type, Float32._md5sum)
+        assert header["message_definition"] == Float32._full_text
+        assert Float32().deserialize(message._buff).data == ROUNDED
+
+
 def test_the_thread_that_publishes_in_the_same_process_may_not_be_kept_waiting(together, stack):
     publisher, ear = together
     publisher.publish(String("news"))

@@ -38,7 +38,7 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
     if topic.hears(publisher) and publisher.latch is not None:
         buffer = io.BytesIO()
         publisher.latch.serialize(buffer)
-        messages += topic.copies([buffer.getvalue()])
+        messages += topic.copies([buffer.getvalue()], publisher.header_here)
     if messages:
         callback(messages, False)
 

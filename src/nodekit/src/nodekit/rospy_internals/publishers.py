@@ -97,7 +97,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
     :param data_class: message class
     """
 
-    def __init__(self, name: str, data_class: type) -> None:
+    def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
         self.resolved_name = name  # rospy has made a copy
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
@@ -109,6 +109,14 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self.lifespan = 0.0
         self._last: Any = None
         self._last_expires = 0.0
+        #: What a subscriber in this process is told of the publisher, as by a connection.
+        self.header_here = {
+            "callerid": rospy.get_name(),
+            "topic": name,
+            "type": data_class._type,
+            "md5sum": data_class._md5sum,
+            "message_definition": data_class._full_text,
+        }
 
     def add_connection(self, c: Any) -> bool:
         """Take a subscriber in, and send it the last message if that is latched or still alive."""
@@ -174,7 +182,8 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
                 self.message_data_sent += len(data)
                 deliver(data, self._links.values(), len(packets))
         if listener is not None:  # without the lock: it may publish on other topics
-            listener.receive_here([packet[_LENGTH.size :] for packet in packets])
+            bodies = [packet[_LENGTH.size :] for packet in packets]
+            listener.receive_here(bodies, self.header_here)
 
     def _is_heard_by(self, topic: Any) -> bool:
         """Tell whether the subscribers in this process are spared a connection."""

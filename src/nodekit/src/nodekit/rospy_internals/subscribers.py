@@ -118,14 +118,9 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
         self._batch_callbacks: List[BatchCallback] = []
+        self._hears_any_type = issubclass(data_class, rospy.AnyMsg)
         #: When the master told of publishers that are connected, s: perhaps of a new one each.
         self._told_of: Dict[str, float] = {}
-        self._header_here = {
-            "callerid": rospy.get_name(),
-            "topic": name,
-            "type": data_class._type,
-            "md5sum": data_class._md5sum,
-        }
 
     def add_batch_callback(self, callback: BatchCallback) -> None:
         """Have one more function called.
@@ -159,24 +154,26 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
 
-    def receive_here(self, bodies: List[bytes]) -> None:
+    def receive_here(self, bodies: List[bytes], header: Dict[str, str]) -> None:
         """Hand messages over that are published in this process.
 
         :param bodies: messages as they go on the wire, without their lengths
+        :param header: what a connection would tell of the publisher
         """
-        self.receive_callback(self.copies(bodies), None)
+        self.receive_callback(self.copies(bodies, header), None)
 
-    def copies(self, bodies: List[bytes]) -> List[Any]:
+    def copies(self, bodies: List[bytes], header: Dict[str, str]) -> List[Any]:
         """Return messages of this process as a subscriber gets them.
 
         :param bodies: messages as they go on the wire, without their lengths; so each side has a
             copy of its own, and numbers are rounded as for any other subscriber
+        :param header: what a connection would tell of the publisher
         """
         messages = []
         for body in bodies:
             message = self.data_class()
             message.deserialize(body)
-            message._connection_header = self._header_here
+            message._connection_header = header
             messages.append(message)
         return messages
 
@@ -187,7 +184,7 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
         """
         return (
             hasattr(publisher, "publish_all")
-            and publisher.data_class is self.data_class
+            and (publisher.data_class is self.data_class or self._hears_any_type)
             and not self.statistics_logger  # which rospy feeds with what it knows of a connection
         )
 

@@ -32,7 +32,7 @@ class Commands:
             self._message.header.frame_id = _FRAME
         self._publisher = node.publisher("cmd_vel", type(self._message))
         self._last, self._is_closed = STOP, False
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # who hears it in this process may publish in turn
         node.own(self)
         node.before_deactivate(lambda: self.publish(STOP))
         rospy.on_shutdown(self.close)
@@ -52,9 +52,9 @@ class Commands:
             self._is_closed = True
 
     def _send(self, velocity: Velocity) -> None:
-        if not self._is_closed and (velocity != STOP or self._last != STOP):
+        before, self._last = self._last, velocity
+        if not self._is_closed and (velocity != STOP or before != STOP):
             self._publisher.publish(self._filled(velocity))
-        self._last = velocity
 
     def _filled(self, velocity: Velocity) -> Any:
         """Return the message, which tells of a velocity now."""

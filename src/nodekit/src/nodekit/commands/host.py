@@ -31,6 +31,7 @@ def member(text: str) -> Member:
     """Return a node to host.
 
     :param text: ``MODULE:CLASS``, or the same with ``NAME=`` in front
+    :returns: its base name, namespace and class
     :raises argparse.ArgumentTypeError: if it names nothing that there is
     """
     name, _, place = text.rpartition("=")

@@ -122,6 +122,8 @@ class RestartedMaster(ParameterCase):
         wait_until(
             lambda: slow.asked > asked, lambda: f"the thread waits for ever: {node.logged()}"
         )
+        # What the node has logged before may come a moment later, over a pipe.
+        node.wait_for_log("WARN", "the master does not answer")
         self.assertEqual(len(node.logged("WARN", "the master does not answer")), 1)
         self.master.send_signal(signal.SIGCONT)
         wait_until(

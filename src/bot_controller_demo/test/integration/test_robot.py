@@ -16,8 +16,9 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from stepping import SteppedClock
 
+from bot_controller_demo.commands import Commands
 from bot_controller_demo.straight_line import distance_left
-from bot_controller_demo.velocities import Velocity
+from bot_controller_demo.velocities import STOP, Velocity
 from bot_controller_demo.wandering import Wanderer
 from bot_controller_demo_msgs.msg import (
     GoToActionFeedback,
@@ -26,6 +27,8 @@ from bot_controller_demo_msgs.msg import (
     Progress,
 )
 from bot_controller_demo_msgs.srv import SetGoal
+from nodekit import Node
+from nodekit.life.names import Names
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
@@ -337,6 +340,20 @@ class Robots(unittest.TestCase):
         self.assertEqual(gaps()[-2:], [1.0] * 2)
         self.assertEqual(node.interrupt(), 0)
         wait_until(lambda: drawn()[-1] == (0.0, 0.0), lambda: "it drives on")
+
+    def test_who_hears_a_command_in_the_same_process_may_stop_the_robot(self) -> None:
+        node = Node(Names.hosted("/same", "process"))
+        self.addCleanup(node.close)
+        commands, heard = Commands(node, "rviz"), []
+
+        def stop(command: Twist) -> None:
+            heard.append(command.linear.x)
+            commands.publish(STOP)
+
+        node.subscribe("cmd_vel", Twist, stop)
+        node.start()
+        commands.publish(Velocity(0.1, 0.0))
+        self.assertEqual(heard, [0.1, 0.0])
 
 
 if __name__ == "__main__":

@@ -376,6 +376,19 @@ class Panels(PageTest):
         names = [name for _, name, _ in self.browser.accessible()]
         self.assertIn("take the wheel", " ".join(names).lower())
 
+    def test_a_key_right_after_a_dialog_is_not_lost(self) -> None:
+        self.browser.keys("a")
+        self.browser.wait_for("#chooser-search:focus")
+        # Within one script, no frame is drawn: the closed dialog's field still has the focus.
+        had_focus = self.browser.run(
+            "document.getElementById('chooser').close();"
+            "const focused = document.activeElement;"
+            "focused.dispatchEvent(new KeyboardEvent('keydown', {key: 'x', bubbles: true}));"
+            "return focused.id"
+        )
+        self.assertEqual(had_focus, "chooser-search")
+        self.browser.wait_for("#axes")
+
     def all_have_names(self, what: str) -> None:
         """Check that all that can be used has a name."""
         nameless = [row for row in self.browser.accessible() if row[0] in _ROLES and not row[1]]

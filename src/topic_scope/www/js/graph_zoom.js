@@ -1,6 +1,7 @@
 /** How large the graph is: to fit, or as the user zooms; and where it is found by a word. */
 
 import { byId, say } from "./dom.js";
+import { isTaken } from "./keys.js";
 import { startTwoFingers } from "./two_fingers.js";
 
 const LARGEST = 1.4; // times its size, to fit
@@ -92,7 +93,7 @@ export class GraphZoom {
 
   onKey(event) {
     if (this.state.values.view !== "graph" || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.target.matches("input:not([type=checkbox])") || document.querySelector("dialog[open]")) return;
+    if (isTaken(event)) return;
     const acts = {
       "+": () => this.zoom(CLOSER), "=": () => this.zoom(CLOSER), "-": () => this.zoom(1 / CLOSER),
       0: () => this.fit(), "/": () => this.search.focus(),

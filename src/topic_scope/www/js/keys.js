@@ -13,8 +13,10 @@ import { byId, make } from "./dom.js";
 /** Tell whether a control with the focus keeps a key for itself. */
 export function isTaken(event) {
   const target = event.target;
-  if (target.matches("input:not([type=checkbox]):not([type=range]), select, textarea")) return true;
   if (document.querySelector("dialog[open]")) return true;
+  // A field of a dialog that was just closed has the focus until the next frame is drawn.
+  if (target.closest("dialog")) return false;
+  if (target.matches("input:not([type=checkbox]):not([type=range]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(event.key);
   return event.key === " " && target.matches("button, a, summary, input");
 }

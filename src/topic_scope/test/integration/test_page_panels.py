@@ -298,7 +298,8 @@ class Panels(PageTest):
         self.assertAlmostEqual(self.browser.run(size)[0], 1.25 * width, delta=1.0)
         self.browser.keys("0")
         self.assertAlmostEqual(self.browser.run(size)[0], width, delta=1.0)
-        self.browser.keys("/", "proc_signal")
+        self.browser.keys("/", "/proc_signal")
+        self.assertEqual(self.browser.value("#graph-search"), "/proc_signal")  # it keeps "/"
         wait_until(
             lambda: self.browser.count("#graph .found") == 1
             and self.browser.count("#graph .topic.found[data-name='/proc_signal']") == 1,

@@ -7,9 +7,9 @@ import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-from topic_scope.arrays import Arrays, has_names
-from topic_scope.definitions import layout_of
-from topic_scope.fields import FieldError, to_path, to_text
+from topic_scope.messages.arrays import Arrays, has_names
+from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.fields import FieldError, to_path, to_text
 
 LAYOUT = layout_of(JointState)
 
@@ -92,7 +92,7 @@ def test_what_is_not_in_the_latest_message_is_said() -> None:
 def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    monkeypatch.setattr("topic_scope.arrays._ARRAYS", 1)
+    monkeypatch.setattr("topic_scope.messages.arrays._ARRAYS", 1)
     known = heard("a", "b", "c")
     assert [known(to_path(name)) for name in ("position", "name")] == [3, 3]
     known.look(LAYOUT, b"", 100.0)

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, String
 
-from topic_scope.bag_chunks import BagChunks
-from topic_scope.bag_reading import BagError
+from topic_scope.bag.bag_chunks import BagChunks
+from topic_scope.bag.bag_reading import BagError
 
 #: Topic, length of the text, time; small chunks hold some of them each, out of order.
 messages = st.lists(

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
 
-from topic_scope.bag_columns import Column
-from topic_scope.bag_csv import exact_seconds, write_csv
-from topic_scope.bag_reading import Sample
+from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.bag_csv import exact_seconds, write_csv
+from topic_scope.bag.bag_reading import Sample
 
 
 def rows(columns: List[Column], samples: List[Sample]) -> List[List[str]]:

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Int32
 
-from topic_scope.bag_chunks import BagChunks
-from topic_scope.bag_player import BagPlayer
+from topic_scope.bag.bag_chunks import BagChunks
+from topic_scope.bag.bag_player import BagPlayer
 
 #: Of each topic, how long after the begin its messages were recorded, ms.
 RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}

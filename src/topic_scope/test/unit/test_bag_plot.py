@@ -14,10 +14,10 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
-from topic_scope.bag_columns import Column
-from topic_scope.bag_plot import Series, collect, difference, draw, save
-from topic_scope.bag_reading import Sample
-from topic_scope.fields import to_path
+from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.bag_plot import Series, collect, difference, draw, save
+from topic_scope.bag.bag_reading import Sample
+from topic_scope.messages.fields import to_path
 
 SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))
 

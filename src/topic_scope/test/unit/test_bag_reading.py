@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, Int32, String
 
-from topic_scope.bag_reading import BagError, BagReader
+from topic_scope.bag.bag_reading import BagError, BagReader
 
 times = st.lists(st.integers(0, 10**10), min_size=1, max_size=20).map(lambda list: [0] + list)
 

@@ -5,7 +5,7 @@ import sys
 
 LOGS = """
 import rospy
-from topic_scope import bag_scope
+from topic_scope.web import bag_scope
 
 bag_scope._log_to_terminal()
 for _ in range(2):

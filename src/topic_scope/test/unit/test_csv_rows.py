@@ -8,7 +8,7 @@ import numpy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.csv_rows import Column, header, rows
+from topic_scope.analysis.csv_rows import Column, header, rows
 
 TIMES = st.lists(st.floats(0.0, 2e9), max_size=30, unique=True).map(sorted)
 

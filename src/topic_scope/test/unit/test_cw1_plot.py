@@ -10,7 +10,7 @@ import rospkg
 from roslaunch.core import Node, local_machine, setup_env
 
 from nodekit.testing.launch_files import load_launch
-from topic_scope.options import parse
+from topic_scope.protocol.options import parse
 
 CW1 = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", "cw1.launch")
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.dead_man import HOLD_S, STOP, DeadMan, Velocity
+from topic_scope.robots.dead_man import HOLD_S, STOP, DeadMan, Velocity
 
 AHEAD = Velocity(0.2, 0.0)
 

@@ -7,10 +7,10 @@ import numpy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope import protocol
-from topic_scope.decimation import as_json, bin_of, extremes
-from topic_scope.ring import Samples
-from topic_scope.view import LATE_S, LiveView
+from topic_scope.analysis.decimation import as_json, bin_of, extremes
+from topic_scope.analysis.ring import Samples
+from topic_scope.page.view import LATE_S, LiveView
+from topic_scope.protocol import protocol
 
 EPOCH = 1.7e9
 VALUES = st.floats(allow_nan=True, allow_infinity=True, width=32)

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.bag_columns import choose
-from topic_scope.derived import FUNCTIONS, make, parts
-from topic_scope.fields import FieldError, expand, parted
+from topic_scope.bag.bag_columns import choose
+from topic_scope.messages.derived import FUNCTIONS, make, parts
+from topic_scope.messages.fields import FieldError, expand, parted
 
 from geometry_msgs.msg import PoseStamped, Quaternion  # isort: skip
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from std_msgs.msg import Float64
 from test_recorder import FakeTap, FakeTaps, header
 
-from topic_scope.checks import RequestError, fields_of
-from topic_scope.differences import DifferenceRecorder, expand, terms
-from topic_scope.fields import FieldError
-from topic_scope.layouts import Layouts
-from topic_scope.protocol import View
-from topic_scope.taps import Batch
-from topic_scope.view import LiveView
+from topic_scope.messages.fields import FieldError
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.checks import RequestError, fields_of
+from topic_scope.protocol.protocol import View
+from topic_scope.record.differences import DifferenceRecorder, expand, terms
+from topic_scope.record.taps import Batch
 
 TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
 NAME = "/a/data-/b/data"

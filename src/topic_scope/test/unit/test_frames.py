@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.frames import IDENTITY, Frames, Transform, transform_of
+from topic_scope.robots.frames import IDENTITY, Frames, Transform, transform_of
 
 numbers = st.floats(-5.0, 5.0)
 

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.graph import Rates, message
-from topic_scope.master_watch import GraphState
+from topic_scope.graph.graph import Rates, message
+from topic_scope.graph.master_watch import GraphState
 
 STATE = GraphState(
     publishers=[("/signal", ["/gen"]), ("/rosout", ["/gen", "/proc"]), ("/lone", ["/gen", "/b"])],

@@ -2,7 +2,7 @@
 
 from unittest import mock
 
-from topic_scope.lamps import Lamps, topics_of
+from topic_scope.controls.lamps import Lamps, topics_of
 
 
 def test_topics_are_those_of_one_node_that_are_called_so() -> None:

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.checks import TRACES, RequestError
-from topic_scope.decimation import as_json, bin_of, lasts
-from topic_scope.looks import Look, Looks, looks_of
-from topic_scope.protocol import View
-from topic_scope.ring import Samples
-from topic_scope.view import LiveView
+from topic_scope.analysis.decimation import as_json, bin_of, lasts
+from topic_scope.analysis.ring import Samples
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.checks import TRACES, RequestError
+from topic_scope.protocol.looks import Look, Looks, looks_of
+from topic_scope.protocol.protocol import View
 
 TIMES, VALUES = numpy.array([1.0, 2.0, 3.0]), numpy.array([4.0, math.nan, -1e300])
 

@@ -6,9 +6,9 @@ from unittest import mock
 
 from nodekit.live.master import SystemState
 from nodekit.testing.waiting import wait_until
-from topic_scope import master_watch
-from topic_scope.layouts import Layouts
-from topic_scope.master_watch import GraphState, MasterWatch
+from topic_scope.graph import master_watch
+from topic_scope.graph.master_watch import GraphState, MasterWatch
+from topic_scope.messages.layouts import Layouts
 
 
 def test_an_exception_does_not_end_it() -> None:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from topic_scope.measurements import figures, phase
+from topic_scope.analysis.measurements import figures, phase
 
 EPOCH = 1.7e9
 TIMES = numpy.arange(-0.5, 10.0, 0.002)

@@ -4,7 +4,7 @@ from typing import List, Optional
 
 import pytest
 
-from topic_scope.measuring import warn_of
+from topic_scope.page.measuring import warn_of
 
 
 class Recorder:

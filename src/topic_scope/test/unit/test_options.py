@@ -5,7 +5,7 @@ from typing import Optional
 
 import pytest
 
-from topic_scope.options import is_loopback, parse
+from topic_scope.protocol.options import is_loopback, parse
 
 
 def test_the_defaults_are_of_this_machine() -> None:

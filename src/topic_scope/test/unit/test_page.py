@@ -1,6 +1,6 @@
 """What waits for a page stays bounded, and is in the right order."""
 
-from topic_scope.page import Page
+from topic_scope.page.page import Page
 
 
 def test_news_replaces_what_was_not_read() -> None:

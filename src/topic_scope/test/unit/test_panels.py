@@ -21,7 +21,7 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.parameters.kinds import ParameterError
 from nodekit.parameters.schema import as_yaml, describe
-from topic_scope.panels import DescriptionError, Panel
+from topic_scope.controls.panels import DescriptionError, Panel
 
 NODE = "/lab/gauge"
 

@@ -11,8 +11,8 @@ from bags import write_bag
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
-from topic_scope import plot_bag_command
-from topic_scope.bag_reading import BagReader
+from topic_scope.bag import plot_bag_command
+from topic_scope.bag.bag_reading import BagReader
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def test_progress_is_shown_of_long_bags_on_a_terminal(
 def test_without_matplotlib_it_says_what_to_install_and_csv_works(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
-    monkeypatch.delitem(sys.modules, "topic_scope.bag_plot", raising=False)
+    monkeypatch.delitem(sys.modules, "topic_scope.bag.bag_plot", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     error = failure(monkeypatch, capsys, bag, "/x/data", "-o", "out.png")
     assert error == "plot_bag: matplotlib is not installed: apt install python3-matplotlib\n"

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope import playback, protocol, robot_requests
-from topic_scope.checks import RequestError
-from topic_scope.looks import Look, Looks
-from topic_scope.wishes import Chart, Measure
+from topic_scope.protocol import playback, protocol, robot_requests
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.looks import Look, Looks
+from topic_scope.protocol.wishes import Chart, Measure
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),

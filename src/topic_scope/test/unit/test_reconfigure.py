@@ -6,8 +6,8 @@ from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
 from nodekit.live.reconfigure import config_of
 from nodekit.parameters.kinds import ParameterError
-from topic_scope.panels import Panel
-from topic_scope.reconfigure import _words, described, values_in
+from topic_scope.controls.panels import Panel
+from topic_scope.controls.reconfigure import _words, described, values_in
 
 VALUES = {"gain": 2.5, "count": -7, "on": False, "mode": "fast"}
 MODES = "{'enum': [{'name': 'Slow', 'value': 'slow'}, {'name': 'Fast', 'value': 'fast'}]}"

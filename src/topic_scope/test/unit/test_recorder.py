@@ -14,12 +14,12 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
-from topic_scope import recorder
-from topic_scope.definitions import layout_of
-from topic_scope.layouts import Layouts
-from topic_scope.recorder import Recorder
-from topic_scope.streams import Stream
-from topic_scope.taps import Batch
+from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.layouts import Layouts
+from topic_scope.record import recorder
+from topic_scope.record.recorder import Recorder
+from topic_scope.record.streams import Stream
+from topic_scope.record.taps import Batch
 
 TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "nowhere/Thing"}
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.ring import LIMIT, Ring
+from topic_scope.analysis.ring import LIMIT, Ring
 
 HISTORY = 10.0
 BATCHES = st.lists(

@@ -13,10 +13,10 @@ from test_whole import serialized
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from topic_scope import scene
-from topic_scope.definitions import layout_of, parse
-from topic_scope.scene import Scene
-from topic_scope.whole import WholeReader
+from topic_scope.messages.definitions import layout_of, parse
+from topic_scope.messages.whole import WholeReader
+from topic_scope.robots import scene
+from topic_scope.robots.scene import Scene
 
 
 def turn(orientation: Any, angle: float) -> None:

@@ -6,10 +6,10 @@ from unittest import mock
 
 import pytest
 
-from topic_scope import options
-from topic_scope.layouts import Layouts
-from topic_scope.server import Server
-from topic_scope.waiting import master_message
+from topic_scope.messages.layouts import Layouts
+from topic_scope.protocol import options
+from topic_scope.web.server import Server
+from topic_scope.web.waiting import master_message
 
 SILENT = master_message("The master does not answer.")
 
@@ -64,7 +64,7 @@ def test_a_page_hears_of_the_master_before_it_has_answered(server: Server) -> No
 def test_fields_of_the_command_line_that_are_not_there_are_named_on_the_terminal(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    monkeypatch.setattr("topic_scope.server.WARN_AFTER_S", 0.0)
+    monkeypatch.setattr("topic_scope.web.server.WARN_AFTER_S", 0.0)
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     try:

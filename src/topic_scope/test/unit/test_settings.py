@@ -8,9 +8,9 @@ from nodekit.parameters.declaration import FloatParameter, ListParameter, Parame
 from nodekit.parameters.kinds import ParameterError, to_wire
 from nodekit.parameters.reconciler import Reconciler
 from nodekit.parameters.schema import as_yaml, describe
-from topic_scope.background import Background
-from topic_scope.panels import Panel
-from topic_scope.settings import Changed, Settings
+from topic_scope.controls.panels import Panel
+from topic_scope.controls.settings import Changed, Settings
+from topic_scope.graph.background import Background
 
 NODE = "/gauge"
 

@@ -8,7 +8,7 @@ import scipy.signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.spectrum import WINDOWS, Spectrum, peaks, reduced, spectrum
+from topic_scope.analysis.spectrum import WINDOWS, Spectrum, peaks, reduced, spectrum
 
 EPOCH = 1.7e9
 

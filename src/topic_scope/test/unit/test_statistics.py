@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from topic_scope.statistics import measure
+from topic_scope.analysis.statistics import measure
 
 
 @given(st.floats(0.5, 20.0), st.floats(0.0, 6.28), st.floats(1e-3, 1e3), st.floats(-1e3, 1e3))

@@ -14,8 +14,8 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE, TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
-from topic_scope.lamps import Lamps
-from topic_scope.taps import Clock, Tap, Taps
+from topic_scope.controls.lamps import Lamps
+from topic_scope.record.taps import Clock, Tap, Taps
 
 TOPIC, OTHER = "/topic", "/other"
 
@@ -132,7 +132,9 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
     finally:
         tracemalloc.stop()
     assert most < 100 * 100 * 100
-    with mock.patch("topic_scope.taps.WAITING", most), mock.patch("rospy.logwarn_throttle") as log:
+    with mock.patch("topic_scope.record.taps.WAITING", most), mock.patch(
+        "rospy.logwarn_throttle"
+    ) as log:
         for _ in range(200):
             connection.bring(*range(100))
     (batch,) = tap.take()

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
-from topic_scope import time_base
-from topic_scope.definitions import layout_of
-from topic_scope.fields import FieldError
-from topic_scope.time_base import OwnTime
+from topic_scope.messages import time_base
+from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.fields import FieldError
+from topic_scope.messages.time_base import OwnTime
 
 FIELD, STAMP = ("time_x",), ("header", "stamp")
 EPOCH = 1.7e9

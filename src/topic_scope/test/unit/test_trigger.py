@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope import protocol
-from topic_scope.ring import Samples
-from topic_scope.trigger import TriggerWatch, crossings
+from topic_scope.analysis.ring import Samples
+from topic_scope.page.trigger import TriggerWatch, crossings
+from topic_scope.protocol import protocol
 
 WINDOW = 1.0
 

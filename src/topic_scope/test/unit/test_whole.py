@@ -13,8 +13,8 @@ from sensor_msgs.msg import JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from topic_scope.definitions import layout_of, parse
-from topic_scope.whole import CutOff, WholeReader
+from topic_scope.messages.definitions import layout_of, parse
+from topic_scope.messages.whole import CutOff, WholeReader
 
 
 def serialized(message: Any) -> bytes:

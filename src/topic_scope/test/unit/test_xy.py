@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.xy import LONGEST, paired, thinned
+from topic_scope.analysis.xy import LONGEST, paired, thinned
 
 TIMES = numpy.arange(0.0, 10.0, 0.01)
 

@@ -8,12 +8,13 @@ import threading
 import rospy
 
 from nodekit import run
-from topic_scope import bag_scope, options, web
-from topic_scope.live_graph import LiveGraph
-from topic_scope.options import Options
-from topic_scope.server import Server
-from topic_scope.serving import open_browser
-from topic_scope.site import Site
+from topic_scope.protocol import options
+from topic_scope.protocol.options import Options
+from topic_scope.web import bag_scope, web
+from topic_scope.web.live_graph import LiveGraph
+from topic_scope.web.server import Server
+from topic_scope.web.serving import open_browser
+from topic_scope.web.site import Site
 
 
 class Scope:

@@ -1,0 +1,53 @@
+"""One trace over another: the samples of both, paired by time."""
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+
+#: Most points of a line.
+LONGEST = 4000
+#: Points that are nearer than this part of the range to the one before are left out.
+_FINE = 1.0 / 2000
+
+
+def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
+    """Return a trace over another one.
+
+    :param x: times in s, ascending, and values of what goes to the right
+    :param y: those of what goes up
+    :param longest: the longest time between two samples of x that a value lies between, s
+    :returns: x and y at the times of y; both NaN where x is not known, or either is not finite
+    """
+    (times, right), (moments, up) = x, y
+    points = numpy.full((2, len(moments)), numpy.nan)
+    if len(times):
+        after = numpy.clip(numpy.searchsorted(times, moments, "left"), 0, len(times) - 1)
+        before = numpy.where(times[after] > moments, numpy.maximum(after - 1, 0), after)
+        known = (times[before] <= moments) & (times[after] >= moments)
+        known &= (times[after] - times[before] <= longest) & numpy.isfinite(up)
+        width = times[after] - times[before]
+        part = numpy.divide(moments - times[before], width, where=width > 0, out=width * 0.0)
+        with numpy.errstate(invalid="ignore", over="ignore"):
+            at = right[before] * (1.0 - part) + numpy.where(part > 0, right[after], 0.0) * part
+        known &= numpy.isfinite(at)
+        points[:, known] = at[known], up[known]
+    return points
+
+
+def thinned(points: numpy.ndarray) -> numpy.ndarray:
+    """Leave out points that a screen cannot tell from the one before.
+
+    :param points: as :func:`paired` returns them
+    """
+    finite = numpy.isfinite(points[0])
+    if not finite.any():
+        return points[:, :0]
+    low, high = points[:, finite].min(axis=1), points[:, finite].max(axis=1)
+    # Halved, so that a range from one end of floats to the other does not overflow.
+    fine = numpy.maximum((high / 2 - low / 2) * _FINE, numpy.finfo(float).tiny)
+    places = numpy.floor((points.T / 2 - low / 2) / fine).T
+    same = (places[:, 1:] == places[:, :-1]).all(axis=0) | ~(finite[1:] | finite[:-1])
+    kept = numpy.concatenate([[True], ~same])
+    kept[-1] = True
+    points = points[:, kept]
+    return points[:, :: -(-points.shape[1] // LONGEST)]

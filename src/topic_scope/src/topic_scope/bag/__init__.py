@@ -1,0 +1,1 @@
+"""Samples from bags: played, plotted, written as CSV."""

@@ -1,0 +1,161 @@
+"""The command ``rosrun topic_scope plot_bag.py FILE.bag FIELD… -o out.png``."""
+
+import argparse
+import math
+import os
+import sys
+from typing import Iterator, List, Optional
+
+from tqdm import tqdm
+
+from topic_scope.bag.bag_columns import Column, Elements, choose_lines
+from topic_scope.bag.bag_csv import write_csv
+from topic_scope.bag.bag_reading import BagError, BagReader, Sample
+from topic_scope.messages.fields import FieldError
+
+#: As many lines as :mod:`.bag_plot` has styles and colours for.
+LINES = 40
+#: From how many messages on it takes long enough for a progress bar.
+LONG = 20000
+_BAR = "{percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
+_FORMATS = ("png", "svg", "pdf", "csv")
+
+
+def main() -> None:
+    """Plot fields of a bag, or write them to a CSV file."""
+    arguments = _parser().parse_args()
+    if arguments.end is not None and arguments.start > arguments.end:
+        start, end = arguments.start / 1e9, arguments.end / 1e9
+        _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
+    try:
+        with BagReader(arguments.bag) as bag:
+            _plot(bag, arguments)
+    except (BagError, FieldError) as error:
+        _fail(str(error))
+    except ModuleNotFoundError as error:
+        _fail(f"{error.name} is not installed: apt install python3-{error.name}")
+    except OSError as error:
+        _fail(f"{arguments.output}: {error.strerror or error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+
+
+def _fail(text: str) -> None:
+    print(f"plot_bag: {text}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="plot_bag",
+        description="Plot numbers that a bag holds, or write them to a CSV file.",
+        epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
+        "all its numbers, or /topic/x-/other/y for the difference of two fields.",
+    )
+    parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
+    parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=_output,
+        help="file to write: .png, .svg, .pdf or .csv",
+    )
+    parser.add_argument(
+        "--start",
+        metavar="S",
+        type=_nanoseconds,
+        default=0,
+        help="leave out what came before, in s from the begin of the bag",
+    )
+    parser.add_argument(
+        "--end",
+        metavar="S",
+        type=_nanoseconds,
+        help="leave out what came later, in s from the begin of the bag",
+    )
+    return parser
+
+
+def _output(text: str) -> str:
+    if _format(text) not in _FORMATS:
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .png, .svg, .pdf or .csv")
+    return text
+
+
+def _format(path: str) -> str:
+    return os.path.splitext(path)[1][1:].lower()
+
+
+def _nanoseconds(text: str) -> int:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.0 <= seconds < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time in s from the begin of the bag")
+    return round(seconds * 1e9)
+
+
+def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
+    messages = {topic: bag.first_message(topic) for topic in bag.topics}
+    lines = choose_lines(arguments.fields, messages)
+    columns = list(dict.fromkeys(column for line in lines for column in line))
+    if _format(arguments.output) == "csv":
+        for line in lines:
+            if len(line) > 1:
+                name = "-".join(column.name for column in line)
+                raise FieldError(
+                    f"{name}: a difference can be drawn only, as a row of a .csv is of one "
+                    "message: name both fields"
+                )
+    elif len(lines) > LINES:
+        raise FieldError(
+            f"these are {len(lines)} lines, and {LINES} at most can be told apart: "
+            "name fewer fields, or write a .csv"
+        )
+    samples = _in_range(bag, columns, arguments.start, arguments.end)
+    # The file appears when it is complete.
+    partial = arguments.output + ".part"
+    try:
+        with open(partial, "w", newline="") as file:
+            if _format(arguments.output) == "csv":
+                write_csv(file, columns, samples)
+            else:
+                # It takes a second to load, which an error need not wait for.
+                from topic_scope.bag.bag_plot import collect, difference, draw, save
+
+                series = dict(zip(columns, collect(columns, samples)))
+                drawn = [
+                    difference(*(series[column] for column in line))
+                    if len(line) > 1
+                    else series[line[0]]
+                    for line in lines
+                ]
+                save(draw(drawn), partial, _format(arguments.output))
+        os.replace(partial, arguments.output)
+    finally:
+        if os.path.exists(partial):
+            os.remove(partial)
+
+
+def _in_range(
+    bag: BagReader, columns: List[Column], start: int, end: Optional[int]
+) -> Iterator[Sample]:
+    """Read the messages of a range of time, and show how far it has got."""
+    topics, elements = sorted({column.topic for column in columns}), Elements(columns)
+    until = bag.length if end is None else min(end, bag.length)
+    # A bar for what is done at once only flickers, and in a file it is of no use.
+    silent = None if bag.count(topics) >= LONG else True
+    count, at = 0, start
+    total = max(until - start, 0)
+    with tqdm(total=total, bar_format=_BAR, disable=silent, leave=False) as done:
+        for count, sample in enumerate(bag.samples(topics, start, end), 1):
+            yield sample
+            elements.look(sample.topic, sample.message)
+            done.update(sample.time - at)
+            at = sample.time
+    if not count:
+        text = "nothing of %s was recorded in this time; the bag is %.3f s long"
+        raise BagError(text % (", ".join(topics), bag.length / 1e9))
+    elements.check()

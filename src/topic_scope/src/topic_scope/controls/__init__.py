@@ -1,0 +1,1 @@
+"""The parameters, services and states of other nodes, changed from the page."""

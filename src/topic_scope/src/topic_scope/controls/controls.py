@@ -1,0 +1,198 @@
+"""The panels of all nodes that describe their parameters, kept in step with them."""
+
+import time
+from functools import partial
+from typing import Any, Callable, Collection, Dict, List, Mapping, Tuple
+
+import rospy
+import yaml
+from std_srvs.srv import Trigger
+
+from nodekit.commands.calling import ask
+from nodekit.live import change, describe
+from nodekit.live.following import Following, open_all
+from nodekit.live.watcher import get_watcher
+from nodekit_msgs.srv import SetParameters
+from topic_scope.controls import reconfigure, services
+from topic_scope.controls.lamps import Lamps, topics_of
+from topic_scope.controls.managed import Managed
+from topic_scope.controls.panels import DescriptionError, Panel
+from topic_scope.controls.settings import Answer, Changed, Settings, value_message
+from topic_scope.graph.background import Background
+from topic_scope.graph.master_watch import GraphState
+from topic_scope.protocol import protocol
+
+#: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
+PANELS = 64
+#: A node that did not answer is asked again after this time, s.
+RETRY_S = 5.0
+_END = "/" + describe.SERVICE
+#: The same of those that know dynamic_reconfigure alone.
+_FOREIGN = "/" + reconfigure.SERVICE
+#: Services that have no button.
+_INTERNAL = (describe.SERVICE, change.SERVICE)
+
+
+class _NoPanel(Exception):
+    """A node that has none, after all."""
+
+
+class Controls:
+    """Knows the panels; all methods belong to the thread of the web.
+
+    :param deliver: hands a function to that thread
+    :param tell: tells all pages: a message, and what it is about
+    """
+
+    def __init__(
+        self,
+        deliver: Callable[[Callable[[], None]], None],
+        tell: Callable[..., None],
+    ) -> None:
+        self._deliver, self._tell = deliver, tell
+        self._background = Background(deliver)
+        self._panels: Dict[str, Panel] = {}
+        self._followings: Dict[str, Following] = {}
+        self._failed: Dict[str, float] = {}
+        self._foreign: Collection[str] = ()
+        self._settings = Settings(
+            self._background, self._change, self._tell_values, self._look_again
+        )
+        self._managed = Managed(self._background, tell)
+        self._lamps = Lamps(self._background, deliver, tell)
+
+    def messages(self) -> List[Dict[str, Any]]:
+        """Return what a new page is told."""
+        return [self.message(), self._managed.message(), self._lamps.message()]
+
+    def message(self) -> Dict[str, Any]:
+        """Return all panels."""
+        panels = [self._panels[node].message() for node in sorted(self._panels)]
+        return {"type": "panels", "panels": panels}
+
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        self.on_services([name for name, nodes in state.services if nodes])
+        self._lamps.follow(topics_of(self._panels, state.publishers, state.types))
+
+    def on_services(self, names: Collection[str]) -> None:
+        """Take note of the services on the graph."""
+        self._managed.on_services(names)
+        nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))
+        if reconfigure.AVAILABLE:
+            others = {name[: -len(_FOREIGN)] for name in names if name.endswith(_FOREIGN)}
+            self._foreign = others.difference(nodes)
+        nodes = (nodes + sorted(self._foreign))[:PANELS]
+        gone = set(self._panels) - set(nodes)
+        for node in gone:
+            del self._panels[node]
+            self._settings.forget(node)
+            leave = self._followings.pop(node).close
+            self._background.run(("leave", node), leave, lambda _: None)
+        if gone:
+            self._tell(self.message())
+        self._failed = {node: until for node, until in self._failed.items() if node in nodes}
+        for node in nodes:
+            if node not in self._panels and time.monotonic() > self._failed.get(node, 0.0):
+                inspect = partial(self._inspect, node, list(names))
+                self._background.run(node, inspect, partial(self._on_inspected, node))
+
+    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, Following]:
+        own = [name for name in names if name.startswith(node + "/")]
+        own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
+        if node in self._foreign and services.type_of(node + _FOREIGN) != reconfigure.TYPE:
+            raise _NoPanel
+        kinds = {name: services.kind_of(name) for name in own}
+        following = Following(
+            node, get_watcher(), lambda raw: self._deliver(partial(self._on_values, node, raw))
+        )
+        open_all([following])  # first: no change after the description is missed
+        try:
+            offered = {name: kind for name, kind in kinds.items() if kind}
+            return Panel(node, self._describe(node), offered), following
+        except Exception:
+            following.close()
+            raise
+
+    def _on_inspected(self, node: str, result: Any) -> None:
+        if isinstance(result, Exception):
+            self._failed[node] = time.monotonic() + RETRY_S
+            if isinstance(result, DescriptionError):
+                rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
+            return
+        self._panels[node], following = result
+        self._followings[node] = following
+        following.tell_again()  # what came before there was a panel is lost
+        self._tell(self.message())
+
+    def _on_values(self, node: str, raw: Any) -> None:
+        panel = self._panels.get(node)
+        if panel is not None and isinstance(raw, dict):
+            self._tell_values(panel, panel.follow(raw))
+
+    def _look_again(self, node: str) -> None:
+        following = self._followings.get(node)
+        if following is not None:
+            following.tell_again()
+
+    def _tell_values(self, panel: Panel, names: List[str]) -> None:
+        for name in names:
+            self._tell(value_message(panel, name), panel.node, name)
+
+    def obey(self, request: protocol.Request, answer: Answer) -> None:
+        """Do what a page asks for.
+
+        :param request: to set a parameter, to call a service, or for a transition
+        :param answer: tells the page
+        :raises ValueError: if that cannot be done
+        """
+        if isinstance(request, protocol.Set):
+            self.set(request.node, request.name, request.value, answer)
+        elif isinstance(request, protocol.Call):
+            self.call(request.service, request.data, answer)
+        elif isinstance(request, protocol.Transit):
+            self._managed.change(request.node, request.label, answer)
+
+    def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
+        """Set a parameter; the page is told if the node refuses the value.
+
+        :param node: namespace of the parameter
+        :param name: its name in there
+        :param value: as the page has it
+        :param answer: tells the page
+        :raises ValueError: if there is no such parameter on a panel
+        """
+        panel = self._panels.get(node)
+        if panel is None or name not in panel.entries:
+            raise ValueError(f"there is no parameter {node}/{name}")
+        self._settings.set(panel, name, value, answer)
+
+    def call(self, service: str, data: Any, answer: Answer) -> None:
+        """Call a service that has a button.
+
+        :param service: its name
+        :param data: for SetBool, the truth value
+        :param answer: is told what it answers
+        :raises ValueError: if there is no such button, or the data do not fit
+        """
+        for panel in self._panels.values():
+            if service in panel.services:
+                services.call(self._background, service, panel.services[service], data, answer)
+                return
+        raise ValueError(f"there is no service {service} to call")
+
+    def _describe(self, node: str) -> str:
+        if node in self._foreign:
+            return reconfigure.describe(node)
+        return str(ask(node + _END, Trigger).result().message)
+
+    def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
+        """Have a node change parameters.
+
+        :raises CallError: if it does not answer in good time
+        """
+        if node in self._foreign:
+            return reconfigure.change(node, values)
+        text = yaml.safe_dump(dict(values))
+        answer = ask(f"{node}/{change.SERVICE}", SetParameters, text).result()
+        return Changed(answer.success, answer.message, yaml.safe_load(answer.values))

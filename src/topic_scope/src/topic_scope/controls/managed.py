@@ -1,0 +1,98 @@
+"""The managed nodes on the graph: their states, and the transitions that a page may ask for."""
+
+import time
+from functools import partial
+from typing import Any, Callable, Collection, Dict, List
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
+
+from nodekit.commands.calling import ask
+from topic_scope.graph.background import Background
+
+#: A node is asked again after this time, s; longest wait for a transition, s.
+AGAIN_S, _CHANGE_S = 2.0, 60.0
+#: Most nodes that are asked; beyond that the first by name.
+NODES = 32
+_SERVICES = ("get_state", "get_available_transitions", "change_state")
+
+
+class Managed:
+    """Knows the managed nodes by their services; all methods belong to the thread of the web.
+
+    They are asked, as the event of a transition that ends in a crash never comes.
+
+    :param background: where to wait for nodes
+    :param tell: tells all pages
+    """
+
+    def __init__(self, background: Background, tell: Callable[..., None]) -> None:
+        self._background, self._tell = background, tell
+        self._nodes: Dict[str, Dict[str, Any]] = {}
+        self._present: Collection[str] = ()
+        self._due: Dict[str, float] = {}
+
+    def message(self) -> Dict[str, Any]:
+        """Return the nodes that have answered."""
+        return {"type": "managed", "nodes": [self._nodes[node] for node in sorted(self._nodes)]}
+
+    def on_services(self, names: Collection[str]) -> None:
+        """Take note of the services on the graph."""
+        offered, end = set(names), "/" + _SERVICES[0]
+        nodes = sorted(name[: -len(end)] for name in offered if name.endswith(end))
+        nodes = [one for one in nodes if offered.issuperset(f"{one}/{name}" for name in _SERVICES)]
+        self._present = nodes[:NODES]
+        for node in set(self._nodes) - set(self._present):
+            del self._nodes[node]
+            self._tell(self.message())
+        for node in self._present:
+            if time.monotonic() >= self._due.get(node, 0.0):
+                self._look(node)
+        self._due = {node: due for node, due in self._due.items() if node in self._present}
+
+    def change(self, node: str, label: str, answer: Callable[[Dict[str, Any]], None]) -> None:
+        """Ask a node for a transition.
+
+        :param node: its name
+        :param label: of the transition
+        :param answer: tells the page what has become of it
+        :raises ValueError: if the node does not offer that now, or is still busy with another one
+        """
+        if label not in self._nodes.get(node, {}).get("transitions", ()):
+            raise ValueError(f"{node} cannot {label} now")
+        service = f"{node}/change_state"
+        work = partial(_change, service, label)
+        then = partial(self._on_changed, node, label, answer)
+        if not self._background.run(("call", service), work, then):
+            raise ValueError(f"{node} has not done yet what it was asked for before")
+
+    def _on_changed(
+        self, node: str, label: str, answer: Callable[[Dict[str, Any]], None], result: Any
+    ) -> None:
+        if result is not True:
+            why = f": {result}" if isinstance(result, Exception) else "; its log says why"
+            answer({"type": "error", "text": f"{node} did not {label}{why}"})
+        self._look(node)
+
+    def _look(self, node: str) -> None:
+        self._due[node] = time.monotonic() + AGAIN_S
+        self._background.run(("managed", node), partial(_look, node), partial(self._on_look, node))
+
+    def _on_look(self, node: str, told: Any) -> None:
+        if isinstance(told, Exception) or node not in self._present:
+            return  # it is asked again
+        if self._nodes.get(node) != told:
+            self._nodes[node] = told
+            self._tell(self.message())
+
+
+def _look(node: str) -> Dict[str, Any]:
+    state = ask(f"{node}/get_state", GetState).result().current_state.label
+    offered = ask(f"{node}/get_available_transitions", GetAvailableTransitions).result()
+    labels: List[str] = [one.transition.label for one in offered.available_transitions]
+    return {"node": node, "state": state, "transitions": labels}
+
+
+def _change(service: str, label: str) -> bool:
+    answer = ask(service, ChangeState, Transition(label=label), timeout=_CHANGE_S)
+    return bool(answer.result().success)

@@ -1,0 +1,113 @@
+"""Panels of nodes that describe their parameters in the way of dynamic_reconfigure.
+
+Such a node tells its description and its values on latched topics, keeps its values on the
+parameter server, and changes them by a service, which puts a value that is out of range back into
+it without a word.
+"""
+
+import ast
+import math
+from typing import Any, Dict, List, Mapping
+
+import rospy
+import yaml
+
+from nodekit.commands.calling import TIMEOUT_S, ask
+from nodekit.live.reconfigure import config_of
+from topic_scope.controls.settings import Changed
+
+try:
+    from dynamic_reconfigure.msg import Config, ConfigDescription
+    from dynamic_reconfigure.srv import Reconfigure
+
+    AVAILABLE = True
+except ImportError:  # the package is optional
+    AVAILABLE = False
+
+#: Last part of the name of the service, and its type.
+SERVICE, TYPE = "set_parameters", "dynamic_reconfigure/Reconfigure"
+_TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
+#: What an int or a float has for an end where there is none.
+_NO_END = {"int": 2**31 - 1, "float": 1e300}
+
+
+def describe(node: str) -> str:
+    """Ask a node for its parameters.
+
+    :param node: namespace of the parameters
+    :returns: their description, as nodekit's ``~describe`` gives it
+    :raises rospy.ROSException: if the node does not tell it
+    """
+    description, values = (
+        rospy.wait_for_message(f"{node}/{topic}", kind, TIMEOUT_S)
+        for topic, kind in (
+            ("parameter_descriptions", ConfigDescription),
+            ("parameter_updates", Config),
+        )
+    )
+    return str(yaml.safe_dump(described(description, values), sort_keys=False))
+
+
+def change(node: str, values: Mapping[str, Any]) -> Changed:
+    """Have a node change parameters, all in one request.
+
+    :param node: namespace of the parameters
+    :param values: by name
+    :raises CallError: if it does not answer in good time
+    """
+    answer = ask(f"{node}/{SERVICE}", Reconfigure, config_of(values)).result()
+    known = values_in(answer.config)
+    made = {name: known[name] for name in values if name in known}
+    other = [f"{name} = {made[name]!r}" for name in made if made[name] != values[name]]
+    return Changed(not other, f"{node} made of it {', '.join(other)}", made)
+
+
+def values_in(config: "Config") -> Dict[str, Any]:
+    """Return the values in a message."""
+    parts = (config.bools, config.ints, config.doubles, config.strs)
+    return {item.name: item.value for part in parts for item in part}
+
+
+def described(description: "ConfigDescription", values: "Config") -> List[Dict[str, Any]]:
+    """Return a description as nodekit has it; a number of an enum has ``labels`` besides.
+
+    :param description: as the node publishes it
+    :param values: those in force
+    """
+    now, low, high = map(values_in, (values, description.min, description.max))
+    entries: Dict[str, Dict[str, Any]] = {}
+    for group in description.groups:
+        for parameter in group.parameters:
+            name, kind = parameter.name, _TYPES.get(parameter.type)
+            if kind is None or name not in now:
+                continue
+            ends = {"minimum": low.get(name), "maximum": high.get(name)}
+            words = _words(parameter.edit_method)
+            entries[name] = {
+                "name": name,
+                "value": now[name],
+                "default": now[name],
+                "type": kind,
+                "help": parameter.description,
+                **{end: value for end, value in ends.items() if _is_end(value, kind)},
+            }
+            if words and kind == "str":
+                entries[name].update({"type": "enum", "choices": list(words.values())})
+            elif words and kind in _NO_END:
+                entries[name]["labels"] = [[value, word] for word, value in words.items()]
+    return list(entries.values())
+
+
+def _is_end(value: Any, kind: str) -> bool:
+    if kind not in _NO_END or value is None or not math.isfinite(value):
+        return False
+    return bool(abs(value) < _NO_END[kind])
+
+
+def _words(edit_method: str) -> Dict[str, Any]:
+    """Return the names and values of an enum, none where it is not one."""
+    try:
+        listed = ast.literal_eval(edit_method)["enum"]
+        return {str(one["name"]): one["value"] for one in listed}
+    except (ValueError, SyntaxError, TypeError, KeyError, MemoryError, RecursionError):
+        return {}

@@ -1,0 +1,66 @@
+"""The services that get a button: SetBool and Trigger."""
+
+from typing import Any, Callable, Dict, List
+
+import rosservice
+from std_srvs.srv import SetBool, Trigger
+
+from nodekit.commands.calling import ask
+from topic_scope.graph.background import Background
+
+#: Longest wait for an answer, s: some do their work first, as a robot that drives home.
+_ANSWER_S = 60.0
+_CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
+
+
+def type_of(service: str) -> str:
+    """Return the type of a service, nothing where it does not tell; waits for its node.
+
+    :param service: its name
+    """
+    try:
+        return str(rosservice.get_service_type(service))
+    except rosservice.ROSServiceIOException:
+        return ""
+
+
+def kind_of(service: str) -> str:
+    """Return SetBool or Trigger, nothing for a service of another type; waits for its node.
+
+    :param service: its name
+    """
+    package, _, kind = type_of(service).partition("/")
+    return kind if package == "std_srvs" and kind in _CLASSES else ""
+
+
+def call(
+    background: Background,
+    service: str,
+    kind: str,
+    data: Any,
+    answer: Callable[[Dict[str, Any]], None],
+) -> None:
+    """Call a service, without waiting for it.
+
+    :param background: where to wait for it
+    :param service: its name
+    :param kind: its kind
+    :param data: for SetBool, the truth value
+    :param answer: is told what it answers
+    :raises ValueError: if the data do not fit the kind
+    """
+    if kind == "SetBool" and data is None:
+        raise ValueError(f"{service} takes true or false")
+    arguments: List[Any] = [data] if kind == "SetBool" else []
+
+    def told(result: Any) -> None:
+        failed = isinstance(result, Exception)
+        success = not failed and bool(result.success)
+        text = str(result) if failed else result.message
+        answer({"type": "called", "service": service, "success": success, "message": text})
+
+    def work() -> Any:
+        return ask(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
+
+    if not background.run(("call", service), work, told):
+        told(RuntimeError("an earlier call has not been answered yet"))

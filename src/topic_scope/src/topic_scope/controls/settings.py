@@ -1,0 +1,140 @@
+"""Set parameters of nodes, and learn what the nodes make of it.
+
+A value goes to the node's service ``~change``, which answers at once whether it is in force, and
+why not. It takes several parameters in one step: so values that a node refuses because they do not
+go together with others are kept, and tried once more together with what is set next. That is how
+lists that must have one length are changed, one after the other.
+"""
+
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple
+
+from nodekit import ParameterError
+from nodekit.parameters.kinds import to_wire
+from topic_scope.controls.panels import Panel
+from topic_scope.graph.background import Background
+
+#: Tells one page.
+Answer = Callable[[Dict[str, Any]], None]
+
+
+class Changed(NamedTuple):
+    """What a node answers to a change.
+
+    :param success: whether all of it is in force
+    :param message: why not
+    :param values: the values in force, by name
+    """
+
+    success: bool
+    message: str
+    values: Mapping[str, Any]
+
+
+class Asked(NamedTuple):
+    """A value that a page has set.
+
+    :param panel: the node's panel
+    :param value: the value
+    :param answer: tells the page
+    """
+
+    panel: Panel
+    value: Any
+    answer: Answer
+
+
+class Settings:
+    """Sets values; all methods belong to the thread of the web.
+
+    :param background: where to wait for nodes
+    :param change: has a node change parameters by name; raises an exception if it does not answer
+    :param tell: tells all pages of parameters that have changed
+    :param look_again: has the panel of a node follow what is on the parameter server now
+    """
+
+    def __init__(
+        self,
+        background: Background,
+        change: Callable[[str, Mapping[str, Any]], Changed],
+        tell: Callable[[Panel, List[str]], None],
+        look_again: Callable[[str], None],
+    ) -> None:
+        self._background, self._change, self._tell = background, change, tell
+        self._look_again = look_again
+        #: By node and parameter: what is still to be sent, the newest of each parameter; and what
+        #: was refused, perhaps because other values were still to come.
+        self._waiting: Dict[str, Dict[str, Asked]] = {}
+        self._refused: Dict[str, Dict[str, Any]] = {}
+
+    def set(self, panel: Panel, name: str, value: Any, answer: Answer) -> None:
+        """Set a parameter; the page is told if the value is refused.
+
+        :param panel: the panel that it is on
+        :param name: its name
+        :param value: as the page has it
+        :param answer: tells the page
+        """
+        try:
+            judged = panel.judge(name, value)
+        except ParameterError as error:
+            _refuse(panel, name, value, str(error), answer)
+            return
+        self._refused.get(panel.node, {}).pop(name, None)
+        self._waiting.setdefault(panel.node, {})[name] = Asked(panel, judged, answer)
+        self._send(panel.node)
+
+    def forget(self, node: str) -> None:
+        """Forget what was refused by a node that is gone.
+
+        :param node: its name
+        """
+        self._refused.pop(node, None)
+
+    def _send(self, node: str) -> None:
+        """Send what is waiting; what comes meanwhile is sent after that."""
+        asked = self._waiting.get(node)
+        if asked is None:
+            return
+        wanted = {name: to_wire(ask.value) for name, ask in asked.items()}
+        work = partial(self._try, node, wanted, dict(self._refused.get(node, {})))
+        if self._background.run(("change", node), work, partial(self._on_answer, node, asked)):
+            del self._waiting[node]
+
+    def _try(self, node: str, wanted: Mapping[str, Any], refused: Mapping[str, Any]) -> Changed:
+        """Have values changed, with those that were refused before or, if need be, without."""
+        answer = self._change(node, {**refused, **wanted})
+        if refused and not answer.success:
+            answer = self._change(node, wanted)
+        return answer
+
+    def _on_answer(self, node: str, asked: Mapping[str, Asked], result: Any) -> None:
+        self._send(node)
+        if isinstance(result, Exception):
+            result = Changed(False, f"{node} does not answer: {result}", {})
+        panel = next(iter(asked.values())).panel
+        self._tell(panel, panel.follow(result.values))
+        self._look_again(panel.node)  # somebody else's change may be newer than this answer
+        refused = self._refused.setdefault(node, {})
+        if result.success:
+            for name in [name for name in refused if refused[name] == result.values.get(name)]:
+                del refused[name]
+            return
+        for name, ask in asked.items():
+            if name not in self._waiting.get(node, {}):
+                refused[name] = to_wire(ask.value)
+                _refuse(panel, name, ask.value, result.message, ask.answer, kept=True)
+
+
+def value_message(panel: Panel, name: str) -> Dict[str, Any]:
+    """Return the message that tells a parameter's value."""
+    return {"type": "value", "node": panel.node, "name": name, "value": panel.shown_value(name)}
+
+
+def _refuse(
+    panel: Panel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
+) -> None:
+    """Tell a page why a value is refused; whether it is kept, to be tried with the next one."""
+    refused = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}
+    answer({**refused, "text": text, "kept": kept})
+    answer(value_message(panel, name))

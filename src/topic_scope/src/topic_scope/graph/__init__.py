@@ -1,0 +1,1 @@
+"""The graph of nodes and topics, as the master knows it."""

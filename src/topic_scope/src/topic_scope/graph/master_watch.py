@@ -1,0 +1,86 @@
+"""Follows what is on the graph, in a thread of its own: the master may keep one waiting."""
+
+import threading
+import traceback
+from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
+
+import rosgraph
+import rospy
+
+from nodekit.live.master import MasterClient
+from topic_scope.messages.layouts import Layouts
+from topic_scope.record.taps import Taps
+
+#: Time between two looks at the graph, s.
+PERIOD_S = 1.0
+_LOG_PERIOD_S = 60.0
+
+Registrations = List[Tuple[str, List[str]]]
+
+
+class GraphState(NamedTuple):
+    """What the master knew at one moment.
+
+    :param publishers: topics and the nodes that publish them
+    :param subscribers: topics and the nodes that subscribe to them
+    :param services: services and the nodes that offer them
+    :param types: type of each topic
+    """
+
+    publishers: Registrations
+    subscribers: Registrations
+    services: Registrations
+    types: Mapping[str, str]
+
+    @property
+    def published_types(self) -> Mapping[str, str]:
+        """Type of each topic that somebody publishes."""
+        return {topic: self.types.get(topic, "*") for topic, nodes in self.publishers if nodes}
+
+
+class MasterWatch:
+    """Asks the master once a second, and opens the taps that are wanted.
+
+    :param taps: the taps
+    :param layouts: looked up here, where it may take its time
+    """
+
+    def __init__(self, taps: Taps, layouts: Layouts) -> None:
+        self._taps = taps
+        self._layouts = layouts
+        self._master = MasterClient(
+            rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
+        )
+        self._bell = threading.Event()
+
+    def start(
+        self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]
+    ) -> None:
+        """Begin.
+
+        :param on_state: called with each state, from the thread
+        :param on_silence: called so with the master's URI each time when it does not answer
+        """
+        arguments = (on_state, on_silence)
+        threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
+
+    def ring(self) -> None:
+        """Look at once."""
+        self._bell.set()
+
+    def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:
+        while not rospy.is_shutdown():
+            try:
+                self._taps.adjust()
+                publishers, subscribers, services = self._master.system_state()
+                types = self._master.topic_types()
+                for datatype in set(types.values()):
+                    self._layouts.installed(datatype)
+                on_state(GraphState(publishers, subscribers, services, types))
+            except (OSError, rospy.ROSException) as error:  # MasterUnreachable is an OSError
+                rospy.logdebug("the master does not answer: %s", error)
+                on_silence(rosgraph.get_master_uri())
+            except Exception:  # of any kind: without this thread nothing new would be seen
+                rospy.logerr_throttle(_LOG_PERIOD_S, f"the graph: {traceback.format_exc()}")
+            self._bell.wait(PERIOD_S)
+            self._bell.clear()

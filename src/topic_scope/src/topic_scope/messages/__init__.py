@@ -1,0 +1,1 @@
+"""What messages are: their definitions, fields, values and stamps."""

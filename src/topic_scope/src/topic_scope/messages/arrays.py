@@ -1,0 +1,184 @@
+"""The arrays of serialized messages: how long they are, and what their elements are called."""
+
+import re
+import struct
+from functools import partial
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+from topic_scope.messages.decoding import COUNT, NotThere, follow, steps_to, texts
+from topic_scope.messages.definitions import Array, Record
+from topic_scope.messages.fields import (
+    FieldError,
+    Key,
+    Lengths,
+    Path,
+    leaf_at,
+    names_of,
+    to_text,
+)
+
+#: Most arrays of a topic whose lengths are remembered.
+_ARRAYS = 1000
+#: Most sets of names that the messages of a topic have, and how long each counts, s.
+_KINDS, KEPT_S = 16, 30.0
+#: A name that can stand in brackets.
+_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
+#: Most names that a sentence has.
+_SHOWN = 10
+
+
+def lengths_in(layout: Record, data: bytes) -> Lengths:
+    """Return the function that tells how long the arrays of a serialized message are.
+
+    :param layout: its layout
+    :param data: the message
+    """
+
+    def length(path: Path) -> int:
+        try:
+            return int(COUNT.unpack_from(data, follow(steps_to(layout, path)[0], data))[0])
+        except (NotThere, struct.error):
+            return 0
+
+    return length
+
+
+def names_in(layout: Record, data: bytes, path: Path) -> List[str]:
+    """Return the names of an array's elements in a serialized message.
+
+    :param layout: its layout
+    :param data: the message
+    :param path: where the array stands
+    :returns: the names; none where the elements have none
+    """
+    try:
+        steps, _ = steps_to(layout, names_of(layout, path))
+        return [text.decode(errors="replace") for text in texts(data, follow(steps, data))]
+    except (FieldError, NotThere, struct.error):
+        return []
+
+
+def with_names(path: Path, names_at: Callable[[Path], Sequence[str]]) -> Path:
+    """Return a place with the names of elements for their indices, where they have some.
+
+    :param path: with indices
+    :param names_at: returns the names of the elements of an array
+    """
+    found: Path = ()
+    for part in path:
+        if isinstance(part, int):
+            names = names_at(found)
+            name = names[part] if part < len(names) else ""
+            # Two may have one name, and not all can be written.
+            if names.count(name) == 1 and _KEY.match(name):
+                part = Key(name)
+        found += (part,)
+    return found
+
+
+def has_names(layout: Record) -> bool:
+    """Tell whether elements of arrays in a message have names."""
+    parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
+    try:
+        return bool(parts) and bool(names_of(layout, (parts[0],)))
+    except FieldError:
+        return False
+
+
+def check_elements(layout: Record, path: Path, data: bytes) -> None:
+    """Check that the elements on the way to a place are there.
+
+    :param layout: layout of the messages
+    :param path: the place
+    :param data: a serialized message
+    :raises FieldError: if an array is too short, or none of its elements has the name
+    """
+    lengths = lengths_in(layout, data)
+    for position, part in enumerate(path):
+        place = path[:position]
+        node = leaf_at(layout, place)
+        if isinstance(part, Key) and part not in names_in(layout, data, place):
+            names = ", ".join(names_in(layout, data, place)[:_SHOWN])
+            raise FieldError(f"none of {to_text(place)} is called {part} now, but {names or '-'}")
+        if isinstance(part, int) and isinstance(node, Array) and node.length is None:
+            if part >= lengths(place):
+                raise FieldError(f"{to_text(place)} has {lengths(place)} elements now")
+
+
+class Arrays:
+    """The arrays of a topic; how many elements each has had at most, so that lists stand still."""
+
+    def __init__(self) -> None:
+        self._known: Dict[Path, int] = {}
+        self._named: Dict[Path, List[Path]] = {}
+        self._layout: Optional[Record] = None
+        #: By the names in it, a message and when it came, s: each publisher may have its own ones.
+        self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
+
+    def look(self, layout: Record, message: bytes, time: float = 0.0) -> None:
+        """Take note of the latest message.
+
+        :param layout: its layout
+        :param message: the message
+        :param time: when it came, s
+        """
+        kinds = self._messages if layout is self._layout else {}
+        kinds[tuple(names_in(layout, message, ("",)))] = (time, message)
+        recent = sorted(kinds.values(), reverse=True)[:_KINDS]
+        self._layout = layout
+        self._messages = {
+            names: one for names, one in kinds.items() if one in recent and one[0] > time - KEPT_S
+        }
+
+    def __call__(self, path: Path) -> int:
+        """Return how many elements an array has had."""
+        latest = 1
+        if self._layout is not None:
+            try:
+                latest = max(lengths_in(self._layout, one)(path) for one in self._latest())
+            except FieldError:  # the topic has got another type
+                pass
+        longest = max(latest, self._known.get(path, 0))
+        if path in self._known or len(self._known) < _ARRAYS:
+            self._known[path] = longest
+        return longest
+
+    def _latest(self) -> List[bytes]:
+        """Return the messages that count, the latest first."""
+        return [message for _, message in sorted(self._messages.values(), reverse=True)]
+
+    def check(self, layout: Record, path: Path) -> None:
+        """Check that what stands at a place is in one of the latest messages.
+
+        :param layout: layout of the messages now
+        :raises FieldError: if it is not
+        """
+        errors = []
+        for message in self._latest():
+            try:
+                return check_elements(layout, path, message)
+            except FieldError as error:
+                errors.append(error)
+        if errors:
+            raise errors[0]
+
+    def named(self, path: Path) -> List[Path]:
+        """Return a place with the names of elements for their indices, where they have some.
+
+        :param path: with indices
+        :returns: several, where messages of the topic have other names there
+        """
+        layout = self._layout
+        if layout is None:
+            return [path]
+        messages = [message for _, message in self._messages.values()]
+        found = [with_names(path, partial(names_in, layout, one)) for one in messages]
+        return list(dict.fromkeys(one for one in found if one != path)) or [path]
+
+    def remembered(self, path: Path) -> List[Path]:
+        """As :meth:`named`, with all that it has returned before: what is shown stands still."""
+        found = self.named(path)
+        if found != [path] and (path in self._named or len(self._named) < _ARRAYS):
+            known = dict.fromkeys([*self._named.get(path, []), *found])
+            self._named[path] = list(known)[:_KINDS]
+        return self._named.get(path, found)

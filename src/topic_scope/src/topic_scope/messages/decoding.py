@@ -1,0 +1,214 @@
+"""Take numbers out of serialized messages, without making objects of them.
+
+A scope reads thousands of messages a second and wants one number of each. Messages of a fixed size
+are read in bulk; of others, what stands before the number is skipped. The format is described at
+http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes (little-endian; a string
+and an array of undeclared length begin with a count of 32 bits).
+"""
+
+import struct
+from typing import Callable, Iterator, List, Sequence, Union
+
+import numpy
+
+from topic_scope.messages.definitions import Array, Layout, Record, Scalar
+from topic_scope.messages.fields import FieldError, Key, Path, names_of
+
+#: How to get on: a number of bytes, or a function from data and offset to the next offset.
+Step = Union[int, Callable[[bytes, int], int]]
+
+#: How many elements an array has, or bytes a text.
+COUNT = struct.Struct("<I")
+
+
+class NotThere(Exception):
+    """An array ends before the element, or none has the name."""
+
+
+class Decoder:
+    """Reads one number out of messages of one layout.
+
+    :param layout: layout of the messages
+    :param path: where the number stands
+    :raises FieldError: if no number stands there
+    """
+
+    def __init__(self, layout: Record, path: Path) -> None:
+        steps, leaf = steps_to(layout, path)
+        if not isinstance(leaf, Scalar):
+            raise FieldError("what stands there is no number")
+        self._steps = steps
+        self._size = layout.size
+        self._is_time = leaf.datatype in ("time", "duration")
+        self._struct = struct.Struct("<" + leaf.format)
+        if layout.size is not None:
+            self._type = numpy.dtype(
+                {
+                    "names": ["value"],
+                    "formats": [(_numpy_format(leaf), (2,) if self._is_time else ())],
+                    "offsets": [sum(step for step in steps if isinstance(step, int))],
+                    "itemsize": layout.size,
+                }
+            )
+
+    def decode(self, messages: Sequence[bytes]) -> numpy.ndarray:
+        """Return the number in each message, NaN where an array is too short for it.
+
+        :param messages: serialized messages, without the length that goes before each on the wire
+        """
+        if self._size is not None and set(map(len, messages)) <= {self._size}:
+            values = numpy.frombuffer(b"".join(messages), self._type)["value"]
+            if self._is_time:
+                return values[:, 0] + values[:, 1] * 1e-9
+            return values.astype(numpy.float64)
+        return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
+
+    def has(self, message: bytes) -> bool:
+        """Tell whether the elements on the way to the number are in a message."""
+        try:
+            follow(self._steps, message)
+        except (NotThere, struct.error):
+            return False
+        return True
+
+    def _decode_one(self, data: bytes) -> float:
+        try:
+            values = self._struct.unpack_from(data, follow(self._steps, data))
+        except (NotThere, struct.error):  # the latter: the message is cut off
+            return float("nan")
+        return values[0] + values[1] * 1e-9 if self._is_time else float(values[0])
+
+
+def follow(steps: Sequence[Step], data: bytes) -> int:
+    """Return where in a message some steps from its start lead.
+
+    :raises NotThere: if an element on the way is not there
+    :raises struct.error: if the message is cut off
+    """
+    offset = 0
+    for step in steps:
+        offset = offset + step if isinstance(step, int) else step(data, offset)
+    return offset
+
+
+def steps_to(layout: Record, path: Path) -> "tuple[List[Step], Layout]":
+    """Return the steps from the start of a message to a place in it, and what is there."""
+    steps: List[Step] = []
+    node: Layout = layout
+    for position, part in enumerate(path):
+        if isinstance(part, Key) and isinstance(node, Array):
+            names, _ = steps_to(layout, names_of(layout, path[:position]))
+            steps.append(_step_to_named(node, part.encode(), names))
+            node = node.element
+        elif isinstance(part, str) and isinstance(node, Record):
+            fields = [name for name, _ in node.fields]
+            if part not in fields:
+                raise FieldError(f"there is no {part} in {node.datatype}")
+            place = fields.index(part)
+            for _, before in node.fields[:place]:
+                steps += _skip(before)
+            node = node.fields[place][1]
+        elif isinstance(part, int) and isinstance(node, Array):
+            steps.append(_step_to_element(node, part))
+            node = node.element
+        else:
+            raise FieldError(f"{part} is not in {node.datatype}")
+    return _merged(steps), node
+
+
+def _skip(layout: Layout) -> List[Step]:
+    """Return the steps over a part of a message."""
+    if layout.size is not None:
+        return [layout.size]
+    if isinstance(layout, Record):
+        return _merged([step for _, field in layout.fields for step in _skip(field)])
+    if isinstance(layout, Array):
+        return [_step_over_array(layout)]
+    return [lambda data, offset: offset + 4 + COUNT.unpack_from(data, offset)[0]]
+
+
+def _step_over_array(array: Array) -> Step:
+    over_elements = _step_over_elements(array.element)
+
+    def step(data: bytes, offset: int) -> int:
+        if array.length is not None:
+            return over_elements(data, offset, array.length)
+        return over_elements(data, offset + 4, COUNT.unpack_from(data, offset)[0])
+
+    return step
+
+
+def _step_to_element(array: Array, index: int) -> Step:
+    size = array.element.size
+    if array.length is not None and index >= array.length:
+        raise FieldError(f"the array has {array.length} elements only")
+    if array.length is not None and size is not None:
+        return int(index * size)
+    over_elements = _step_over_elements(array.element)
+
+    def step(data: bytes, offset: int) -> int:
+        if array.length is None:
+            if index >= COUNT.unpack_from(data, offset)[0]:
+                raise NotThere
+            offset += 4
+        return over_elements(data, offset, index)
+
+    return step
+
+
+def _step_to_named(array: Array, name: bytes, names: Sequence[Step]) -> Step:
+    """Return the step to the element whose name stands at the same place among the names."""
+    over_elements = _step_over_elements(array.element)
+
+    def step(data: bytes, offset: int) -> int:
+        count = array.length
+        if count is None:
+            count = COUNT.unpack_from(data, offset)[0]
+            offset += 4
+        for index, text in enumerate(texts(data, follow(names, data))):
+            if text == name and index < count:
+                return over_elements(data, offset, index)
+        raise NotThere
+
+    return step
+
+
+def texts(data: bytes, offset: int) -> Iterator[bytes]:
+    """Return the texts of an array of them; ends with struct.error at the end of the data."""
+    count = COUNT.unpack_from(data, offset)[0]
+    offset += 4
+    for _ in range(count):
+        begin = offset + 4
+        offset = begin + COUNT.unpack_from(data, offset)[0]
+        yield data[begin:offset]
+
+
+def _step_over_elements(element: Layout) -> Callable[[bytes, int, int], int]:
+    size = element.size
+    if size is not None:
+        fixed = size
+        return lambda data, offset, count: offset + count * fixed
+    steps = _skip(element)
+
+    def step(data: bytes, offset: int, count: int) -> int:
+        for _ in range(count):  # ends with struct.error at the end of the data
+            for one in steps:
+                offset = offset + one if isinstance(one, int) else one(data, offset)
+        return offset
+
+    return step
+
+
+def _merged(steps: Sequence[Step]) -> List[Step]:
+    """Return the same steps, with those of a known length put together."""
+    merged: List[Step] = []
+    for step in steps:
+        if isinstance(step, int) and merged and isinstance(merged[-1], int):
+            merged[-1] += step
+        else:
+            merged.append(step)
+    return merged
+
+
+def _numpy_format(leaf: Scalar) -> str:
+    return "<" + leaf.format[0] if leaf.datatype != "bool" else "?"

@@ -1,0 +1,242 @@
+"""Names of numeric fields, such as ``/signal/signal_y``, and what they stand for.
+
+The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
+side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. Where elements have
+names, these will do: ``/joint_states/position[arm]`` is what stands at the place of ``arm`` in the
+``string[] name`` beside the array. A time or a duration is a number too, in s, and a truth value is
+0 or 1. ``.`` and the name of what is computed of it may follow, see
+:mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and the name of a time,
+see :mod:`topic_scope.messages.time_base`: ``/topic/field@stamp``.
+"""
+
+import itertools
+import re
+from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
+
+from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
+from topic_scope.messages.derived import FUNCTIONS, QUATERNION
+
+
+class Key(str):
+    """The name of an element, where else its index stands."""
+
+
+#: Names of fields and, behind the one of an array, indices or names of elements.
+Path = Tuple[Union[str, int], ...]
+
+#: Tells how many elements the array at a path has.
+Lengths = Callable[[Path], int]
+
+#: Most elements of an array that are listed one by one.
+LISTED_ELEMENTS = 16
+#: Most fields of a topic that are listed or chosen at once.
+LISTED_FIELDS = 200
+
+_ELEMENT = r"\[(?:\d{1,9}|[A-Za-z_][A-Za-z0-9_-]*)\]"
+_NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
+_EXPRESSION = re.compile(
+    rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:\.([a-z]+))?(?:@{_NAME}(?:/{_NAME})*)?\Z"
+)
+_PART = re.compile(rf"([A-Za-z][A-Za-z0-9_]*)((?:{_ELEMENT})*)\Z")
+#: The field that has the names of elements, beside their arrays.
+_NAMES = "name"
+_LONGEST = 300
+
+
+class FieldError(ValueError):
+    """A name of a field that cannot be one, or that a message does not have."""
+
+
+class NumericField(NamedTuple):
+    """A number in the messages of a topic.
+
+    :param path: where it stands in a message
+    :param datatype: its type as the definition has it, e.g. ``float32``
+    """
+
+    path: Path
+    datatype: str
+
+
+def one_element(_path: Path) -> int:
+    """Let the first element stand for an array of any length."""
+    return 1
+
+
+def expand(expression: str) -> List[str]:
+    """Return the names that an argument stands for.
+
+    :param expression: e.g. ``/pose/x:y``, which stands for ``/pose/x`` and ``/pose/y``
+    :returns: global names, one for each part between colons
+    :raises FieldError: if it is no name
+    """
+    match = _EXPRESSION.match(expression) if len(expression) <= _LONGEST else None
+    if not match:
+        raise FieldError(f"{expression[:_LONGEST]!r} is no name of a field, such as /topic/field")
+    if match.group(1) and match.group(1) not in FUNCTIONS:
+        raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
+    names, end = re.fullmatch(r"([^.@]*)(.*)", expression).groups()  # type: ignore[union-attr]
+    first, *others = names.split(":")
+    first = "/" + first.lstrip("/")
+    parent = first.rpartition("/")[0]
+    return [first + end] + [f"{parent}/{other}{end}" for other in others]
+
+
+def parted(name: str) -> Tuple[str, str, str]:
+    """Take off the names of what is computed and of a time.
+
+    :param name: one that :func:`expand` returned
+    :returns: the name without them, and both, each empty where none was given
+    """
+    names, _, base = name.partition("@")
+    field, _, function = names.partition(".")
+    return field, function, base
+
+
+def ending(function: str, base: str) -> str:
+    """Return what stands behind a name for what :func:`parted` has taken off."""
+    return (function and f".{function}") + (base and f"@{base}")
+
+
+def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
+    """Take a name apart into a topic and what is in its messages.
+
+    :param name: one that :func:`expand` returned, without the name of a time
+    :param topics: names of the topics that there are
+    :returns: the longest topic that the name begins with, and the rest, empty for all of a
+        message; None if there is no such topic
+    """
+    topic, rest = name, ""
+    while topic:
+        if topic in topics:
+            return topic, rest
+        topic, _, last = topic.rpartition("/")
+        rest = f"{last}/{rest}" if rest else last
+    return None
+
+
+def to_path(text: str) -> Path:
+    """Return the path that a text such as ``pose/x`` or ``data[3]`` stands for.
+
+    :raises FieldError: if it is none
+    """
+    path: List[Union[str, int]] = []
+    for part in text.split("/") if text else []:
+        match = _PART.match(part)
+        if not match:
+            raise FieldError(f"{part!r} is no name of a field")
+        path.append(match.group(1))
+        elements = re.findall(r"[\w-]+", match.group(2))
+        path += [int(one) if one.isdigit() else Key(one) for one in elements]
+    return tuple(path)
+
+
+def to_text(path: Path) -> str:
+    """Return the text that stands for a path."""
+    parts = [f"[{part}]" if isinstance(part, (int, Key)) else "/" + part for part in path]
+    return "".join(parts).lstrip("/")
+
+
+def resolve(
+    layout: Record, text: str, lengths: Lengths = one_element, function: str = ""
+) -> List[NumericField]:
+    """Return the numeric fields that a text stands for in a message.
+
+    :param layout: layout of the messages
+    :param text: as :func:`split` returned it; empty for all of a message
+    :param lengths: tells how many elements an array has whose length is not declared
+    :param function: name of what is computed of each; for a yaw, those of quaternions are returned
+    :raises FieldError: if there are none
+    """
+    path = to_path(text)
+    node = leaf_at(layout, path)
+    is_wanted, kind = (
+        (_is_number, "number") if function != "yaw" else (_is_quaternion, "quaternion")
+    )
+    found = list(itertools.islice(_found(node, path, lengths, is_wanted), LISTED_FIELDS))
+    if not found:
+        raise FieldError(f"there is no {kind} in {to_text(path) or layout.datatype}")
+    return found
+
+
+def quaternions(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+    """List what has a heading in a message; as :func:`numeric_fields`."""
+    return list(itertools.islice(_found(layout, (), lengths, _is_quaternion), LISTED_FIELDS))
+
+
+def leaf_at(layout: Record, path: Path) -> Layout:
+    """Return the layout of what stands at a place in a message.
+
+    :param layout: layout of the messages
+    :param path: where it stands
+    :raises FieldError: if nothing can stand there
+    """
+    node: Layout = layout
+    for position, part in enumerate(path):
+        if isinstance(part, Key):
+            names_of(layout, path[:position])
+        node = _step(node, part, to_text(path[:position]) or layout.datatype)
+    return node
+
+
+def names_of(layout: Record, path: Path) -> Path:
+    """Return where the names of an array's elements stand.
+
+    :param layout: layout of the messages
+    :param path: where the array stands
+    :raises FieldError: if its elements have no names
+    """
+    place = path[:-1] + (_NAMES,)
+    try:
+        names = leaf_at(layout, place)
+    except FieldError:
+        names = layout
+    if isinstance(names, Array) and names.length is None and isinstance(names.element, Text):
+        return place
+    raise FieldError(f"the elements of {to_text(path)} have no names, only numbers")
+
+
+def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+    """List the numeric fields of a message, but of long arrays and messages only the first ones.
+
+    :param layout: layout of the messages
+    :param lengths: as for :func:`resolve`
+    """
+    return list(itertools.islice(_found(layout, (), lengths, _is_number), LISTED_FIELDS))
+
+
+def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
+    if isinstance(part, (int, Key)):
+        if not isinstance(node, Array):
+            raise FieldError(f"{place} is no array")
+        if isinstance(part, int) and node.length is not None and part >= node.length:
+            raise FieldError(f"{place} has {node.length} elements only")
+        return node.element
+    fields = dict(node.fields) if isinstance(node, Record) else {}
+    if part not in fields:
+        raise FieldError(f"there is no {part} in {place}")
+    return fields[part]
+
+
+def _is_number(node: Layout) -> bool:
+    return isinstance(node, Scalar)
+
+
+def _is_quaternion(node: Layout) -> bool:
+    if not isinstance(node, Record) or tuple(name for name, _ in node.fields) != QUATERNION:
+        return False
+    return all(isinstance(field, Scalar) for _, field in node.fields)
+
+
+def _found(
+    node: Layout, path: Path, lengths: Lengths, is_wanted: Callable[[Layout], bool]
+) -> Iterator[NumericField]:
+    if is_wanted(node):
+        yield NumericField(path, node.datatype)
+    elif isinstance(node, Record) and node.numeric:
+        for name, field in node.fields:
+            yield from _found(field, path + (name,), lengths, is_wanted)
+    elif isinstance(node, Array) and node.numeric:
+        count = lengths(path) if node.length is None else node.length
+        for index in range(min(count, LISTED_ELEMENTS)):
+            yield from _found(node.element, path + (index,), lengths, is_wanted)

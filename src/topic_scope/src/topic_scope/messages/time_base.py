@@ -1,0 +1,180 @@
+"""When a sample was taken: when its message was received, or when the message says so itself.
+
+What a message says is by a clock of its own: time since the start of a node, simulated time, the
+clock of another machine. Between that clock and the scope's lies the median of what the latest
+messages show, so that what is usual in their delay shifts a trace, and what is not does not bend
+it.
+"""
+
+from typing import List, Optional
+
+import numpy
+
+from topic_scope.messages.definitions import Record, Scalar
+from topic_scope.messages.fields import FieldError, Path, leaf_at, to_path, to_text
+
+#: Names of times that every message has, and that messages with a header have.
+RECEIVED, STAMP = "received", "stamp"
+
+_STAMP_PATH: Path = ("header", "stamp")
+#: The field of a message without a header that says when it was made, e.g. signal_msg's.
+_FIELD_PATH: Path = ("time_x",)
+#: How much of what was received counts for the median: s, and most messages.
+_RECENT_S, _RECENT = 2.0, 2000
+#: The clocks' difference is taken anew where it has changed by more than this, s: at first, and
+#: when enough has been received. From then on a trace does not move for a machine that is busy.
+TOLERANCE_S, SETTLED_S = 0.002, 0.1
+#: A stamp no further away than this is by the scope's own clock, and is taken as it is, s.
+SAME_CLOCK_S = 0.5
+#: A time so far before those that came earlier was set back, and is not just late, s.
+BACK_S = 0.5
+#: How many samples tell what is usual between them; how many times that is a gap; and how long one
+#: is at least where the times are those of receipt, s.
+_FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
+#: Beyond this a number is no time, s.
+_LARGEST = 1e11
+
+
+def path_of(base: str, layout: Record) -> Optional[Path]:
+    """Return where messages say when they were made.
+
+    :param base: ``received``, ``stamp``, the name of a field, or nothing for what fits best: a
+        header's stamp, else ``time_x``, else the time of receipt
+    :param layout: layout of the messages
+    :returns: where the time stands; None where the time of receipt counts
+    :raises FieldError: if there is no such time in the messages
+    """
+    if base == RECEIVED:
+        return None
+    if not base:
+        wanted = [path for path in (_STAMP_PATH, _FIELD_PATH) if _is_time(layout, path)]
+        return wanted[0] if wanted else None
+    path = _STAMP_PATH if base == STAMP else to_path(base)
+    if not _is_time(layout, path):
+        raise FieldError(f"there is no time {to_text(path)} in {layout.datatype}")
+    return path
+
+
+def name_of(path: Optional[Path]) -> str:
+    """Return the name of a time that :func:`path_of` has returned."""
+    return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
+
+
+def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
+    """Tell which messages say when they were made.
+
+    A stamp that nobody has filled in is no time, nor is NaN, or what is beyond all clocks.
+
+    :param path: where their times stand
+    :param own: these times, s
+    :returns: a truth value for each
+    """
+    said: numpy.ndarray = numpy.abs(own) <= _LARGEST
+    return said & (own != 0.0) if path == _STAMP_PATH else said
+
+
+def placed(
+    path: Optional[Path], own: numpy.ndarray, received: numpy.ndarray
+) -> "List[numpy.ndarray]":
+    """Return when recorded messages were made, by the clock that recorded them.
+
+    :param path: where their times stand
+    :param own: these times, s
+    :param received: when they were recorded, s
+    :returns: the times, s, in parts: each begins where the clock was set back
+    """
+    ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
+    times = []
+    for said, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
+        time = OwnTime(path)
+        part, _ = time.take(said, came)
+        times.append(part + time.offset)
+    return times
+
+
+def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
+    """Return how far apart samples of one line may be, s: beyond that, several are missing.
+
+    :param path: where their times stand in the messages
+    :param times: when the latest samples were taken, ascending, s
+    """
+    if len(times) < _FEW:
+        return float(numpy.inf)
+    steps, middle = times[1:] - times[:-1], (len(times) - 1) // 2
+    several = _MISSING * float(numpy.partition(steps, middle)[middle])
+    # What is received is received with delays, and nothing needs to be missing.
+    return several if path is not None else max(several, _LONGEST_DELAY_S)
+
+
+def _is_time(layout: Record, path: Path) -> bool:
+    """Tell whether something fine enough for a time stands at a place in messages."""
+    try:
+        leaf = leaf_at(layout, path)
+    except FieldError:
+        return False
+    return isinstance(leaf, Scalar) and leaf.datatype in ("time", "float64")
+
+
+class OwnTime:
+    """Tells the times of a topic's messages by their own clock, and how far that is from here.
+
+    :param path: where the time stands in the messages
+    """
+
+    def __init__(self, path: Optional[Path]) -> None:
+        #: What is to be added to an own time to get the scope's, s.
+        self.offset = 0.0
+        #: Whether any message has said a time; else the time of receipt counts.
+        self.is_said = False
+        self._path = path
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self._latest = -numpy.inf
+        self._recent = numpy.empty((2, 0))  # times of receipt, and differences
+        self._settles_at = numpy.inf
+        self._tolerance = TOLERANCE_S
+
+    def take(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
+        """Take the times of some messages.
+
+        :param own: what they say, s; no message's is changed here
+        :param received: when they were received, s
+        :returns: their times by the own clock, and by how much it was set back before them, s:
+            what came earlier is to be moved by that; 0 where it was not
+        """
+        said = said_in(self._path, own)
+        back = 0.0
+        if said.any():
+            differences = received[said] - own[said]
+            # What came before a first time, as without /clock, stands where it was received.
+            is_first = not self.is_said and self._latest > -numpy.inf
+            if is_first or own[said].max() < self._latest - BACK_S:
+                before, self.offset = self.offset, self._middle(differences)
+                back = before - self.offset
+                self._begin_anew()
+            self.is_said = True
+            self._latest = max(self._latest, float(own[said].max()))
+            self._follow(received[said], differences)
+        elif not self.is_said:
+            self._latest = float(received.max(initial=self._latest))
+        return numpy.where(said, own, received - self.offset), back
+
+    def _middle(self, differences: numpy.ndarray) -> float:
+        """Return how far the clocks are apart, s."""
+        median = float(numpy.median(differences))
+        is_same = self._path == _STAMP_PATH and abs(median) < SAME_CLOCK_S
+        return 0.0 if is_same else median
+
+    def _follow(self, received: numpy.ndarray, differences: numpy.ndarray) -> None:
+        recent = numpy.concatenate([self._recent, [received, differences]], axis=1)[:, -_RECENT:]
+        self._recent = recent[:, recent[0].searchsorted(recent[0, -1] - _RECENT_S) :]
+        self._settles_at = min(self._settles_at, received[0] + _RECENT_S)
+        settles = received[-1] >= self._settles_at and self._tolerance != SETTLED_S
+        if not settles and abs(differences - self.offset).max() <= self._tolerance:
+            return  # nothing speaks against what is known: the median would take the time
+        middle = self._middle(self._recent[1])
+        if settles:
+            self.offset, self._tolerance = middle, SETTLED_S
+        if abs(middle - self.offset) > self._tolerance:
+            self.offset = middle

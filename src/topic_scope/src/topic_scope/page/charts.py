@@ -1,0 +1,81 @@
+"""What a page shows in place of traces over time: their spectra, or one over another."""
+
+import time
+from typing import Any, Dict, Optional, Tuple
+
+from topic_scope.analysis.decimation import as_json
+from topic_scope.analysis.spectrum import peaks, reduced, spectrum
+from topic_scope.analysis.xy import paired, thinned
+from topic_scope.page.view import LATE_S, LiveView, Step
+from topic_scope.protocol.looks import Source
+from topic_scope.protocol.wishes import Chart
+
+#: Time between two charts, s.
+CHART_S = 0.1
+
+
+class ChartFeed:
+    """Makes the charts of one page.
+
+    :param request: which kind
+
+    :ivar request: which kind
+    """
+
+    def __init__(self, request: Chart) -> None:
+        self.request = request
+        self._made_at = 0.0
+        self._made_of: Any = None
+
+    def update(
+        self, now: float, source: Source, longest_step: Step, view: LiveView
+    ) -> Optional[Dict[str, Any]]:
+        """Return what is to be shown, None where it is not time yet, or the same as before.
+
+        :param now: the time, s
+        :param source: where the samples are
+        :param longest_step: tells where a line ends
+        :param view: what the page shows
+        """
+        # Not by the time of the samples, which may stand, or be set.
+        if self.request.kind == "time" or time.monotonic() < self._made_at + CHART_S:
+            return None
+        start, end = view.span(now)
+        made_of = (start, end, tuple(view.fields), now > end + LATE_S)
+        if made_of == self._made_of:
+            return None
+        self._made_at, self._made_of = time.monotonic(), made_of
+        make = _spectra if self.request.kind == "spectrum" else _xy
+        return make(source, longest_step, view, self.request, (start, end))
+
+
+def _spectra(
+    source: Source, longest_step: Step, view: LiveView, request: Chart, span: Tuple[float, float]
+) -> Dict[str, Any]:
+    traces: Dict[str, Any] = {}
+    for name in view.fields:
+        samples = source(name, *span)
+        found = spectrum(*samples, request.window, request.averages, longest_step(name))
+        if found is not None:
+            first, step, values = reduced(found, view.width)
+            traces[name] = {
+                "first": first,
+                "step": step,
+                "values": as_json(values),
+                "peaks": peaks(found, request.window),
+                "seconds": found.seconds,
+            }
+    return {"type": "spectrum", "traces": traces}
+
+
+def _xy(
+    source: Source, longest_step: Step, view: LiveView, request: Chart, span: Tuple[float, float]
+) -> Dict[str, Any]:
+    x = source(request.x, *span)
+    longest = longest_step(request.x)
+    traces = {}
+    for name in view.fields:
+        if name != request.x:
+            points = thinned(paired(x, source(name, *span), longest))
+            traces[name] = [as_json(row) for row in points]
+    return {"type": "xy", "x": request.x, "traces": traces}

@@ -1,0 +1,44 @@
+"""Make a CSV file of what is recorded, bit by bit."""
+
+from typing import AsyncIterator, Optional, Sequence
+
+import numpy
+
+from topic_scope.analysis.csv_rows import Column, header, rows
+from topic_scope.record.recorder import Recorder
+from topic_scope.record.traces import Recorded
+
+#: Length of a part, s; frames are sent in between.
+PART_S = 0.25
+
+_NOTHING = numpy.empty(0)
+
+
+async def parts(
+    recorder: Recorder, names: Sequence[str], start: float, end: float
+) -> AsyncIterator[str]:
+    """Return the parts of a file.
+
+    :param recorder: has the samples
+    :param names: names of the fields
+    :param start: begin of the time span, s
+    :param end: end of the time span, s
+    """
+    recorder.update()
+    spans = [trace.span for trace in map(recorder.trace, names) if trace and trace.span]
+    begin = max(start, min([first for first, _ in spans], default=end))
+    end = min(end, max([last for _, last in spans], default=start))
+    yield header(names)
+    while begin <= end:
+        stop = begin + PART_S
+        last = min(end, float(numpy.nextafter(stop, begin)))
+        traces = [recorder.trace(name) for name in names]
+        yield "".join(rows([_column(trace, begin, last) for trace in traces]))
+        begin = stop
+
+
+def _column(trace: Optional[Recorded], start: float, end: float) -> Column:
+    if trace is None:
+        return Column("", (_NOTHING, _NOTHING), _NOTHING)
+    received = trace.received(start, end)
+    return Column(trace.stream.topic, trace.samples(start, end), received)

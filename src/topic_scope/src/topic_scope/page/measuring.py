@@ -1,0 +1,82 @@
+"""What a page's table tells of its traces."""
+
+import math
+from typing import Any, Dict, Sequence, Tuple
+
+import rospy
+
+from topic_scope.analysis import measurements
+from topic_scope.analysis.statistics import measure
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.looks import Source
+from topic_scope.protocol.wishes import Measure
+from topic_scope.record.recorder import Recorder
+
+#: Least time without a sample after which a page says so, s.
+SILENT_S = 1.0
+
+
+def statistics_of(
+    recorder: Recorder, source: Source, view: LiveView, wish: Measure, now: float
+) -> Dict[str, Any]:
+    """Return the message that tells a page what is measured of its traces.
+
+    :param recorder: knows the traces
+    :param source: where their samples are
+    :param view: what the page shows
+    :param wish: what it wants to be measured
+    :param now: the time, s
+    """
+    span = wish.span(now) or view.span(now)
+    traces = {name: _measured(recorder, source, name, span, wish, now) for name in view.fields}
+    return {"type": "stats", "traces": traces}
+
+
+def left_out(count: int, most: int) -> str:
+    """Return the sentence about traces that are not shown, as there are too many.
+
+    :param count: how many there are
+    :param most: how many a page shows
+    """
+    return f"a page shows at most {most} traces: the others of {count} are left out"
+
+
+def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
+    """Say on the terminal what is wrong with fields.
+
+    :param recorder: has the samples
+    :param names: of the fields
+    :param most: how many a page shows
+    """
+    for name in names[:most]:
+        problem = recorder.problem(name)
+        if problem is not None:
+            rospy.logwarn(f"{name}: {problem}")
+    if len(names) > most:
+        rospy.logwarn(left_out(len(names), most))
+
+
+def _measured(
+    recorder: Recorder,
+    source: Source,
+    name: str,
+    span: Tuple[float, float],
+    wish: Measure,
+    now: float,
+) -> Dict[str, Any]:
+    told: Dict[str, Any] = {"problem": recorder.problem(name)}
+    trace = recorder.trace(name)
+    if trace is None:
+        return told
+    samples = source(name, *span)
+    told.update({"topic": trace.stream.topic, "time": trace.stream.base})
+    told.update(measure(*samples, trace.longest_step))
+    if wish.shapes:
+        told.update(measurements.figures(*samples, trace.longest_step))
+    if wish.against:
+        reference, longest = source(wish.against, *span), recorder.longest_step(wish.against)
+        told["phase"] = measurements.phase(samples, reference, longest)
+    age, usual = trace.age(now), trace.longest_step
+    silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
+    told["silent"] = age if silent else None
+    return told

@@ -1,0 +1,134 @@
+"""One page that is open: what it wants, and what is on its way to it."""
+
+from collections import deque
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
+
+from topic_scope.page.charts import ChartFeed
+from topic_scope.page.measuring import statistics_of
+from topic_scope.page.trigger import TriggerWatch
+from topic_scope.page.view import LiveView, default_view
+from topic_scope.protocol import protocol
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.looks import Looks
+from topic_scope.protocol.wishes import Chart, Measure
+from topic_scope.record.recorder import Recorder
+
+#: Most answers that wait for a page that does not read.
+_NOTES = 50
+#: What makes a frame for one page may take this part of the time, so that the others have the rest.
+_SHARE = 0.25
+
+
+class Page:
+    """The state of one page, without its connection.
+
+    What a page has not read yet is replaced by what is newer, so that one that does not read costs
+    no memory, and sees the present when it reads again.
+
+    :param window: span of time that it sees at first, s
+    """
+
+    def __init__(self, window: float) -> None:
+        #: Names as the page chose them, None as long as it has chosen nothing.
+        self.chosen: Optional[Tuple[str, ...]] = None
+        self.wants_graph = False
+        self.view = LiveView(default_view(window))
+        self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
+        self.chart = ChartFeed(Chart())
+        self.measure = Measure()
+        self.looks = Looks()
+        self._rests_until = 0.0
+        self._latest: Dict[Any, Dict[str, Any]] = {}
+        self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
+
+    def restart(self, now: float) -> None:
+        """Show and await what there is at another time.
+
+        :param now: this time, s
+        """
+        self.view.restart()
+        self.trigger = TriggerWatch(self.trigger.request, now)
+
+    def want(self, looks: Looks) -> None:
+        """Show its traces in another way.
+
+        :param looks: how it wants them
+        """
+        self.looks = looks
+        self.view.stepped = looks.is_stepped
+        self.view.restart()
+        self.chart = ChartFeed(self.chart.request)
+
+    def watch(self, recorder: Recorder, now: float) -> None:
+        """Look for what the page's trigger waits for.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        """
+
+        def longest(field: str) -> float:  # in steps it holds its value until the next one comes
+            return 0.0 if self.looks.is_stepped(field) else recorder.longest_step(field)
+
+        samples = self.looks.scaled(recorder.samples)
+        crossing = self.trigger.update(now, self.view.window, samples, longest)
+        if crossing is not None:
+            self.put(crossing)
+
+    def frame(self, recorder: Recorder, now: float, measures: bool) -> List[Dict[str, Any]]:
+        """Return what is to be sent now, with all that is new of the traces.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        :param measures: whether they are measured, too
+        """
+        samples, longest = self.looks.scaled(recorder.samples), recorder.longest_step
+        if measures:
+            self.put(statistics_of(recorder, samples, self.view, self.measure, now))
+        chart = self.chart.update(now, samples, longest, self.view)
+        if chart is not None:
+            self.put(chart)
+        frame = self.view.frame(now, samples, recorder.changed_since, longest)
+        return self.take() + ([frame] if frame is not None else [])
+
+    def is_due(self, now: float) -> bool:
+        """Tell whether it is the page's turn to get a frame.
+
+        :param now: s on the monotonic clock
+        """
+        return now >= self._rests_until
+
+    def took(self, start: float, end: float) -> None:
+        """Take note of how long its last frame took: a page that wants much gets it less often.
+
+        :param start: begin of the work, s on the monotonic clock
+        :param end: its end, s
+        """
+        self._rests_until = start + (end - start) / _SHARE
+
+    def put(self, message: Dict[str, Any], *key: str) -> None:
+        """Send a message; it replaces one of its type and key that has not been sent yet."""
+        place = (message["type"],) + key
+        self._latest.pop(place, None)  # newer than what else is waiting
+        self._latest[place] = message
+
+    def note(self, message: Dict[str, Any]) -> None:
+        """Send a message that says something once."""
+        self._notes.append(message)
+
+    def take(self) -> List[Dict[str, Any]]:
+        """Return what is to be sent now."""
+        messages = list(self._notes) + list(self._latest.values())
+        self._latest.clear()
+        self._notes.clear()
+        return messages
+
+    def obey(self, text: Any, handle: Callable[["Page", protocol.Request], None]) -> None:
+        """Do what the page asks for, or tell it why not.
+
+        :param text: the request as it came
+        :param handle: what does it
+        """
+        try:
+            handle(self, protocol.parse(text))
+        except RequestError as error:
+            self.note({"type": "error", "text": str(error)})

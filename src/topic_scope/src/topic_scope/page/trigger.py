@@ -1,0 +1,142 @@
+"""Find the moments at which a trace crosses a level, and tell a page of them."""
+
+import math
+from typing import Any, Callable, Dict, Optional, Tuple
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.protocol import protocol
+
+#: How long after the last crossing it is said that none comes, s.
+_QUIET_S = 0.5
+#: The mode auto shows the last one this much longer at least, so that slow ones do not flicker, s.
+_AUTO_S = 1.5
+#: Least time from one crossing to the next that is told, s.
+_SHORTEST_S = 1.0 / 30.0
+
+
+def crossings(
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    level: float,
+    rising: bool,
+    hysteresis: float = 0.0,
+    longest: float = math.inf,
+) -> numpy.ndarray:
+    """Return when a trace crosses a level, on the straight line between two samples.
+
+    Where there is no such line it is crossed when the second one comes.
+
+    :param times: ascending, s
+    :param values: the samples; what is not finite is left out
+    :param level: the level; a sample on it has arrived on the far side
+    :param rising: whether it is crossed upwards
+    :param hysteresis: how far on the near side the trace has to be before
+    :param longest: how far apart samples of one line may be, s
+    :returns: the moments, s
+    """
+    return _crossings(times, values, level, rising, hysteresis, longest, False)[0]
+
+
+def _crossings(
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    level: float,
+    rising: bool,
+    hysteresis: float,
+    longest: float,
+    is_ready: bool,
+) -> Tuple[numpy.ndarray, bool]:
+    """Return crossings, and whether the next one counts.
+
+    :param is_ready: whether the trace has been far enough on the near side before
+    """
+    finite = numpy.isfinite(values)
+    times, values = times[finite], values[finite]
+    with numpy.errstate(over="ignore"):
+        height = (values - level) if rising else (level - values)
+    side = (height >= 0).astype(numpy.int8) - ((height < 0) & (height <= -hysteresis))
+    sure = numpy.flatnonzero(side)
+    before = numpy.concatenate([[-1 if is_ready else 1], side[sure]])
+    arrived = sure[(before[:-1] < 0) & (before[1:] > 0)]
+    arrived = arrived[arrived > 0]
+    # Halved, so that a step from one end of the range of floats to the other does not overflow.
+    low, high = height[arrived - 1] / 2, height[arrived] / 2
+    apart = times[arrived] - times[arrived - 1]
+    part = numpy.where(apart > longest, 1.0, low / (low - high))
+    moments = times[arrived - 1] + part * apart
+    return moments, bool(before[-1] < 0)
+
+
+class TriggerWatch:
+    """Waits for crossings on behalf of a page.
+
+    In the modes normal and auto it tells of one, lets the page show it within its span of time, and
+    waits for the next. In the mode single it tells of the first only.
+
+    :param request: what to wait for
+    :param now: the time from which on it counts, s
+
+    :ivar request: what to wait for
+    """
+
+    def __init__(self, request: protocol.Trigger, now: float) -> None:
+        self.request = request
+        self._seen = now
+        self._hold_until = now
+        self._is_ready = False
+        self._state = "off" if request.mode == "off" else "armed"
+        self._time: Optional[float] = None
+        self._told: Optional[Dict[str, Any]] = None
+
+    def update(
+        self,
+        now: float,
+        window: float,
+        source: Callable[[str, float, float], Samples],
+        longest_step: Callable[[str], float] = lambda _field: math.inf,
+    ) -> Optional[Dict[str, Any]]:
+        """Look at what has come.
+
+        :param now: time up to which all samples are there, s
+        :param window: span of time that the page shows, s
+        :param source: where the samples are
+        :param longest_step: tells how far apart samples of one line may be, s
+        :returns: what to tell the page, None if it knows that
+        """
+        if self._is_waiting:
+            field = self.request.field
+            self._look(source(field, self._seen, now), longest_step(field), window)
+            if self._state == "triggered" and self.request.mode != "single":
+                is_auto = self.request.mode == "auto"
+                if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
+                    self._state, self._time = "armed", None
+        message = {
+            "type": "trigger",
+            "number": self.request.number,
+            "state": self._state,
+            "time": self._time,
+        }
+        if message == self._told:
+            return None
+        self._told = message
+        return message
+
+    @property
+    def _is_waiting(self) -> bool:
+        return self.request.mode in ("normal", "auto") or self._state == "armed"
+
+    def _look(self, samples: Samples, longest: float, window: float) -> None:
+        times, values = samples
+        if not len(times):
+            return
+        self._seen = float(times[-1])  # again with the next look, as the one before its first
+        wanted = self.request
+        how = (wanted.level, wanted.rising, wanted.hysteresis, longest, self._is_ready)
+        found, self._is_ready = _crossings(times, values, *how)
+        found = found[found > self._hold_until]
+        if len(found):
+            self._state, self._time = "triggered", float(found[0])
+            after = window * (1.0 - wanted.position)
+            self._hold_until = self._time + max(after, wanted.holdoff, _SHORTEST_S)

@@ -1,0 +1,144 @@
+"""What one page sees: which bins it has, and which it needs next."""
+
+import math
+from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
+
+import numpy
+
+from topic_scope.analysis.decimation import all_extremes, as_json, bin_of, lasts
+from topic_scope.protocol import protocol
+from topic_scope.protocol.looks import Source
+
+#: Returns how far apart samples of one line of a field may be, s.
+Step = Callable[[str], float]
+
+#: How much later than others a sample may come and still be shown on a page that is paused, s.
+LATE_S = 1.0
+
+
+class LiveView:
+    """The frames of one page.
+
+    :param view: the span of time that is shown
+    """
+
+    def __init__(self, view: protocol.View) -> None:
+        self.fields: Sequence[str] = ()
+        self._view = view
+        #: First bin that the page does not have in full; None where it has none.
+        self._open: Optional[int] = None
+        self._complete = False
+        self._frame_at = 0.0
+        #: Tells whether the value of a field holds until the next one comes.
+        self.stepped: Callable[[str], bool] = lambda _field: False
+        #: What was shown since the page stands still, from start to end, s; None while it moves.
+        self.pinned: Optional[Tuple[float, float]] = None
+        self._pin()
+
+    def show(self, view: protocol.View) -> None:
+        """Show another span of time."""
+        self._view = view
+        self._pin()
+        self.restart()
+
+    def select(self, fields: Sequence[str]) -> None:
+        """Show other fields."""
+        self.fields = fields
+        self.restart()
+
+    def restart(self) -> None:
+        """Send all that is to be seen with the next frame."""
+        self._open = None
+        self._complete = False
+
+    @property
+    def window(self) -> float:
+        """How long the span of time is, s."""
+        return self._view.window
+
+    @property
+    def width(self) -> int:
+        """How many bins it is shown in."""
+        return self._view.width
+
+    def span(self, now: float) -> "tuple[float, float]":
+        """Return start and end of what is shown, s."""
+        end = now if self._view.end is None else self._view.end
+        return end - self._view.window, end
+
+    def _pin(self) -> None:
+        if self._view.end is None:
+            self.pinned = None
+            return
+        start, end = self._view.end - self._view.window, self._view.end + LATE_S
+        before = self.pinned or (start, end)
+        self.pinned = (min(start, before[0]), max(end, before[1]))
+
+    def frame(
+        self,
+        now: float,
+        source: Source,
+        changed_since: Callable[[float], float],
+        longest_step: Step = lambda _field: math.inf,
+    ) -> Optional[Dict[str, Any]]:
+        """Return what the page does not have yet.
+
+        :param now: time up to which what was received is there, s
+        :param source: where the samples are
+        :param changed_since: tells from when on there are others than at an earlier time, s
+        :param longest_step: tells where a line ends
+        :returns: the frame, None where nothing can come any more
+        """
+        stands_still = now == self._frame_at and self._open is not None
+        if self._complete or stands_still:
+            return None
+        start, end = self.span(now)
+        width = self._view.window / self._view.width
+        last = bin_of(min(end, now), width)
+        first, reset = self._open, False
+        changed = changed_since(self._frame_at)
+        self._frame_at = now
+        if first is None or last - first > self._view.width or changed < start:
+            first, reset = bin_of(start, width), True
+        else:
+            first = min(first, bin_of(changed, width))
+        count = max(last - first + 1, 0)
+        longest, samples, ends = [longest_step(field) for field in self.fields], [], {}
+        for field, step in zip(self.fields, longest):
+            # A little more than the bins, whose edges are rounded otherwise.
+            begin = (first - 0.5) * width - (step if math.isfinite(step) else 0.0)
+            samples.append(source(field, begin, (last + 1.5) * width))
+            if self.stepped(field):
+                ends[field] = as_json(lasts(*samples[-1], first, count, width))
+        found = all_extremes(samples, first, count, width, longest) if samples else numpy.empty(0)
+        self._open = max(last, first)
+        self._complete = self._view.end is not None and now > end + LATE_S
+        return {
+            "type": "frame",
+            "now": now,
+            "bin": width,
+            "reset": reset,
+            "first": first,
+            "traces": {field: as_json(row) for field, row in zip(self.fields, found)},
+            **({"lasts": ends} if ends else {}),
+        }
+
+
+def default_view(window: float) -> protocol.View:
+    """Return what is shown to a page that has not said what it wants.
+
+    :param window: span of time, s
+    """
+    return protocol.View(window, 1000, None)
+
+
+def pinned(views: Iterable[LiveView]) -> Dict[str, Tuple[float, float]]:
+    """Return what stands still on some pages: begin and end by name of the field, s."""
+    spans: Dict[str, Tuple[float, float]] = {}
+    for view in views:
+        if view.pinned is not None:
+            start, end = view.pinned
+            for name in view.fields:
+                before = spans.get(name, (start, end))
+                spans[name] = (min(start, before[0]), max(end, before[1]))
+    return spans

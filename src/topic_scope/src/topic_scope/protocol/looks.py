@@ -1,0 +1,88 @@
+"""How a page wants its traces: with which gain and offset, and whether in steps.
+
+All that a page is told of a trace is of the scaled values: what is drawn, measured and triggered on
+agrees with the axis then. CSV files have the values as they came.
+"""
+
+from typing import Any, Callable, Dict, Mapping, NamedTuple
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.protocol.checks import TRACES, RequestError, field_in, number_of
+
+#: Returns the samples of a field from one time to another, both in s.
+Source = Callable[[str, float, float], Samples]
+
+_LARGEST = 1e300
+
+
+class Look(NamedTuple):
+    """How a page wants one trace.
+
+    :param gain: what its values are multiplied by
+    :param offset: what is added then
+    :param steps: whether a value holds until the next one comes
+    """
+
+    gain: float = 1.0
+    offset: float = 0.0
+    steps: bool = False
+
+
+class Looks(NamedTuple):
+    """How a page wants its traces.
+
+    :param traces: by name of the field; others are as they are
+    """
+
+    traces: Mapping[str, Look] = {}
+
+    def scaled(self, source: Source) -> Source:
+        """Return where the samples are as the page wants them.
+
+        :param source: where they are as they came
+        """
+        scales = {name: look for name, look in self.traces.items() if look[:2] != Look()[:2]}
+        if not scales:
+            return source
+
+        def samples(name: str, start: float, end: float) -> Samples:
+            times, values = source(name, start, end)
+            look = scales.get(name)
+            if look is None:
+                return times, values
+            with numpy.errstate(over="ignore", invalid="ignore"):
+                return times, values * look.gain + look.offset
+
+        return samples
+
+    def is_stepped(self, name: str) -> bool:
+        """Tell whether the value of a trace holds until the next one comes."""
+        look = self.traces.get(name)
+        return look is not None and look.steps
+
+
+def looks_of(request: Dict[str, Any]) -> Looks:
+    """Read how a page wants its traces.
+
+    :param request: as it came
+    :raises RequestError: if something in it is not allowed
+    """
+    traces = request.get("traces")
+    if not isinstance(traces, dict) or len(traces) > TRACES:
+        raise RequestError(f"looks: traces is an object of at most {TRACES} fields")
+    return Looks(dict(_look_of(name, wanted) for name, wanted in traces.items()))
+
+
+def _look_of(name: str, wanted: Any) -> "tuple[str, Look]":
+    field = field_in({"field": name}, "looks")
+    if not isinstance(wanted, dict) or not isinstance(wanted.get("steps", False), bool):
+        raise RequestError(
+            "looks: of a trace there are a gain, an offset, and steps, true or false"
+        )
+    gain, offset = (
+        number_of({key: wanted.get(key, usual)}, "looks", key, -_LARGEST, _LARGEST)
+        for key, usual in (("gain", 1.0), ("offset", 0.0))
+    )
+    return field, Look(gain, offset, wanted.get("steps", False))

@@ -1,0 +1,228 @@
+"""The command line of the oscilloscope.
+
+Options are read from the command line only. As parameters they would outlive the scope on the
+master, and one of them could open the next scope to the network unasked.
+"""
+
+import argparse
+import ipaddress
+import json
+import re
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
+
+from rosgraph.names import get_ros_namespace, ns_join
+
+from topic_scope.messages.fields import FieldError
+from topic_scope.protocol.checks import RequestError, check_count, fields_of
+from topic_scope.record.differences import expand
+
+#: Addresses that stand for all of a machine's.
+_ALL = ("", "0.0.0.0", "::")
+
+DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
+#: Most plots of a page.
+PLOTS = 8
+#: How many ports are tried where the next one will do.
+PORTS = 100
+
+
+class Options(NamedTuple):
+    """What the command line says.
+
+    :param fields: names of the fields that are shown at first
+    :param address: address that the pages are served at
+    :param port: port that the pages are served at
+    :param next_port: whether the next port that is free will do as well
+    :param history: how long samples are kept, s
+    :param window: span of time that is shown at first, s
+    :param open_browser: whether to open the page where there is a browser
+    :param setup: what a page is set up to show at first, as one has saved it; None for nothing
+    :param bag: the bag to show in place of the graph; None for the graph
+    """
+
+    fields: Sequence[str]
+    address: str
+    port: int
+    next_port: bool
+    history: float
+    window: float
+    open_browser: bool
+    setup: Optional[Dict[str, Any]] = None
+    bag: Optional[str] = None
+
+    @property
+    def ports(self) -> Sequence[int]:
+        """The ports that will do, the wanted one first."""
+        return range(self.port, min(self.port + PORTS, 65536) if self.next_port else self.port + 1)
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can connect."""
+        return is_loopback(self.address)
+
+    @property
+    def url(self) -> str:
+        """Where the page is, as seen from this machine."""
+        is_here = self.is_local or self.address in _ALL
+        host = "localhost" if is_here else self.address
+        shown = f"[{host}]" if ":" in host else host
+        return f"http://{shown}:{self.port}"
+
+
+def is_loopback(address: str) -> bool:
+    """Tell whether an address is of this machine only."""
+    if address == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def parse(arguments: Sequence[str]) -> Options:
+    """Read a command line.
+
+    :param arguments: without the name of the program; ``_port:=8081`` is another way to say
+        ``--port 8081``, and so for all options with a value; ``__ns:=lab``, or else the
+        environment's ``ROS_NAMESPACE``, is where relative names of fields are
+    :raises SystemExit: if it cannot be understood, with the status 2
+    """
+    parser = _parser()
+    read = parser.parse_intermixed_args(_as_options(arguments))
+    namespace = get_ros_namespace(argv=arguments)
+    plots: Dict[str, int] = {}  # by name of the field
+    for number, group in enumerate([read.fields, *read.below], 1):
+        for word in " ".join(group).split():  # a launch file hands them over in one
+            try:
+                for name in expand(ns_join(namespace, word)):
+                    plots.setdefault(name, number)
+            except FieldError as error:
+                parser.error(str(error))
+    try:
+        check_count(len(plots))
+    except RequestError as error:
+        parser.error(str(error))
+    if len(read.below) >= PLOTS:
+        parser.error(f"{len(read.below)} times --below: there are at most {PLOTS} plots")
+    return Options(
+        tuple(plots),
+        read.address,
+        read.port,
+        read.next_port,
+        read.history,
+        read.window,
+        read.open_browser,
+        _with_plots(read.setup, plots),
+        read.bag,
+    )
+
+
+def _with_plots(setup: Optional[Dict[str, Any]], plots: Dict[str, int]) -> Optional[Dict[str, Any]]:
+    """Return a set-up with the fields in their plots, as a page would have saved it."""
+    lower = {name: plot for name, plot in plots.items() if plot > 1}
+    if not lower:
+        return setup
+    traces = dict((setup or {}).get("traces", {}))
+    traces.update({name: {**traces.get(name, {}), "plot": plot} for name, plot in lower.items()})
+    return {**(setup or {}), "traces": traces}
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="scope.py",
+        description="An oscilloscope in the browser for any numeric field on the ROS graph.",
+    )
+    parser.add_argument(
+        "fields",
+        nargs="*",
+        metavar="FIELD",
+        help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], or a topic for all"
+        " of its fields; any other can be chosen on the page",
+    )
+    parser.add_argument(
+        "--below",
+        nargs="+",
+        action="append",
+        default=[],
+        metavar="FIELD",
+        help="show these in a plot of their own, below the others; may be there several times",
+    )
+    parser.add_argument(
+        "--port", type=_port, default=DEFAULT_PORT, help="where to serve the page (%(default)s)"
+    )
+    parser.add_argument(
+        "--next-port",
+        action="store_true",
+        help="where that port is taken, take the next one that is free",
+    )
+    parser.add_argument(
+        "--address",
+        default=DEFAULT_ADDRESS,
+        help="address to serve it at (%(default)s); any other than one of this machine alone lets"
+        " others watch, and nobody set or call anything",
+    )
+    parser.add_argument(
+        "--history",
+        type=_seconds,
+        default=60.0,
+        metavar="S",
+        help="how long samples are kept, in s (%(default)s)",
+    )
+    parser.add_argument(
+        "--window",
+        type=_seconds,
+        default=10.0,
+        metavar="S",
+        help="span of time that is shown at first, in s (%(default)s)",
+    )
+    parser.add_argument(
+        "--setup",
+        type=_setup,
+        metavar="FILE",
+        help="show what was saved on the page: traces, axes, trigger, cursors",
+    )
+    parser.add_argument(
+        "--bag", metavar="FILE", help="show what rosbag record has recorded; needs no master"
+    )
+    parser.add_argument(
+        "--open-browser", action="store_true", help="open the page where there is a browser"
+    )
+    return parser
+
+
+def _as_options(arguments: Sequence[str]) -> List[str]:
+    words = []
+    for argument in arguments:
+        match = re.match(r"_(port|address|history|window|setup|bag):=(.*)\Z", argument)
+        if match:
+            words += ["--" + match.group(1), match.group(2)]
+        elif ":=" not in argument:  # the rest is rospy's
+            words.append(argument)
+    return words
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError(f"refused {text!r}: must be a number from 1 to 65535")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.1 <= seconds <= 3600.0:
+        raise argparse.ArgumentTypeError("a time here is a number of seconds from 0.1 to 3600")
+    return seconds
+
+
+def _setup(path: str) -> Dict[str, Any]:
+    try:
+        with open(path, encoding="utf-8") as file:
+            setup = json.load(file)
+        fields_of(setup.get("fields", []))
+        for chosen in setup.get("traces", {}).values():
+            chosen.items()
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"{path}: {error.strerror}") from None
+    except (ValueError, AttributeError, RecursionError) as error:
+        raise argparse.ArgumentTypeError(f"{path} is no set-up of a scope: {error}") from None
+    return dict(setup)

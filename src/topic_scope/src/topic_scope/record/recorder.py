@@ -1,0 +1,249 @@
+"""Records the fields that are looked at: from names to samples."""
+
+import itertools
+import math
+from collections import deque
+from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.messages import fields, time_base
+from topic_scope.messages.arrays import Arrays, has_names
+from topic_scope.messages.definitions import Record
+from topic_scope.messages.layouts import Layouts
+from topic_scope.record.source import Source
+from topic_scope.record.streams import Stream
+from topic_scope.record.taps import Batch
+from topic_scope.record.traces import Recorded, Trace
+
+#: Most fields that are listed, and most topics that are listened to for their first message alone.
+LISTED, UNKNOWN = 5000, 50
+#: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
+TRACES = 1024
+#: How many updates are remembered for pages that have not had a frame since.
+_UPDATES = 400
+
+_LOGS = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics")
+_NEVER = (math.inf, -math.inf)
+_NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
+
+
+class Choice(NamedTuple):
+    """A field that can be chosen.
+
+    :param field: its name
+    :param datatype: its type, e.g. ``float32``
+    :param topic: the topic that it is of
+    """
+
+    field: str
+    datatype: str
+    topic: str
+
+
+class Recorder:
+    """Keeps the recent samples of the fields that are wanted.
+
+    All methods belong to one thread.
+
+    :param source: where the messages come in
+    :param layouts: knows the messages
+    :param history: how long samples are kept, and a field that nobody looks at any more, s
+    """
+
+    def __init__(self, source: Source, layouts: Layouts, history: float) -> None:
+        self.history = history
+        self._source = source
+        self._layouts = layouts
+        self._types: Mapping[str, str] = {}
+        self._arrays: Dict[str, Arrays] = {}
+        #: The latest message of each topic that is listened to: a latched one comes only once.
+        self._latest: Dict[str, Tuple[Record, Batch]] = {}
+        self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
+        self._traces: Dict[str, Trace] = {}
+        self._streams: Dict[Tuple[str, str], Stream] = {}
+        #: When the latest updates were, and the time of the earliest sample that each brought, s.
+        self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
+
+    def set_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics that there are, and of the type of each."""
+        self._types = types
+        kept = {*types, *(topic for topic, _ in self._streams)}
+        self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
+
+    def choices(self) -> List[Choice]:
+        """List the fields that can be chosen now."""
+        # What nobody looks at stays as it is: listing it again would cost more than all else.
+        known, self._choices = self._choices, {}
+        recorded = {stream.topic for stream in self._streams.values()}
+        for topic, datatype in sorted(self._types.items(), key=_rank):
+            layout = self._layouts.installed(datatype)
+            if layout is None:
+                continue
+            key = (topic, datatype, topic in self._arrays)
+            if topic in recorded or key not in known:
+                known[key] = self._listed(topic, layout)
+            self._choices[key] = known[key]
+        return [choice for listed in self._choices.values() for choice in listed][:LISTED]
+
+    def _listed(self, topic: str, layout: Record) -> List[Choice]:
+        arrays = self._arrays.get(topic, Arrays())
+        found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
+        found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
+        choices = (
+            Choice(_name(topic, path) + end, field.datatype, topic)
+            for field, end in found
+            for path in arrays.named(field.path)
+        )
+        return list(dict.fromkeys(choices))
+
+    def _unheard(self) -> List[str]:
+        """List topics whose first message tells their type, or the names of their elements."""
+        unheard = []
+        for topic, name in self._types.items():
+            layout = self._layouts.installed(name)
+            if layout is None or (topic not in self._arrays and has_names(layout)):
+                unheard.append(topic)
+        return unheard[:UNKNOWN]
+
+    def expand(self, name: str) -> List[str]:
+        """Return the names of all numeric fields that a name stands for.
+
+        :param name: of a field, of a part of a message or of a topic
+        :returns: the name itself, as long as its topic is not known
+        :raises FieldError: if its topic has no such field
+        """
+        bare, function, base = fields.parted(name)
+        place = fields.split(bare, self._types)
+        layout = self._layouts.installed(self._types[place[0]]) if place else None
+        if place is None or layout is None:
+            return [name]
+        topic, text = place
+        time_base.path_of(base, layout)
+        arrays = self._arrays.get(topic, Arrays())
+        found = [field.path for field in fields.resolve(layout, text, arrays, function)]
+        if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
+            found = [one for path in found for one in arrays.remembered(path)]
+        return [_name(topic, path) + name[len(bare) :] for path in dict.fromkeys(found)]
+
+    def want(self, names: Collection[str], now: float) -> None:
+        """Record these fields; those that were wanted before stay for the time of the history.
+
+        :param names: names that :meth:`expand` has returned
+        :param now: the time, s
+        """
+        new = [name for name in names if name not in self._traces]
+        for name in new:
+            self._record(name)
+        for name in self._traces.keys() & set(names):
+            self._traces[name].used_at = now
+        recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
+        self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
+        kept = set(self._traces.values())
+        for stream in self._streams.values():
+            stream.traces = [trace for trace in stream.traces if trace in kept]
+        self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
+        topics = [topic for topic, _ in self._streams] + self._unheard()
+        self._source.want(topics, any(name in self._traces for name in new))
+
+    def forget(self) -> None:
+        """Forget all samples: those that come next are of another time."""
+        names, self._traces, self._streams = list(self._traces), {}, {}
+        self._updates.clear()
+        self._latest.clear()
+        for name in names:
+            self._record(name)
+
+    def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
+        """Keep the samples of fields for as long as these spans are named.
+
+        :param spans: begin and end by name of the field, s
+        """
+        for name, trace in self._traces.items():
+            trace.pin(*spans.get(name, _NEVER))
+
+    def _record(self, name: str) -> None:
+        bare, function, base = fields.parted(name)
+        place = fields.split(bare, self._types)
+        if place is None or not (place[1] or function):
+            return  # its topic is not there yet
+        stream = self._streams.setdefault((place[0], base), Stream(place[0], base))
+        self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
+        if len(stream.traces) == 1 and place[0] in self._latest:
+            stream.add(*self._latest[place[0]])
+
+    def update(self) -> float:
+        """Take in what has come.
+
+        :returns: the time up to which all samples are there, s
+        """
+        now = self._source.clock.now()
+        earliest = now
+        taps = self._source.open()
+        self._latest = {topic: one for topic, one in self._latest.items() if topic in taps}
+        streams: Dict[str, List[Stream]] = {}
+        for stream in self._streams.values():
+            streams.setdefault(stream.topic, []).append(stream)
+        for topic, tap in taps.items():
+            for batch in tap.take():
+                layout = self._layouts.received(batch.header)
+                if layout is None:
+                    continue
+                arrays = self._arrays.setdefault(topic, Arrays())
+                arrays.look(layout, batch.messages[-1], batch.times[-1])
+                latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
+                self._latest[topic] = (layout, latest)
+                for stream in streams.get(topic, []):
+                    earliest = min(earliest, stream.add(layout, batch))
+        self._updates.append((now, earliest))
+        return now
+
+    def changed_since(self, moment: float) -> float:
+        """Return the time from which on samples may differ from what they were, s.
+
+        :param moment: what an :meth:`update` returned; all samples later than that are new
+        """
+        if not self._updates or moment < self._updates[0][0]:
+            return -math.inf
+        new = itertools.takewhile(lambda update: update[0] > moment, reversed(self._updates))
+        return min([moment, *(earliest for _, earliest in new)])
+
+    def samples(self, name: str, start: float, end: float) -> Samples:
+        """Return the samples of a field from one time to another, s."""
+        trace = self._traces.get(name)
+        return trace.samples(start, end) if trace else _NOTHING
+
+    def longest_step(self, name: str) -> float:
+        """Return how far apart samples of one line of a field may be, s."""
+        trace = self._traces.get(name)
+        return trace.longest_step if trace else math.inf
+
+    def problem(self, name: str) -> Optional[str]:
+        """Return why there is nothing of a field, in words; None where nothing is known."""
+        place = fields.split(fields.parted(name)[0], self._types)
+        if place is None:
+            trace = self._traces.get(name)
+            return None if trace is not None and trace.span else "there is no such topic yet"
+        layout = self._layouts.installed(self._types[place[0]])
+        try:
+            self.expand(name)
+            if layout is not None and place[0] in self._arrays:
+                self._arrays[place[0]].check(layout, fields.to_path(place[1]))
+        except fields.FieldError as error:
+            return str(error)
+        return None
+
+    def trace(self, name: str) -> Optional[Recorded]:
+        """Return what is recorded of a field, None where nothing is."""
+        return self._traces.get(name)
+
+
+def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
+    """Return what topics are sorted by: what nodes tell of themselves comes last."""
+    topic, datatype = item
+    return datatype.startswith("dynamic_reconfigure/") or datatype in _LOGS, topic
+
+
+def _name(topic: str, path: fields.Path) -> str:
+    return f"{topic}/{fields.to_text(path)}" if path else topic

@@ -1,0 +1,1 @@
+"""Robots seen from above, and driven."""

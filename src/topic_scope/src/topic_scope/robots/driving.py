@@ -1,0 +1,180 @@
+"""What pages do to robots: drive them, and send them to places."""
+
+import math
+import time
+from functools import partial
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+
+from topic_scope.graph.background import Background
+from topic_scope.graph.master_watch import GraphState
+from topic_scope.graph.takers import taken_type
+from topic_scope.page.page import Page
+from topic_scope.protocol.robot_requests import Drive, Goal, Steer
+from topic_scope.robots import wheel
+from topic_scope.robots.dead_man import Velocity
+from topic_scope.robots.wheel import Wheel
+
+_GOAL = PoseStamped._type
+#: Longest wait until whoever takes goals has connected, s.
+_CONNECTING_S = 3.0
+#: Time in which a zero leaves when the scope ends, s.
+_LAST_S = 0.1
+
+
+class Driving:
+    """Knows who drives what; all methods belong to the thread of the web.
+
+    :param name: name of the scope's node
+    :param background: where to wait for nodes
+    """
+
+    def __init__(self, name: str, background: Background) -> None:
+        self._name, self._background = name, background
+        self._takers: Dict[str, List[str]] = {}
+        self._types: Dict[str, str] = {}
+        self._wheels: Dict[str, Tuple[Page, Wheel]] = {}
+        self._wanted: Dict[Page, str] = {}
+        self._goals: Dict[str, rospy.Publisher] = {}
+        rospy.on_shutdown(self._stop_all)
+
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        takers = {topic: set(nodes) - {self._name} for topic, nodes in state.subscribers}
+        self._takers = {topic: sorted(nodes) for topic, nodes in takers.items() if nodes}
+        self._types = {topic: state.types.get(topic, "*") for topic in self._takers}
+
+    def targets(self) -> Dict[str, Any]:
+        """Return the topics on which robots take commands and goals."""
+        pairs = sorted(self._types.items())
+        return {
+            "type": "targets",
+            "commands": [topic for topic, datatype in pairs if datatype in wheel.TYPES],
+            "goals": [topic for topic, datatype in pairs if datatype == _GOAL],
+        }
+
+    # --- Commands ----------------------------------------------------------------------------
+
+    def steer(self, page: Page, request: Steer) -> None:
+        """Give a page the wheel of a robot, and take it from the page that had it.
+
+        :raises ValueError: if nobody takes commands there
+        """
+        self.leave(page)
+        topic = request.topic
+        if not topic:
+            return
+        ask = self._asked(topic, wheel.TYPES)
+        then = partial(self._on_wheel, page, topic)
+        if not self._background.run(("steer", topic), partial(_make, topic, ask), then):
+            raise ValueError(f"who listens to {topic} has not answered yet")
+        self._wanted[page] = topic
+
+    def _on_wheel(self, page: Page, topic: str, made: Any) -> None:
+        if isinstance(made, Exception):
+            page.note({"type": "error", "text": str(made)})
+        elif self._wanted.pop(page, "") != topic:  # it has gone, or wants another one by now
+            made.close()
+        else:
+            former, _ = self._wheels.get(topic, (page, None))
+            self.leave(former)
+            if former is not page:
+                former.note({"type": "error", "text": f"another page drives on {topic} now"})
+            self._wheels[topic] = (page, made)
+            page.put(_steering(topic, made.datatype))
+
+    def leave(self, page: Page) -> None:
+        """Take all wheels from a page; robots that it moved stop."""
+        self._wanted.pop(page, None)
+        for topic in [topic for topic, (owner, _) in self._wheels.items() if owner is page]:
+            self._wheels.pop(topic)[1].close()
+            page.put(_steering("", ""))
+
+    def drive(self, page: Page, request: Drive) -> None:
+        """Move the robot that a page steers.
+
+        :raises ValueError: if it steers none, or this has come too late
+        """
+        velocity = Velocity(request.speed, request.turn)
+        wheels = [one for owner, one in self._wheels.values() if owner is page]
+        if not wheels and not request.is_stop:
+            raise ValueError("this page drives no robot: take the wheel first")
+        if not all([one.drive(velocity, request.sent) for one in wheels]):
+            raise ValueError(
+                "a command came too late and was left out: the link is slow; "
+                "if it stays so, take the wheel again"
+            )
+
+    def _stop_all(self) -> None:
+        if any([one.stop() for _, one in self._wheels.values()]):
+            time.sleep(_LAST_S)
+
+    # --- Goals -------------------------------------------------------------------------------
+
+    def send(self, page: Page, request: Goal) -> None:
+        """Send a robot to a place.
+
+        :raises ValueError: if nobody takes goals there
+        """
+        ask = self._asked(request.topic, (_GOAL,))
+        work = partial(self._send, request, ask)
+        then = partial(_on_sent, page, request)
+        if not self._background.run(("goal", request.topic), work, then):
+            raise ValueError(f"an earlier goal for {request.topic} is still on its way")
+
+    def _send(self, request: Goal, ask: Callable[[], Optional[str]]) -> None:
+        topic = request.topic
+        if ask() is None:
+            raise ValueError(f"nobody takes a PoseStamped on {topic}")
+        if topic not in self._goals:
+            self._goals[topic] = rospy.Publisher(topic, PoseStamped, queue_size=1)
+        publisher, end = self._goals[topic], time.monotonic() + _CONNECTING_S
+        while not publisher.get_num_connections():
+            if time.monotonic() > end:
+                raise ValueError(f"nobody has connected to {topic} for {_CONNECTING_S:g} s")
+            time.sleep(0.01)
+        message = PoseStamped()
+        message.header.stamp, message.header.frame_id = rospy.Time.now(), request.frame
+        pose = message.pose
+        pose.position.x, pose.position.y = request.x, request.y
+        pose.orientation.z = math.sin(request.heading / 2.0)
+        pose.orientation.w = math.cos(request.heading / 2.0)
+        publisher.publish(message)
+
+    def rest(self) -> None:
+        """Publish nothing any more: no page shows robots."""
+        for topic in list(self._goals):
+            end = self._goals.pop(topic).unregister
+            self._background.run(("goal", topic), end, lambda _: None)
+
+    # --- Both --------------------------------------------------------------------------------
+
+    def _asked(self, topic: str, known: Any) -> Callable[[], Optional[str]]:
+        """Return the work of asking who listens to a topic what they take.
+
+        :raises ValueError: if nobody listens
+        """
+        nodes = self._takers.get(topic)
+        if not nodes:
+            raise ValueError(f"nobody listens to {topic}")
+        return partial(taken_type, self._name, topic, nodes, known)
+
+
+def _make(topic: str, ask: Callable[[], Optional[str]]) -> Wheel:
+    datatype = ask()
+    if datatype is None:
+        raise ValueError(f"nobody takes a Twist or a TwistStamped on {topic}")
+    return Wheel(topic, datatype)
+
+
+def _steering(topic: str, datatype: str) -> Dict[str, Any]:
+    return {"type": "steering", "topic": topic, "datatype": datatype}
+
+
+def _on_sent(page: Page, request: Goal, result: Any) -> None:
+    if isinstance(result, Exception):
+        page.note({"type": "error", "text": str(result)})
+    else:
+        page.put({"type": "sent", "topic": request.topic})

@@ -1,0 +1,73 @@
+"""The robots of a graph: shown on pages that want them, and driven by these."""
+
+from typing import Callable, Optional, Union
+
+import tornado.ioloop
+
+from topic_scope.graph.background import Background
+from topic_scope.graph.master_watch import GraphState
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.page import Page
+from topic_scope.protocol.robot_requests import Drive, Goal, Robots, Steer
+from topic_scope.record.taps import Clock, Taps
+from topic_scope.robots import robot_view
+from topic_scope.robots.driving import Driving
+
+
+class LiveRobots:
+    """Shows and drives robots; topics are subscribed to only while a page shows them.
+
+    All methods belong to the thread of the web.
+
+    :param name: name of the scope's node
+    :param deliver: hands a function to that thread
+    """
+
+    def __init__(self, name: str, deliver: Callable[[Callable[[], None]], None]) -> None:
+        self._name = name
+        self._background = Background(deliver)
+        self._driving = Driving(name, self._background)
+        self._taps = Taps(Clock())
+        self._view = robot_view.RobotView(self._taps, Layouts())
+        self._state: Optional[GraphState] = None
+        tornado.ioloop.PeriodicCallback(self._view.tick, robot_view.PERIOD_S * 1e3).start()
+
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        self._state = state
+        self._driving.on_state(state)
+        others = {topic for topic, nodes in state.publishers if set(nodes) - {self._name}}
+        types = state.published_types
+        self._view.set_topics({topic: types[topic] for topic in others & set(types)})
+        if self._view.pages:
+            self._view.tell(self._driving.targets())
+        else:
+            self._driving.rest()
+        if self._taps.is_to_adjust:
+            self._background.run("taps", self._taps.adjust, lambda _: None)
+
+    def handle(self, page: Page, request: Robots) -> None:
+        """Begin or end to show robots on a page."""
+        if not request.on:
+            self.leave(page)
+            return
+        self._view.enter(page)
+        if self._state is not None:
+            self.on_state(self._state)
+
+    def control(self, page: Page, request: Union[Steer, Drive, Goal]) -> None:
+        """Drive a robot, or send it to a place.
+
+        :raises ValueError: if that cannot be done
+        """
+        if isinstance(request, Steer):
+            self._driving.steer(page, request)
+        elif isinstance(request, Drive):
+            self._driving.drive(page, request)
+        else:
+            self._driving.send(page, request)
+
+    def leave(self, page: Page) -> None:
+        """Forget a page; a robot that it drove stops."""
+        self._driving.leave(page)
+        self._view.leave(page)

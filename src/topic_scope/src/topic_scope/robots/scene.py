@@ -1,0 +1,235 @@
+"""What a page sees of robots and their world: made of messages, in the frame that all hang on."""
+
+import math
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+import numpy
+
+from topic_scope.messages.definitions import Array, Record, Scalar, Text
+from topic_scope.robots.frames import Frames, Place, Transform, transform_of
+from topic_scope.robots.markers import Markers, finite
+
+#: The types that are looked at wherever they are on the graph.
+ODOMETRY, SCAN, PATH = "nav_msgs/Odometry", "sensor_msgs/LaserScan", "nav_msgs/Path"
+GOAL = "geometry_msgs/PoseStamped"
+MARKERS = ("visualization_msgs/MarkerArray", "visualization_msgs/Marker")
+TRANSFORMS = ("tf2_msgs/TFMessage", "tf/tfMessage")
+#: Of these each message counts, of the others the last one.
+CUMULATIVE = (*MARKERS, *TRANSFORMS)
+TYPES = (ODOMETRY, SCAN, PATH, GOAL, *MARKERS, *TRANSFORMS)
+
+#: A robot that has said nothing for so long counts as silent, s.
+SILENT_S = 1.0
+#: Most rays of a scan and points of a path that a page is told.
+_RAYS, _POINTS = 2000, 5000
+
+Message = Dict[str, Any]
+
+
+class _Said(NamedTuple):
+    """What came last on a topic.
+
+    :param message: the message
+    :param when: s
+    """
+
+    message: Message
+    when: float
+
+
+def is_status(layout: Optional[Record]) -> bool:
+    """Tell whether messages say how a robot is, as robot_custom_interfaces/RobotStatus does."""
+    fields = dict(layout.fields) if layout is not None else {}
+    name, mode, readings = (fields.get(key) for key in ("robot_name", "mode", "sensor_readings"))
+    return (
+        isinstance(name, Text)
+        and isinstance(mode, Scalar)
+        and isinstance(readings, Array)
+        and isinstance(readings.element, Scalar)
+    )
+
+
+class Scene:
+    """Knows what is where; all in the thread of the web, and without ROS."""
+
+    def __init__(self) -> None:
+        self._frames = Frames()
+        self._odometry: Dict[str, _Said] = {}
+        self._scans: Dict[str, _Said] = {}
+        self._paths: Dict[str, Message] = {}
+        self._goals: Dict[str, Message] = {}
+        self._markers: Dict[str, Markers] = {}
+        self._statuses: Dict[str, _Said] = {}
+
+    def keep(self, topics: Mapping[str, str]) -> None:
+        """Forget all other topics.
+
+        :param topics: those that there are, and their types
+        """
+        remembered: Tuple[Dict[str, Any], ...] = (
+            *(self._odometry, self._scans, self._paths),
+            *(self._goals, self._markers, self._statuses),
+        )
+        for said in remembered:
+            for topic in set(said) - set(topics):
+                del said[topic]
+
+    def take(self, topic: str, datatype: str, message: Message, now: float) -> None:
+        """Take a message.
+
+        :param topic: where it came
+        :param datatype: its type; one that is not in TYPES says how a robot is
+        :param message: as :class:`.WholeReader` reads it
+        :param now: when it came, s
+        """
+        if datatype == ODOMETRY:
+            self._take_odometry(topic, message, now)
+        elif datatype == SCAN:
+            seen = {"frame": message["header"]["frame_id"], "rays": _rays(message)}
+            self._scans[topic] = _Said(seen, now)
+        elif datatype == PATH:
+            self._paths[topic] = _points(message)
+        elif datatype == GOAL:
+            self._take_goal(topic, message)
+        elif datatype in MARKERS:
+            self._markers.setdefault(topic, Markers()).take(message)
+        elif datatype in TRANSFORMS:
+            self._take_transforms(message)
+        else:
+            self._statuses[topic] = _Said(_status(message), now)
+
+    def _take_odometry(self, topic: str, message: Message, now: float) -> None:
+        pose, twist = message["pose"]["pose"], message["twist"]["twist"]
+        transform = transform_of(pose["position"], pose["orientation"])
+        if transform is None:
+            return
+        frame = message["header"]["frame_id"]
+        speeds = {"speed": finite(twist["linear"]["x"]), "turn": finite(twist["angular"]["z"])}
+        self._odometry[topic] = _Said({"frame": frame, "transform": transform, **speeds}, now)
+        self._frames.note_odometry(topic, frame, message["child_frame_id"], transform)
+
+    def _take_goal(self, topic: str, message: Message) -> None:
+        transform = transform_of(message["pose"]["position"], message["pose"]["orientation"])
+        if transform is not None:
+            frame = message["header"]["frame_id"]
+            self._goals[topic] = {"frame": frame, "transform": transform}
+
+    def _take_transforms(self, message: Message) -> None:
+        for one in message["transforms"]:
+            there = one["transform"]
+            transform = transform_of(there["translation"], there["rotation"])
+            if transform is not None:
+                self._frames.note(one["header"]["frame_id"], one["child_frame_id"], transform)
+
+    # --- For pages ---------------------------------------------------------------------------
+
+    def moving(self, now: float) -> Message:
+        """Return where the robots are, and what their lasers see.
+
+        :param now: the time, s
+        """
+        robots = [self._robot(topic, *said, now) for topic, said in sorted(self._odometry.items())]
+        scans = [
+            self._scan(topic, said.message)
+            for topic, said in sorted(self._scans.items())
+            if now - said.when < SILENT_S
+        ]
+        return {"type": "robots", "robots": robots, "scans": [one for one in scans if one]}
+
+    def _robot(self, topic: str, said: Message, when: float, now: float) -> Message:
+        place = self._placed(said["frame"], said["transform"])
+        return {
+            "topic": topic,
+            "frame": place.root,
+            "x": finite(place.transform.position[0]),
+            "y": finite(place.transform.position[1]),
+            "heading": finite(place.transform.heading),
+            "speed": said["speed"],
+            "turn": said["turn"],
+            "silent": now - when > SILENT_S,
+        }
+
+    def _scan(self, topic: str, scan: Message) -> Optional[Message]:
+        place = self._frames.place(scan["frame"]).transform
+        if not self._frames.knows(scan["frame"]):  # then it is where its namespace's robot is
+            space = topic.rpartition("/")[0]
+            near = [name for name in self._odometry if name.rpartition("/")[0] == space]
+            if not near:
+                return None
+            said = self._odometry[near[0]].message
+            place = self._placed(said["frame"], said["transform"]).transform
+        return {"topic": topic, "at": _numbers(place.flat()), **scan["rays"]}
+
+    def _placed(self, frame: str, transform: Transform) -> Place:
+        place = self._frames.place(frame)
+        return Place(place.root, place.transform.then(transform))
+
+    def standing(self) -> Message:
+        """Return what changes now and then: markers, paths, goals."""
+        markers = [self._marker(item) for one in self._markers.values() for item in one.items()]
+        return {
+            "type": "scenery",
+            "markers": markers,
+            "paths": [self._path(topic, path) for topic, path in sorted(self._paths.items())],
+            "goals": [self._goal(topic, goal) for topic, goal in sorted(self._goals.items())],
+        }
+
+    def _marker(self, item: Message) -> Message:
+        shown = {name: value for name, value in item.items() if name not in ("frame", "transform")}
+        place = self._placed(item["frame"], item["transform"]).transform
+        return {**shown, "at": _numbers(place.flat())}
+
+    def _path(self, topic: str, path: Message) -> Message:
+        at = self._frames.place(path["frame"]).transform.flat()
+        return {"topic": topic, "at": _numbers(at), "points": path["points"]}
+
+    def _goal(self, topic: str, goal: Message) -> Message:
+        there = self._placed(goal["frame"], goal["transform"]).transform
+        x, y, _ = there.position
+        return {"topic": topic, "x": finite(x), "y": finite(y), "heading": finite(there.heading)}
+
+    def fleet(self, now: float) -> Message:
+        """Return how the robots say they are.
+
+        :param now: the time, s
+        """
+        robots = []
+        for topic, (said, when) in self._statuses.items():
+            age = round(now - when, 1) if now - when > SILENT_S else None
+            robots.append({"topic": topic, **said, "age": age})
+        return {"type": "fleet", "robots": sorted(robots, key=lambda one: str(one["name"]))}
+
+
+def _rays(scan: Message) -> Message:
+    every = max(1, -(-len(scan["ranges"]) // _RAYS))
+    ranges = scan["ranges"][::every].astype(float)
+    with numpy.errstate(invalid="ignore"):
+        fine = (ranges >= scan["range_min"]) & (ranges <= scan["range_max"]) & (ranges < 1e6)
+    first, step = float(scan["angle_min"]), float(scan["angle_increment"]) * every
+    # In mm, 0 where nothing is seen: short to write.
+    numbers = numpy.where(fine & math.isfinite(first + step), numpy.rint(ranges * 1e3), 0.0)
+    bounded = {"first": _or_zero(first), "step": _or_zero(step)}
+    return {**bounded, "ranges": numbers.astype(int).tolist()}
+
+
+def _points(path: Message) -> Message:
+    places = [pose["pose"]["position"] for pose in path["poses"][-_POINTS:]]
+    points = [finite(place[axis]) for place in places for axis in "xy"]
+    return {"frame": path["header"]["frame_id"], "points": points}
+
+
+def _status(message: Message) -> Message:
+    readings = [float(f"{value:.4g}") for value in message["sensor_readings"][:10]]
+    return {
+        "name": message["robot_name"][:100],
+        "mode": int(message["mode"]),
+        "readings": [value if math.isfinite(value) else None for value in readings],
+    }
+
+
+def _or_zero(value: float) -> float:
+    return value if math.isfinite(value) else 0.0
+
+
+def _numbers(values: List[float]) -> List[float]:
+    return [finite(value) for value in values]

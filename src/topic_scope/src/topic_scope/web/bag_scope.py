@@ -1,0 +1,60 @@
+"""The oscilloscope without a node: it shows a bag, and asks no master."""
+
+import asyncio
+import logging
+import signal
+import socket
+import sys
+import threading
+from typing import List, NoReturn
+
+import rospy
+import tornado.ioloop
+
+from nodekit.process.ending import end
+from topic_scope.bag.bag_reading import BagError
+from topic_scope.protocol.options import Options
+from topic_scope.web import web
+from topic_scope.web.recording import Recording
+from topic_scope.web.server import Server
+from topic_scope.web.serving import open_browser, serve
+
+
+def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
+    """Show a bag until SIGINT, SIGTERM or SIGHUP, then end the process.
+
+    The exit status is 0 then, and 1 where the bag cannot be read.
+
+    :param options: the command line, which names a bag
+    :param sockets: where to serve
+    """
+    _log_to_terminal()
+    try:
+        loop = asyncio.new_event_loop()
+        asyncio.set_event_loop(loop)
+        recording = Recording(str(options.bag), options.history, options.window)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, tornado.ioloop.IOLoop.current().stop)
+        serve(options, sockets, web.Front(Server(options, recording)))
+        rospy.loginfo("the scope shows %s at %s", options.bag, options.url)
+        if not options.is_local:
+            rospy.logwarn("it is open to the network: others can watch, and play the bag")
+        if options.open_browser:
+            threading.Thread(target=open_browser, args=(options.url,), daemon=True).start()
+        tornado.ioloop.IOLoop.current().start()
+    except BagError as error:
+        sys.exit(f"scope.py: {error}")
+    except KeyboardInterrupt:
+        pass  # Ctrl-C before the signals were taken over
+    end(0)
+
+
+def _log_to_terminal() -> None:
+    """Have what nodes would log said here: this is none."""
+    rospy.rostime.set_rostime_initialized(True)  # what is logged now and then asks for the time
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("[%(levelname)s] %(message)s"))
+    logger = logging.getLogger("rosout")
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False

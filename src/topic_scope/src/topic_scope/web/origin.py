@@ -1,0 +1,60 @@
+"""What a scope shows: the graph of a master, or a bag; and how it speaks with the server."""
+
+from typing import Any, Dict, List, Mapping, Protocol
+
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.page import Page
+from topic_scope.protocol import protocol
+from topic_scope.record.source import Source
+
+
+class Host(Protocol):
+    """The server, as an origin sees it; all methods belong to the thread of the web."""
+
+    def pages(self) -> List[Page]:
+        """Return the pages that are open."""
+
+    def tell(self, message: Dict[str, Any], *about: str) -> None:
+        """Tell all pages; a later message of this type about the same replaces it."""
+
+    def on_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics, and the type of each."""
+
+    def halt(self) -> None:
+        """Forget all samples: the time will be another one. Pages get no frames till then."""
+
+    def resume(self) -> None:
+        """Go on, at the time that it is now."""
+
+
+class Origin(Protocol):
+    """Where messages come from, and what else there is; methods belong to the thread of the web."""
+
+    @property
+    def source(self) -> Source:
+        """The messages."""
+
+    @property
+    def layouts(self) -> Layouts:
+        """What is known of their types."""
+
+    def start(self, host: Host) -> None:
+        """Begin, and serve a host from now on."""
+
+    def hello(self) -> Dict[str, Any]:
+        """Return what the greeting of a page has besides."""
+
+    def messages(self) -> List[Dict[str, Any]]:
+        """Return what a new page is told."""
+
+    def handle(self, page: Page, request: protocol.Request) -> None:
+        """Do what a page asks for that is not about its traces.
+
+        :raises RequestError: if that cannot be done
+        """
+
+    def ring(self) -> None:
+        """Look at once for what is wanted."""
+
+    def leave(self, page: Page) -> None:
+        """Forget a page."""

@@ -1,0 +1,244 @@
+"""The oscilloscope between its pages and what it shows; all of it runs in the thread of the web."""
+
+import time
+import traceback
+from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
+
+import rospy
+import tornado.ioloop
+
+from topic_scope.protocol import protocol
+from topic_scope.page.charts import ChartFeed
+from topic_scope.protocol.checks import TRACES
+from topic_scope.page.export import parts
+from topic_scope.record.differences import DifferenceRecorder
+from topic_scope.messages.fields import FieldError
+from topic_scope.web.greeting import choices_message, hello
+from topic_scope.protocol.looks import Looks
+from topic_scope.page.measuring import left_out, warn_of
+from topic_scope.protocol.options import Options
+from topic_scope.web.origin import Origin
+from topic_scope.page.page import Page
+from topic_scope.record.recorder import Choice
+from topic_scope.page.trigger import TriggerWatch
+from topic_scope.page.view import pinned
+from topic_scope.web.web import Socket
+from topic_scope.protocol.wishes import Chart, Measure
+
+#: Time between two frames, s.
+FRAME_S = 0.025
+#: How long the nodes of a launch file may take to start, until a field that is missing is named, s.
+WARN_AFTER_S = 5.0
+#: Time between two measurements of the traces, s.
+STATISTICS_S = 0.25
+_LOG_PERIOD_S = 10.0
+
+
+class Server:
+    """Serves all pages.
+
+    :param options: the command line
+    :param origin: where messages come from
+    """
+
+    def __init__(self, options: Options, origin: Origin) -> None:
+        self.sockets: List[Socket] = []
+        self._recorder = DifferenceRecorder(origin.source, origin.layouts, options.history)
+        self._options, self._origin = options, origin
+        self._knows_topics = False
+        self._initial: List[str] = list(options.fields)
+        self._choices: List[Choice] = []
+        self._listed = choices_message([], {})
+        self._statistics_at = 0.0
+        self._is_halted = False
+        loop = tornado.ioloop.IOLoop.current()
+        origin.start(self)
+        loop.call_later(WARN_AFTER_S, self._warn)
+        tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
+
+    # --- From the origin ---------------------------------------------------------------------
+
+    def on_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics that there are.
+
+        :param types: type of each
+        """
+        is_first, self._knows_topics = not self._knows_topics, True
+        self._recorder.set_topics(types)
+        initial = self._expanded(self._options.fields)
+        has_changed, self._initial = initial != self._initial, initial
+        choices = self._recorder.choices()
+        for page in self.pages():
+            if is_first:
+                self._welcome(page)
+            elif has_changed and page.chosen is None:
+                page.put(self._hello())
+            self._select(page)
+        if choices != self._choices:
+            self._choices = choices
+            self._listed = choices_message(choices, types)
+            self.tell(self._listed)
+        self._record()
+
+    def halt(self) -> None:
+        """Forget all samples: the time will be another one. Pages get no frames till then."""
+        self._is_halted = True
+        self._recorder.forget()
+
+    def resume(self) -> None:
+        """Go on, at the time that it is now."""
+        self._is_halted = False
+        now = self._recorder.update()
+        for page in self.pages():
+            page.restart(now)
+        self._pin()
+
+    # --- From pages --------------------------------------------------------------------------
+
+    def open(self, connection: Socket) -> Page:
+        """Tell a page what there is, and welcome it as soon as it is known what can be shown."""
+        page = Page(self._options.window)
+        self.sockets.append(connection)
+        if self._knows_topics:
+            self._welcome(page)
+        else:  # of all this, whether the master answers: so it knows that somebody is there
+            for message in self._origin.messages():
+                if message["type"] == "master":
+                    page.put(message)
+        return page
+
+    def close(self, connection: Socket) -> None:
+        """Forget a page."""
+        if connection in self.sockets:
+            self.sockets.remove(connection)
+            if connection.page is not None:
+                self._origin.leave(connection.page)
+            self._pin()
+
+    def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
+        """Return the parts of a CSV file.
+
+        :param names: names of the fields
+        :param start: begin of the time span, s
+        :param end: end of the time span, s
+        """
+        return parts(self._recorder, self._expanded(names), start, end)
+
+    def handle(self, page: Page, request: protocol.Request) -> None:
+        """Do what a page asks for.
+
+        :raises RequestError: if that cannot be done
+        """
+        if isinstance(request, protocol.Select):
+            page.chosen = request.fields
+            self._expanded(request.fields, page)
+            self._select(page)
+            page.view.restart()
+            self._record()
+            self._origin.ring()
+        elif isinstance(request, protocol.View):
+            page.view.show(request)
+            self._pin()
+        elif isinstance(request, protocol.Trigger):
+            page.trigger = TriggerWatch(request, self._recorder.update())
+        elif isinstance(request, Looks):
+            page.want(request)
+        elif isinstance(request, Measure):
+            page.measure = request
+        elif isinstance(request, Chart):
+            page.chart = ChartFeed(request)
+        else:
+            self._origin.handle(page, request)
+
+    # --- To pages ----------------------------------------------------------------------------
+
+    def pages(self) -> List[Page]:
+        """Return the pages that are open."""
+        return [connection.page for connection in self.sockets if connection.page is not None]
+
+    def tell(self, message: Dict[str, Any], *about: str) -> None:
+        """Tell all pages.
+
+        :param message: the message
+        :param about: what it is about; a later one of its type about the same replaces it
+        """
+        if self._knows_topics:
+            for page in self.pages():
+                page.put(message, *about)
+
+    def _welcome(self, page: Page) -> None:
+        page.put(self._hello())
+        page.put(self._listed)
+        for message in self._origin.messages():
+            page.put(message)
+        self._select(page)
+        count = len(self._all_of(self._options.fields))
+        if count > TRACES:
+            page.note({"type": "error", "text": left_out(count, TRACES)})
+
+    def _hello(self) -> Dict[str, Any]:
+        return {**hello(self._options, self._initial), **self._origin.hello()}
+
+    def _warn(self) -> None:
+        warn_of(self._recorder, self._all_of(self._options.fields), TRACES)
+
+    def _expanded(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for, as far as a page shows them."""
+        found = self._all_of(names, page)
+        if page is not None and len(found) > TRACES:
+            page.note({"type": "error", "text": left_out(len(found), TRACES)})
+        return found[:TRACES]
+
+    def _all_of(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for; those that stand for none stay as they are."""
+        found: List[str] = []
+        for name in names:
+            try:
+                found += [field for field in self._recorder.expand(name) if field not in found]
+            except FieldError as error:
+                found += [name] if name not in found else []
+                if page is not None:
+                    page.note({"type": "error", "text": f"{name}: {error}"})
+        return found
+
+    def _select(self, page: Page) -> None:
+        names = self._initial if page.chosen is None else self._expanded(page.chosen)
+        if list(names) != list(page.view.fields):
+            page.view.select(list(names))
+            if page.chosen is not None and list(names) != list(page.chosen):
+                page.put({"type": "selected", "fields": list(names)})
+
+    def _record(self) -> None:
+        names = set(self._initial).union(*(page.view.fields for page in self.pages()))
+        self._recorder.want(names, self._recorder.update())
+        self._pin()
+
+    def _pin(self) -> None:
+        """Keep what stands still on a page."""
+        self._recorder.pin(pinned(page.view for page in self.pages()))
+
+    def _send_frames(self) -> None:
+        now = self._recorder.update()
+        measures = time.monotonic() >= self._statistics_at + STATISTICS_S
+        if measures:
+            self._statistics_at = time.monotonic()
+        for connection in list(self.sockets):
+            page = connection.page
+            if page is None:
+                continue
+            try:
+                if self._is_halted or not self._knows_topics:
+                    if connection.is_ready:
+                        connection.send(page.take())
+                else:
+                    self._send_frame(connection, page, now, measures)
+            except Exception:  # of any kind: the other pages have theirs all the same
+                rospy.logerr_throttle(_LOG_PERIOD_S, f"no frame: {traceback.format_exc()}")
+
+    def _send_frame(self, connection: Socket, page: Page, now: float, measures: bool) -> None:
+        page.watch(self._recorder, now)
+        began, used = time.monotonic(), time.thread_time()
+        if connection.is_ready and page.is_due(began):  # the next frame holds what this one would
+            connection.send(page.frame(self._recorder, now, measures))
+            # By the processor: what others do on this machine is not the page's work.
+            page.took(began, began + time.thread_time() - used)

@@ -70,14 +70,13 @@ ROOMS: Dict[str, List[str]] = {
         *("teleop_keys", "terminal", "driving_parameters", "commands", "driver", "goals"),
         *("go_to_server", "nodes"),
     ],
+    "topic_scope": [
+        *("messages", "analysis", "record", "bag", "protocol", "page", "graph", "controls"),
+        *("robots", "web", "nodes"),
+    ],
     "ros2_bridge": [
-        *("twins", "comparing", "steps", "codec", "parameter_values", "renaming", "pairing"),
-        *("settings", "side_by_side", "start", "environment", "twin_builder", "ros1", "types"),
-        *("print_pairs", "telling"),
-        *("wait_loop", "ros2_side", "ros2_graph", "ros2_client", "ros1_graph", "names_in_ros1"),
-        *("rosout", "topics", "topic_bridge", "service_types", "services", "service_bridge"),
-        *("parameter_messages", "parameter_sources", "parameters_to_ros2", "parameters_to_ros1"),
-        *("node_bridge", "looking", "one_bridge", "nodes"),
+        *("rules", "types", "environment", "ros1", "ros2", "topics", "services", "parameters"),
+        *("node_bridge", "looking", "nodes"),
     ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
@@ -104,8 +103,17 @@ PURE = (
     *("bot_controller_demo.laws", "bot_controller_demo.pursuit"),
     *("bot_controller_demo.freshness", "bot_controller_demo.straight_line"),
     *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
-    *("ros2_bridge.twins", "ros2_bridge.comparing", "ros2_bridge.steps", "ros2_bridge.codec"),
-    *("ros2_bridge.parameter_values", "ros2_bridge.renaming", "ros2_bridge.pairing"),
+    *(
+        "ros2_bridge.types.twins",
+        "ros2_bridge.types.comparing",
+        "ros2_bridge.types.steps",
+        "ros2_bridge.types.codec",
+    ),
+    *(
+        "ros2_bridge.parameters.parameter_values",
+        "ros2_bridge.rules.renaming",
+        "ros2_bridge.rules.pairing",
+    ),
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 
@@ -124,7 +132,7 @@ MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
 #: input.
 MAY_START_PROCESSES = (
     "nodekit.testing",
-    *("ros2_bridge.environment", "ros2_bridge.twin_builder"),
+    *("ros2_bridge.environment.environment", "ros2_bridge.environment.twin_builder"),
 )
 
 

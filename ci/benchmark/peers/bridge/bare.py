@@ -6,7 +6,7 @@ The bytes of a signal_msg are the same in both, so that nothing is converted.
 import contextlib
 from typing import Any
 
-from ros2_bridge import start
+from ros2_bridge.environment import start
 
 
 def main() -> None:

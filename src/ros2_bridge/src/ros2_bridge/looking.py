@@ -13,18 +13,18 @@ from nodekit.live.master import MasterClient
 from nodekit.live.watcher import get_watcher
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals.shutdown import before_shutdown
-from ros2_bridge import ros1_graph
-from ros2_bridge.names_in_ros1 import NamesInRos1
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.pairing import ROSOUT, is_never_bridged
-from ros2_bridge.ros2_graph import Ros2Graph
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.rosout import Rosout
-from ros2_bridge.service_bridge import ServiceBridge
-from ros2_bridge.settings import BridgeParameters, Qualities
-from ros2_bridge.telling import Telling
-from ros2_bridge.topic_bridge import TopicBridge
-from ros2_bridge.types import Types
+from ros2_bridge.ros1 import ros1_graph
+from ros2_bridge.ros1.names_in_ros1 import NamesInRos1
+from ros2_bridge.ros1.telling import Telling
+from ros2_bridge.ros2.ros2_graph import Ros2Graph
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
+from ros2_bridge.rules.settings import BridgeParameters, Qualities
+from ros2_bridge.services.service_bridge import ServiceBridge
+from ros2_bridge.topics.rosout import Rosout
+from ros2_bridge.topics.topic_bridge import TopicBridge
+from ros2_bridge.types.types import Types
 
 #: Pause between two turns, s, and how many of them there are to a look.
 _TURN_S, _TURNS = 0.1, 5

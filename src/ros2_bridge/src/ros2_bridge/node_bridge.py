@@ -10,17 +10,17 @@ from rclpy.serialization import deserialize_message
 
 from nodekit import Lifetime, Node
 from nodekit.live.master import MasterClient
-from ros2_bridge.pairing import Patience, ranked
-from ros2_bridge.parameter_sources import Described, Plain, WithSimTime
-from ros2_bridge.parameters_to_ros1 import ParametersToRos1
-from ros2_bridge.parameters_to_ros2 import ParametersToRos2
-from ros2_bridge.renaming import Renaming
-from ros2_bridge.ros1_graph import Ros1Graph
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.service_bridge import described
-from ros2_bridge.settings import Quality
-from ros2_bridge.telling import Telling
-from ros2_bridge.topic_bridge import LOOKS
+from ros2_bridge.parameters.parameter_sources import Described, Plain, WithSimTime
+from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
+from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.ros1.ros1_graph import Ros1Graph
+from ros2_bridge.ros1.telling import Telling
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import Patience, ranked
+from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.settings import Quality
+from ros2_bridge.services.service_bridge import described
+from ros2_bridge.topics.topic_bridge import LOOKS
 
 _EVENTS = "/parameter_events"
 #: How long a node is given to describe its parameters, s, until it is taken for one that does not:

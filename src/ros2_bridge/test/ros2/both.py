@@ -15,7 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from nodekit.testing.processes import Master, Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
-from ros2_bridge.types import Types
+from ros2_bridge.types.types import Types
 
 InvalidHandle = rclpy_implementation.InvalidHandle
 SOURCES = pathlib.Path(__file__).resolve().parents[3]

@@ -13,7 +13,7 @@ from typing import Iterator
 
 import pytest
 
-from ros2_bridge.side_by_side import join
+from ros2_bridge.environment.side_by_side import join
 
 #: Has a name that one process of a machine can have at a time: that of its domain.
 _held = socket.socket(socket.AF_UNIX)

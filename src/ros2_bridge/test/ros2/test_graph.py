@@ -18,10 +18,10 @@ import both
 from nodekit.testing.waiting import wait_until
 from ros2_bridge import node_bridge
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.pairing import Patience
-from ros2_bridge.renaming import Renaming
-from ros2_bridge.ros1_graph import Ros1Graph
-from ros2_bridge.ros2_graph import Ros2Graph
+from ros2_bridge.rules.pairing import Patience
+from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.ros1.ros1_graph import Ros1Graph
+from ros2_bridge.ros2.ros2_graph import Ros2Graph
 from test_topics import publisher1
 
 

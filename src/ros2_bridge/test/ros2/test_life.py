@@ -14,7 +14,7 @@ from std_msgs.msg import Float32, String
 
 import both
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.one_bridge import domain
+from ros2_bridge.ros1.one_bridge import domain
 from test_topics import publisher1
 
 

@@ -23,11 +23,11 @@ from rclpy.serialization import serialize_message
 
 import both
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.parameter_messages import to_message
-from ros2_bridge.parameter_sources import Plain
-from ros2_bridge.parameter_values import BYTES, INTEGER, STRING, STRINGS
-from ros2_bridge.parameters_to_ros1 import ParametersToRos1
-from ros2_bridge.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.parameter_messages import to_message
+from ros2_bridge.parameters.parameter_sources import Plain
+from ros2_bridge.parameters.parameter_values import BYTES, INTEGER, STRING, STRINGS
+from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
+from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
 
 GENERATOR = "/signal_generator"
 

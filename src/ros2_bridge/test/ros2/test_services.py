@@ -18,10 +18,10 @@ from std_srvs.srv import SetBool, Trigger
 
 import both
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.pairing import Rules, Way
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.service_bridge import ServiceBridge
-from ros2_bridge.topic_bridge import TopicBridge
+from ros2_bridge.rules.pairing import Rules, Way
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.services.service_bridge import ServiceBridge
+from ros2_bridge.topics.topic_bridge import TopicBridge
 from test_topics import RCLError
 
 ADD = "my_robot_package_interfaces/AddTwoInts"

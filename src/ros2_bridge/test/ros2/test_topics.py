@@ -15,9 +15,9 @@ from std_msgs.msg import Float32, String
 import both
 from nodekit.testing.waiting import wait_until
 from nodekit.transport.definitions import parse
-from ros2_bridge.codec import Codec
-from ros2_bridge.settings import Qualities
-from ros2_bridge.topics import Count, ToRos1, ToRos2
+from ros2_bridge.types.codec import Codec
+from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.topics.topics import Count, ToRos1, ToRos2
 
 
 RCLError = _rclpy.RCLError

@@ -12,7 +12,7 @@ import pytest
 import rospkg
 from rclpy.serialization import deserialize_message, serialize_message
 
-from ros2_bridge.types import Types, Unbridgeable, package_folder
+from ros2_bridge.types.types import Types, Unbridgeable, package_folder
 
 PACKAGES = (
     "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ros2_bridge.codec import Codec
+from ros2_bridge.types.codec import Codec
 from nodekit.transport.definitions import Fields, parse
-from ros2_bridge.steps import ConversionError
+from ros2_bridge.types.steps import ConversionError
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"

@@ -4,7 +4,7 @@ from typing import Dict, Optional
 
 import pytest
 
-from ros2_bridge.comparing import difference
+from ros2_bridge.types.comparing import difference
 from nodekit.transport.definitions import parse
 
 SEPARATOR = "\n" + "=" * 80 + "\n"

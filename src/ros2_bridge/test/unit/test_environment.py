@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from ros2_bridge import environment
-from ros2_bridge.environment import Environment, Unavailable
-from ros2_bridge.twins import make_twin
+from ros2_bridge.environment import environment
+from ros2_bridge.environment.environment import Environment, Unavailable
+from ros2_bridge.types.twins import make_twin
 
 
 def test_another_python_is_refused(

@@ -5,7 +5,7 @@ import pathlib
 import pytest
 import rospkg
 
-from ros2_bridge import types
+from ros2_bridge.types import types
 
 
 def test_definitions_without_a_package_are_found(

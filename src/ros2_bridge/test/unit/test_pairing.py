@@ -1,7 +1,7 @@
 """What is bridged, which way, and until when."""
 
-from ros2_bridge.pairing import Patience, Rules, Way, ranked, wanted
-from ros2_bridge.renaming import Renaming
+from ros2_bridge.rules.pairing import Patience, Rules, Way, ranked, wanted
+from ros2_bridge.rules.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
 

@@ -14,7 +14,7 @@ from nodekit import (
     StringParameter,
 )
 from nodekit.parameters.schema import describe
-from ros2_bridge import parameter_values as values
+from ros2_bridge.parameters import parameter_values as values
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ros2_bridge.renaming import Renaming
+from ros2_bridge.rules.renaming import Renaming
 
 BOTH = ["/robot1=/", "/common=/common", "/scan=/lidar/front"]
 PREFIX = ["/=/ros1", "/ros2=/"]

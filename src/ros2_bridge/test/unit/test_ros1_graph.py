@@ -5,7 +5,7 @@ from typing import Any, List
 import pytest
 
 from nodekit import MasterUnreachable
-from ros2_bridge.ros1_graph import look
+from ros2_bridge.ros1.ros1_graph import look
 
 
 class Master:

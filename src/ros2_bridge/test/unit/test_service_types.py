@@ -8,7 +8,7 @@ import pytest
 
 from nodekit.life.server import CallError
 from nodekit.testing.waiting import wait_until
-from ros2_bridge import service_types
+from ros2_bridge.types import service_types
 
 
 class Servers:

@@ -5,7 +5,7 @@ from typing import Dict
 import pytest
 
 from nodekit.transport.definitions import DefinitionError
-from ros2_bridge.twins import make_twin, twin_type
+from ros2_bridge.types.twins import make_twin, twin_type
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,11 @@ import sys
 import yaml
 
 from nodekit import Node, run
+from ros2_bridge.environment.ros1 import String, Trigger
 from ros2_bridge.looking import Looking
-from ros2_bridge.one_bridge import marker, refuse_second
-from ros2_bridge.print_pairs import print_pairs
-from ros2_bridge.ros1 import String, Trigger
-from ros2_bridge.settings import BridgeParameters
+from ros2_bridge.ros1.one_bridge import marker, refuse_second
+from ros2_bridge.rules.settings import BridgeParameters
+from ros2_bridge.types.print_pairs import print_pairs
 
 
 class Bridge:

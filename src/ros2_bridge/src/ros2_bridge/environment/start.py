@@ -35,7 +35,7 @@ def main(module: str) -> None:
         python = str(environment / "bin" / "python")
         os.execve(python, [python, *sys.argv], variables(os.environ, sys.path))
     try:
-        importlib.import_module("ros2_bridge.side_by_side").join()
+        importlib.import_module("ros2_bridge.environment.side_by_side").join()
         importlib.import_module(module).main()
     except KeyboardInterrupt:
         end(0)  # Ctrl-C before rospy took over the signal

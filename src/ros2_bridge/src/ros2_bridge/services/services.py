@@ -9,10 +9,10 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from nodekit import CallError, Node
 from nodekit.execution.groups import Outside
-from ros2_bridge.ros2_client import NoAnswer, Ros2Client
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.steps import ConversionError
-from ros2_bridge.types import ServiceType
+from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.types.steps import ConversionError
+from ros2_bridge.types.types import ServiceType
 
 #: Fields in which services tell, by convention, that they have failed and why.
 _WHY = ("message", "status_message", "reason")

@@ -28,7 +28,7 @@ def join() -> None:
     To be called first of all, by the environment's Python with ROS 1's packages in PYTHONPATH.
     """
     import_ros()
-    for name in ("rospy", "genmsg", "rospkg", "ros2_bridge.ros1", *_NODEKIT):
+    for name in ("rospy", "genmsg", "rospkg", "ros2_bridge.environment.ros1", *_NODEKIT):
         importlib.import_module(name)
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     clashing = set(os.listdir(str(index / "rosidl_interfaces")))

@@ -7,14 +7,14 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
 from nodekit.live.master import MasterClient
-from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
-from ros2_bridge.ros1_graph import Ros1Graph
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.service_types import ServiceTypes
-from ros2_bridge.services import ServiceToRos1, ServiceToRos2
-from ros2_bridge.telling import Telling
-from ros2_bridge.topic_bridge import LOOKS
-from ros2_bridge.types import Types, Unbridgeable
+from ros2_bridge.ros1.ros1_graph import Ros1Graph
+from ros2_bridge.ros1.telling import Telling
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import OWN_WAYS, Patience, Rules, Way, wanted
+from ros2_bridge.services.services import ServiceToRos1, ServiceToRos2
+from ros2_bridge.topics.topic_bridge import LOOKS
+from ros2_bridge.types.service_types import ServiceTypes
+from ros2_bridge.types.types import Types, Unbridgeable
 
 
 class ServiceBridge:

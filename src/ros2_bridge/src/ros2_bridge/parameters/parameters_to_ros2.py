@@ -19,10 +19,10 @@ from rclpy.node import Node as Ros2Node
 
 from nodekit import Node
 from nodekit.execution.groups import Outside
-from ros2_bridge import parameter_messages as messages
-from ros2_bridge.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
-from ros2_bridge.parameter_values import changes, differs, flat, listed
-from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.parameters import parameter_messages as messages
+from ros2_bridge.parameters.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
+from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed
+from ros2_bridge.ros2.ros2_side import Ros2
 
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
 _MOST_LOOKS, _PAUSE_S = 20, 0.1

@@ -14,9 +14,9 @@ from nodekit import MasterUnreachable
 from nodekit.live.following import Following, open_all
 from nodekit.live.master import MasterClient
 from nodekit.live.watcher import get_watcher
-from ros2_bridge import parameter_messages as messages
-from ros2_bridge.parameter_sources import unfit
-from ros2_bridge.parameter_values import (
+from ros2_bridge.parameters import parameter_messages as messages
+from ros2_bridge.parameters.parameter_sources import unfit
+from ros2_bridge.parameters.parameter_values import (
     DOUBLE,
     DOUBLES,
     as_kind,
@@ -25,9 +25,9 @@ from ros2_bridge.parameter_values import (
     kind_of,
     ros1_key,
 )
-from ros2_bridge.ros2_client import NoAnswer, Ros2Client
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.telling import Telling
+from ros2_bridge.ros1.telling import Telling
+from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2.ros2_side import Ros2
 
 #: Longest wait for the node, s.
 _TIMEOUT_S = 2.0

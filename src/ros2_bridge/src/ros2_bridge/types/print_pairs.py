@@ -7,7 +7,7 @@ from typing import Iterator, Tuple
 
 import rospkg
 
-from ros2_bridge.types import Types, Unbridgeable, package_folder
+from ros2_bridge.types.types import Types, Unbridgeable, package_folder
 
 
 def names() -> Iterator[Tuple[str, str]]:

@@ -15,8 +15,8 @@ from nodekit import (
     read_once,
     rule,
 )
-from ros2_bridge.pairing import Rules
-from ros2_bridge.renaming import Renaming
+from ros2_bridge.rules.pairing import Rules
+from ros2_bridge.rules.renaming import Renaming
 
 
 class BridgeParameters(ParameterSet):

@@ -8,7 +8,8 @@ from nodekit import CallError, Lifetime, MasterUnreachable
 from nodekit.execution.groups import Outside
 from nodekit.live.master import MasterClient
 from nodekit.parameters.no_value import MISSING, UNREADABLE
-from ros2_bridge.parameter_values import (
+from ros2_bridge.environment.ros1 import SetParameters, Trigger
+from ros2_bridge.parameters.parameter_values import (
     BOOL,
     HIGHEST,
     LOWEST,
@@ -17,7 +18,6 @@ from ros2_bridge.parameter_values import (
     kind_of,
     ros1_key,
 )
-from ros2_bridge.ros1 import SetParameters, Trigger
 
 #: How long a node may take to describe its parameters, or to judge a change, s.
 TIMEOUT_S = 2.0

@@ -13,10 +13,10 @@ import rospkg
 import rospy
 import yaml
 
-from ros2_bridge.codec import Codec
-from ros2_bridge.comparing import difference
+from ros2_bridge.types.codec import Codec
+from ros2_bridge.types.comparing import difference
 from nodekit.transport.definitions import parse
-from ros2_bridge.twins import twin_type
+from ros2_bridge.types.twins import twin_type
 
 
 #: Where Debian has packages.

@@ -10,7 +10,7 @@ import struct
 from typing import Any, Dict, List
 
 from nodekit.transport.definitions import SIZES, TIMES, Field, Fields
-from ros2_bridge.steps import (
+from ros2_bridge.types.steps import (
     EMPTY,
     SEQ,
     ConversionError,

@@ -19,8 +19,8 @@ import rospkg
 import yaml
 
 from nodekit.transport.definitions import DefinitionError
-from ros2_bridge.start import home
-from ros2_bridge.twins import RENAMED, Twin, make_twin
+from ros2_bridge.environment.start import home
+from ros2_bridge.types.twins import RENAMED, Twin, make_twin
 
 #: Versions of Python that the wheels are for.
 PYTHONS = ((3, 11), (3, 12), (3, 13))

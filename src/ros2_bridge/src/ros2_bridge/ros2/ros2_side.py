@@ -18,8 +18,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from ros2_bridge.settings import Quality
-from ros2_bridge.wait_loop import Source, WaitLoop
+from ros2_bridge.ros2.wait_loop import Source, WaitLoop
+from ros2_bridge.rules.settings import Quality
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
 _PARTICIPANT = 12

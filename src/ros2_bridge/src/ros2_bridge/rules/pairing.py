@@ -17,7 +17,7 @@ from typing import (
     TypeVar,
 )
 
-from ros2_bridge.renaming import Renaming
+from ros2_bridge.rules.renaming import Renaming
 
 #: The log, which is bridged one way, with the names of the nodes.
 ROSOUT = "/rosout"

@@ -11,7 +11,7 @@ from nodekit import CallError
 from nodekit.life.server import Server
 from nodekit.process.ending import end
 from nodekit.transport.service_call import ServiceCall
-from ros2_bridge.ros1 import Trigger
+from ros2_bridge.environment.ros1 import Trigger
 
 #: The highest number of a domain: ports follow from it, and there is none for the next one.
 _LAST_DOMAIN = 232

@@ -1,4 +1,4 @@
-"""How pieces of a message are converted: see :mod:`ros2_bridge.codec`.
+"""How pieces of a message are converted: see :mod:`ros2_bridge.types.codec`.
 
 A step knows where it reads and how much was written before, and nothing else.
 """

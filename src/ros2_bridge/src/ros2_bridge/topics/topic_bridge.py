@@ -5,14 +5,14 @@ from typing import Dict, List, Optional, Union
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
-from ros2_bridge.pairing import OWN_WAYS, Patience, Rules, Way, wanted
-from ros2_bridge.ros1_graph import Ros1Graph
-from ros2_bridge.ros2_graph import Topic
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.settings import Qualities
-from ros2_bridge.telling import Telling
-from ros2_bridge.topics import Count, ToRos1, ToRos2
-from ros2_bridge.types import MessageType, Types, Unbridgeable
+from ros2_bridge.ros1.ros1_graph import Ros1Graph
+from ros2_bridge.ros1.telling import Telling
+from ros2_bridge.ros2.ros2_graph import Topic
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import OWN_WAYS, Patience, Rules, Way, wanted
+from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.topics.topics import Count, ToRos1, ToRos2
+from ros2_bridge.types.types import MessageType, Types, Unbridgeable
 
 #: How many looks a topic may be missing until it is bridged no longer.
 LOOKS = 4

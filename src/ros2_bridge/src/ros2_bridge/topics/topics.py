@@ -8,11 +8,11 @@ import rospy
 
 from nodekit import Node
 from nodekit.execution.groups import Outside
-from ros2_bridge.codec import ConversionError
-from ros2_bridge.ros2_graph import Topic
-from ros2_bridge.ros2_side import Ros2
-from ros2_bridge.settings import Qualities
-from ros2_bridge.types import MessageType
+from ros2_bridge.ros2.ros2_graph import Topic
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.types.codec import ConversionError
+from ros2_bridge.types.types import MessageType
 
 #: Most senders of a topic of ROS 2 whose messages are counted, until it is begun anew.
 _MOST_SENDERS = 1000

@@ -5,9 +5,9 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from nodekit.live.turns import Turns
-from ros2_bridge.pairing import ROSOUT, is_never_bridged
-from ros2_bridge.renaming import Renaming
-from ros2_bridge.ros2_side import Ros2
+from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
+from ros2_bridge.rules.renaming import Renaming
 
 #: Most of our own topics for whose other users is searched at a look.
 _TOGETHER = 50

@@ -1,0 +1,1 @@
+"""The Python environment that has both, and how a process enters it."""

@@ -1,0 +1,1 @@
+"""The bridge's side in ROS 2."""

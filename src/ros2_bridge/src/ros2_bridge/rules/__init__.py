@@ -1,0 +1,1 @@
+"""What is bridged, under which name, in which direction."""

@@ -1,0 +1,1 @@
+"""Topics, with the log among them."""

@@ -1,0 +1,1 @@
+"""Types of either ROS, matched and translated."""

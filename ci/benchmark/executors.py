@@ -8,8 +8,8 @@ import time
 from typing import Any, Dict, List
 
 from context import Bench, Figures
-from nodekit.execution.groups import Group, ReentrantGroup
-from nodekit.execution.line import Line, Source
+from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.line import Line, Source
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from peers import SCRIPTS, rclpy_environment
 from stacks import RCLPY

@@ -41,9 +41,9 @@ SIBLINGS: Dict[str, Set[str]] = {
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
-        *("parameters", "transport", "timing", "rospy_internals", "messaging", "live"),
-        *("execution", "life", "node", "executors", "lifecycle", "process", "entry_point"),
-        *("commands", "testing"),
+        *("parameters", "transport", "timing", "rospy_internals", "messaging"),
+        *("parameter_server", "groups", "node", "executors", "managed", "process"),
+        *("entry_point", "commands", "testing"),
     ],
     "basic_comms": ["msg", "signals", "chatter", "nodes"],
     "parameters_demo": [
@@ -82,9 +82,9 @@ ROOMS: Dict[str, List[str]] = {
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
     *("nodekit.parameters", "nodekit.transport"),
-    *("nodekit.timing.timetable", "nodekit.execution", "nodekit.messaging.finite"),
+    *("nodekit.timing.timetable", "nodekit.groups", "nodekit.messaging.finite"),
     "nodekit.messaging.seldom",
-    *("nodekit.lifecycle.table", "nodekit.lifecycle.machine"),
+    *("nodekit.managed.table", "nodekit.managed.machine"),
     *("basic_comms.signals", "basic_comms.chatter"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
     "lifecycle_manager.system",

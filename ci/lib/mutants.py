@@ -125,7 +125,8 @@ def modules_of(paths: Sequence[str]) -> List[pathlib.Path]:
     :param paths: files and folders; all that is pure if there is none
     :raises Unfit: if a path has no module of a package
     """
-    known = {path: name for name, path in code_rules.modules() if path.stat().st_size}
+    # What a room's __init__.py says of it is no code.
+    known = {path: name for name, path in code_rules.modules() if path.name != "__init__.py"}
     if not paths:
         return [path for path, name in known.items() if code_rules.is_in(name, code_rules.PURE)]
     found: List[pathlib.Path] = []

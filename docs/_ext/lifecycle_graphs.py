@@ -6,9 +6,10 @@ It is drawn from the table that the nodes themselves go by, so it cannot show an
 from typing import Any, Dict, Iterator, List
 
 from docutils import nodes
-from nodekit.lifecycle import table
 from sphinx.ext.graphviz import graphviz
 from sphinx.util.docutils import SphinxDirective
+
+from nodekit.managed import table
 
 #: Colour of the line for each outcome of a callback.
 COLOURS = {

@@ -4,10 +4,10 @@ import copy
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, List
 
-from nodekit.life.names import Names
-from nodekit.life.opening import Opener
 from nodekit.messaging.subscription import Subscription
-from nodekit.node import Node
+from nodekit.node.names import Names
+from nodekit.node.node import Node
+from nodekit.node.opening import Opener
 
 
 class Published:

@@ -28,7 +28,7 @@ from bot_controller_demo_msgs.msg import (
 )
 from bot_controller_demo_msgs.srv import SetGoal
 from nodekit import Node
-from nodekit.life.names import Names
+from nodekit.node.names import Names
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process

@@ -16,7 +16,7 @@ from lifecycle_manager.nodes.lifecycle_manager import LifecycleManager
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from nodekit import ManagedNode, Node, ParameterError
-from nodekit.life.names import Names
+from nodekit.node.names import Names
 from nodekit.process.run import register
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server, is_stopped

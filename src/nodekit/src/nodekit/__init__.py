@@ -9,23 +9,23 @@ import importlib
 from typing import TYPE_CHECKING, Any, Dict
 
 if TYPE_CHECKING:  # the same once more, for type checkers and editors
-    from nodekit.execution.groups import Group as Group
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
-    from nodekit.life.clients import CallCancelled as CallCancelled
-    from nodekit.life.clients import CallFuture as CallFuture
-    from nodekit.life.clients import Client as Client
-    from nodekit.life.clients import NestedCall as NestedCall
-    from nodekit.life.lifetime import Lifetime as Lifetime
-    from nodekit.life.server import CallError as CallError
-    from nodekit.life.server import CallTimeout as CallTimeout
-    from nodekit.lifecycle.managed_node import ManagedNode as ManagedNode
-    from nodekit.lifecycle.table import Outcome as Outcome
-    from nodekit.live.live_parameters import LiveParameters as LiveParameters
-    from nodekit.live.master import MasterUnreachable as MasterUnreachable
+    from nodekit.groups.groups import Group as Group
+    from nodekit.managed.managed_node import ManagedNode as ManagedNode
+    from nodekit.managed.table import Outcome as Outcome
     from nodekit.messaging.publisher import Publisher as Publisher
     from nodekit.messaging.subscription import Latest as Latest
-    from nodekit.node import Node as Node
+    from nodekit.node.clients import CallCancelled as CallCancelled
+    from nodekit.node.clients import CallFuture as CallFuture
+    from nodekit.node.clients import Client as Client
+    from nodekit.node.clients import NestedCall as NestedCall
+    from nodekit.node.lifetime import Lifetime as Lifetime
+    from nodekit.node.node import Node as Node
+    from nodekit.node.server import CallError as CallError
+    from nodekit.node.server import CallTimeout as CallTimeout
+    from nodekit.parameter_server.live_parameters import LiveParameters as LiveParameters
+    from nodekit.parameter_server.master import MasterUnreachable as MasterUnreachable
     from nodekit.parameters.bytes_kind import BytesParameter as BytesParameter
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
@@ -44,23 +44,23 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.process.run import run as run
 
 _HOMES: Dict[str, str] = {
-    "Group": "execution.groups",
+    "Group": "groups.groups",
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
-    "CallCancelled": "life.clients",
-    "CallFuture": "life.clients",
-    "Client": "life.clients",
-    "NestedCall": "life.clients",
-    "Lifetime": "life.lifetime",
-    "CallError": "life.server",
-    "CallTimeout": "life.server",
-    "ManagedNode": "lifecycle.managed_node",
-    "Outcome": "lifecycle.table",
-    "LiveParameters": "live.live_parameters",
-    "MasterUnreachable": "live.master",
+    "CallCancelled": "node.clients",
+    "CallFuture": "node.clients",
+    "Client": "node.clients",
+    "NestedCall": "node.clients",
+    "Lifetime": "node.lifetime",
+    "CallError": "node.server",
+    "CallTimeout": "node.server",
+    "ManagedNode": "managed.managed_node",
+    "Outcome": "managed.table",
+    "LiveParameters": "parameter_server.live_parameters",
+    "MasterUnreachable": "parameter_server.master",
     "Publisher": "messaging.publisher",
     "Latest": "messaging.subscription",
-    "Node": "node",
+    "Node": "node.node",
     "ParameterSet": "parameters.declaration",
     "read_once": "parameters.declaration",
     "rule": "parameters.declaration",

@@ -16,13 +16,13 @@ from typing import Any, Dict, Optional
 import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
-from nodekit.execution.groups import Outside
-from nodekit.execution.line import Line
-from nodekit.life.callbacks import Callback
-from nodekit.life.lifetime import Lifetime
-from nodekit.life.ownership import Closed
-from nodekit.life.timers import NodeTimer
-from nodekit.node import Node
+from nodekit.groups.groups import Outside
+from nodekit.groups.line import Line
+from nodekit.node.callbacks import Callback
+from nodekit.node.lifetime import Lifetime
+from nodekit.node.node import Node
+from nodekit.node.ownership import Closed
+from nodekit.node.timers import NodeTimer
 from nodekit.rospy_internals.shutdown import at_shutdown
 
 #: Base name of the service that tells of a node's callbacks.

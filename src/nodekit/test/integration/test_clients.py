@@ -23,9 +23,9 @@ from nodekit import (
     NestedCall,
     SingleThreadedExecutor,
 )
-from nodekit.life.clients import MOST_CALLS
-from nodekit.life.names import Names
-from nodekit.node import Node
+from nodekit.node.clients import MOST_CALLS
+from nodekit.node.names import Names
+from nodekit.node.node import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Process, is_stopped
 from nodekit.testing.running import rosrun

@@ -13,8 +13,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit import FloatParameter, MultiThreadedExecutor, ParameterSet, SingleThreadedExecutor
-from nodekit.life.names import Names
-from nodekit.node import Node
+from nodekit.node.names import Names
+from nodekit.node.node import Node
 from nodekit.process.run import register
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun

@@ -45,10 +45,10 @@ from nodekit import (
     read_once,
 )
 from nodekit.commands import lifecycle
-from nodekit.life.names import Names
-from nodekit.life.timers import NodeTimer
-from nodekit.lifecycle.gate import ManagedPublisher, ManagedTimer
-from nodekit.live import reconfigure
+from nodekit.managed.gate import ManagedPublisher, ManagedTimer
+from nodekit.node.names import Names
+from nodekit.node.timers import NodeTimer
+from nodekit.parameter_server import reconfigure
 from nodekit.process.run import register
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear

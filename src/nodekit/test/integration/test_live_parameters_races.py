@@ -15,12 +15,12 @@ import rosgraph
 import rospy
 from helpers.parameter_node import GaugeParameters
 
-from nodekit.live import following, watcher
-from nodekit.live.followers import Follower
-from nodekit.live.following import Following
-from nodekit.live.live_parameters import LiveParameters, open_all
-from nodekit.live.master import MasterClient, MasterUnreachable, Reading
-from nodekit.live.watcher import Watcher
+from nodekit.parameter_server import following, watcher
+from nodekit.parameter_server.followers import Follower
+from nodekit.parameter_server.following import Following
+from nodekit.parameter_server.live_parameters import LiveParameters, open_all
+from nodekit.parameter_server.master import MasterClient, MasterUnreachable, Reading
+from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters import budget, reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire
 from nodekit.parameters.reconciler import Seen

@@ -18,9 +18,9 @@ from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from nodekit.executors import SingleThreadedExecutor
-from nodekit.life.legal_names import IllegalName
-from nodekit.life.names import Names
-from nodekit.node import Node
+from nodekit.node.legal_names import IllegalName
+from nodekit.node.names import Names
+from nodekit.node.node import Node
 from nodekit.parameters.declaration import (
     FloatParameter,
     ParameterError,

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from nodekit.life.legal_names import IllegalName
+from nodekit.node.legal_names import IllegalName
 from nodekit.process.arguments import ArgumentError, judge
 
 URI = "http://localhost:11311"

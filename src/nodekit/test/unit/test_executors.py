@@ -9,13 +9,13 @@ import pytest
 import rospy
 from std_msgs.msg import String
 
-from nodekit.execution.groups import Group, ReentrantGroup
-from nodekit.execution.line import Line
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
-from nodekit.life.callbacks import DEPTH, Answering, Bell, Callback, Receiving
-from nodekit.life.names import Names
-from nodekit.life.timers import NodeTimer
-from nodekit.node import Node
+from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.line import Line
+from nodekit.node.callbacks import DEPTH, Answering, Bell, Callback, Receiving
+from nodekit.node.names import Names
+from nodekit.node.node import Node
+from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler

@@ -6,9 +6,9 @@ import pytest
 import rospy
 import rospy.core
 
-from nodekit.execution.groups import Group
-from nodekit.life.callbacks import Callback
+from nodekit.groups.groups import Group
 from nodekit.messaging import failures, seldom
+from nodekit.node.callbacks import Callback
 
 
 @pytest.fixture()

@@ -6,10 +6,10 @@ from typing import Any, Callable, Iterator, List, Optional
 import pytest
 from std_msgs.msg import String
 
-from nodekit.execution.groups import Group
-from nodekit.life.timers import NodeTimer
-from nodekit.lifecycle.gate import Gate, ManagedPublisher, ManagedTimer
+from nodekit.groups.groups import Group
+from nodekit.managed.gate import Gate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
+from nodekit.node.timers import NodeTimer
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
 

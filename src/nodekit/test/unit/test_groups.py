@@ -6,8 +6,8 @@ from typing import Any, Callable, List
 
 import pytest
 
-from nodekit.execution.groups import Group, ReentrantGroup
-from nodekit.life.callbacks import Bell, Callback, Receiving
+from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.node.callbacks import Bell, Callback, Receiving
 
 TIMEOUT_S = 10.0
 

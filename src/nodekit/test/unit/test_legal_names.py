@@ -3,14 +3,14 @@
 import pytest
 import rosgraph.names
 
-from nodekit.life.legal_names import (
+from nodekit.node.legal_names import (
     IllegalName,
     is_legal,
     judge_base_name,
     judge_namespace,
     judged,
 )
-from nodekit.life.names import Names
+from nodekit.node.names import Names
 
 
 @pytest.mark.parametrize("name", ["/", "/a", "/a/b_1/C", "/a/", "/5", "/_a", "/a" * 5000])

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from lifecycle_msgs.msg import State as StateMessage
 from lifecycle_msgs.msg import Transition as TransitionMessage
-from nodekit.lifecycle.machine import Machine
-from nodekit.lifecycle.table import (
+from nodekit.managed.machine import Machine
+from nodekit.managed.table import (
     ACTIVE,
     CONFIGURING,
     FINALIZED,

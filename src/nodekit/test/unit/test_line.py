@@ -10,8 +10,8 @@ from typing import Any, Deque, Dict, List, Optional, Tuple
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nodekit.execution.groups import Group, ReentrantGroup
-from nodekit.execution.line import Line, Source, Turn
+from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.line import Line, Source, Turn
 
 WORKERS = 3
 DEPTH = 3

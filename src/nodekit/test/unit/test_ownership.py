@@ -7,9 +7,9 @@ import pytest
 import rospy
 
 from nodekit import Node
-from nodekit.life.names import Names
-from nodekit.life.opening import Opener
-from nodekit.life.ownership import Closed, Owner
+from nodekit.node.names import Names
+from nodekit.node.opening import Opener
+from nodekit.node.ownership import Closed, Owner
 
 
 class Thing:

@@ -5,8 +5,8 @@ from typing import Any, Dict, List
 import pytest
 import rospy
 
-from nodekit.live.master import Reading
-from nodekit.live.registrations import LOOKUPS, Registrations
+from nodekit.parameter_server.master import Reading
+from nodekit.parameter_server.registrations import LOOKUPS, Registrations
 from nodekit.rospy_internals import registration
 
 OWN, OTHER = "rosrpc://own:1", "rosrpc://other:1"

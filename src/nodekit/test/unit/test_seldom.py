@@ -8,10 +8,10 @@ import rospy
 from std_msgs.msg import Float32
 
 from nodekit import Node
-from nodekit.execution.groups import Group
-from nodekit.life import callbacks
-from nodekit.life.names import Names
+from nodekit.groups.groups import Group
 from nodekit.messaging import seldom
+from nodekit.node import callbacks
+from nodekit.node.names import Names
 
 
 @pytest.fixture()

@@ -6,7 +6,7 @@ from typing import Any, Counter, Dict, Iterator, List, cast
 
 import pytest
 
-from nodekit.life.server import CallError
+from nodekit.node.server import CallError
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.types import service_types
 

@@ -16,7 +16,7 @@ from nodekit import (
     rule,
     run,
 )
-from nodekit.life.legal_names import MUST_BE_GLOBAL, is_legal
+from nodekit.node.legal_names import MUST_BE_GLOBAL, is_legal
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
 #: that connects would wait as long at each of its steps while the members' signals are made.

@@ -7,11 +7,11 @@ from typing import Any, Iterator, List
 
 import rosgraph
 
-from nodekit.execution.groups import Outside
-from nodekit.life.callbacks import Callback
-from nodekit.life.clients import CallFuture, Client
-from nodekit.life.server import CallError
-from nodekit.live.master import MasterClient, MasterUnreachable
+from nodekit.groups.groups import Outside
+from nodekit.node.callbacks import Callback
+from nodekit.node.clients import CallFuture, Client
+from nodekit.node.server import CallError
+from nodekit.parameter_server.master import MasterClient, MasterUnreachable
 
 #: Longest wait for an answer, s.
 TIMEOUT_S = 2.0

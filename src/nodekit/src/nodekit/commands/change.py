@@ -9,7 +9,7 @@ import rospy
 import yaml
 
 from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
-from nodekit.live.change import SERVICE
+from nodekit.parameter_server.change import SERVICE
 from nodekit_msgs.srv import SetParameters
 
 

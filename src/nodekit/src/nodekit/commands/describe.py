@@ -17,8 +17,8 @@ from nodekit.commands.calling import (
     owners,
     say_what_there_is,
 )
-from nodekit.life.server import CallError
-from nodekit.live.describe import SERVICE
+from nodekit.node.server import CallError
+from nodekit.parameter_server.describe import SERVICE
 from nodekit.parameters.schema import as_table
 
 #: How long those that answer may keep others that did waiting, for the order of the names, s.

@@ -5,7 +5,7 @@ import importlib
 
 import rospy
 
-from nodekit.life.legal_names import IllegalName, judge_base_name
+from nodekit.node.legal_names import IllegalName, judge_base_name
 from nodekit.process.host import Member, host
 
 

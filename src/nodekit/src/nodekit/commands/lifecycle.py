@@ -16,8 +16,8 @@ from nodekit.commands.calling import (
     owners,
     say_what_there_is,
 )
-from nodekit.life.server import CallError
-from nodekit.lifecycle.table import NotAllowed, State, requested
+from nodekit.managed.table import NotAllowed, State, requested
+from nodekit.node.server import CallError
 
 #: What managed nodes are known by: a service of which nobody else has the name.
 SERVICE = "get_transition_graph"

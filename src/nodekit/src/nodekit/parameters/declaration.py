@@ -8,7 +8,7 @@ A node lists its parameters as class attributes of a :class:`ParameterSet`::
 
 An instance is an immutable snapshot of values that passed validation, so a
 callback that holds one never sees half of a change. This module knows nothing
-of ROS; :mod:`nodekit.live.live_parameters` keeps a set in step with the
+of ROS; :mod:`nodekit.parameter_server.live_parameters` keeps a set in step with the
 parameter server.
 """
 

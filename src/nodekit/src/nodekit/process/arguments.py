@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 import rosgraph
 from rospy.client import load_command_line_node_params
 
-from nodekit.life import legal_names
+from nodekit.node import legal_names
 
 _VALUE = (
     "must have one value in YAML after :=, of those that the parameter server takes "

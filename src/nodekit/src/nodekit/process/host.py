@@ -6,10 +6,10 @@ from typing import Callable, List, Sequence, Tuple
 
 import rospy
 
-from nodekit.life.legal_names import IllegalName
-from nodekit.life.names import Names
-from nodekit.live.watcher import get_watcher
-from nodekit.node import Node
+from nodekit.node.legal_names import IllegalName
+from nodekit.node.names import Names
+from nodekit.node.node import Node
+from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process.managed import as_wanted
 from nodekit.process.run import run

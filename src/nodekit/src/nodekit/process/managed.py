@@ -3,8 +3,8 @@
 import importlib
 from typing import Any, Callable
 
-from nodekit.life.own_parameters import OwnParameters
-from nodekit.node import Node
+from nodekit.node.node import Node
+from nodekit.node.own_parameters import OwnParameters
 from nodekit.parameters.kinds import ParameterError
 
 #: A node's class, or a function that makes its object.
@@ -28,5 +28,5 @@ def as_wanted(cls: NodeClass, node: str, held: Any) -> NodeClass:
     if not own.managed:
         return cls
     # Imported only where it is wanted: it takes time and memory.
-    wrapped: NodeClass = importlib.import_module("nodekit.lifecycle.wrapped").wrapped(cls)
+    wrapped: NodeClass = importlib.import_module("nodekit.managed.wrapped").wrapped(cls)
     return wrapped

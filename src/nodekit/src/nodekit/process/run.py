@@ -10,10 +10,10 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
-from nodekit.life.legal_names import IllegalName
-from nodekit.live.master import MasterClient, MasterUnreachable
-from nodekit.live.watcher import get_watcher
-from nodekit.node import Node
+from nodekit.node.legal_names import IllegalName
+from nodekit.node.node import Node
+from nodekit.parameter_server.master import MasterClient, MasterUnreachable
+from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process import arguments, timer_slack
 from nodekit.process.ending import end

@@ -15,10 +15,19 @@ from nodekit.entry_point import import_ros
 #: The parts of nodekit that the bridge uses. All of them are imported before rclpy: one that came
 #: later would find ROS 2's std_srvs.
 _NODEKIT = (
-    *("nodekit.life.server", "nodekit.live.master", "nodekit.live.watcher", "nodekit.node"),
+    *(
+        "nodekit.node.server",
+        "nodekit.parameter_server.master",
+        "nodekit.parameter_server.watcher",
+        "nodekit.node.node",
+    ),
     *("nodekit.parameters.schema", "nodekit.process.run", "nodekit.rospy_internals.shutdown"),
-    *("nodekit.live.following", "nodekit.live.live_parameters", "nodekit.messaging.publisher"),
-    *("nodekit.life.clients", "nodekit.parameters.number_kinds"),
+    *(
+        "nodekit.parameter_server.following",
+        "nodekit.parameter_server.live_parameters",
+        "nodekit.messaging.publisher",
+    ),
+    *("nodekit.node.clients", "nodekit.parameters.number_kinds"),
 )
 
 

@@ -18,7 +18,7 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node as Ros2Node
 
 from nodekit import Node
-from nodekit.execution.groups import Outside
+from nodekit.groups.groups import Outside
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
 from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed

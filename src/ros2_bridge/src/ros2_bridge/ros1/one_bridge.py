@@ -8,7 +8,7 @@ import uuid
 import rosgraph
 
 from nodekit import CallError
-from nodekit.life.server import Server
+from nodekit.node.server import Server
 from nodekit.process.ending import end
 from nodekit.transport.service_call import ServiceCall
 from ros2_bridge.environment.ros1 import Trigger

@@ -8,7 +8,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 
 from nodekit import CallError, Node
-from nodekit.execution.groups import Outside
+from nodekit.groups.groups import Outside
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.types.steps import ConversionError

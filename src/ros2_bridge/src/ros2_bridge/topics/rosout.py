@@ -5,7 +5,7 @@ from typing import Any
 from rcl_interfaces.msg import Log
 
 from nodekit import Node
-from nodekit.execution.groups import Outside
+from nodekit.groups.groups import Outside
 from ros2_bridge.environment import ros1
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, List, Optional, Set
 import rospy
 
 from nodekit import Node
-from nodekit.execution.groups import Outside
+from nodekit.groups.groups import Outside
 from ros2_bridge.ros2.ros2_graph import Topic
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.settings import Qualities

@@ -4,9 +4,9 @@ import itertools
 import threading
 from typing import Dict, Optional, Sequence, Set
 
-from nodekit.life.server import CallError, Server
-from nodekit.live.master import MasterClient, MasterUnreachable
-from nodekit.live.turns import Turns
+from nodekit.node.server import CallError, Server
+from nodekit.parameter_server.master import MasterClient, MasterUnreachable
+from nodekit.parameter_server.turns import Turns
 from nodekit.transport.service_call import ServiceCall
 
 #: Longest wait for a server, s, and most servers that are asked at once.

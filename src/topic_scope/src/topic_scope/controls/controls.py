@@ -9,9 +9,9 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.commands.calling import ask
-from nodekit.live import change, describe
-from nodekit.live.following import Following, open_all
-from nodekit.live.watcher import get_watcher
+from nodekit.parameter_server import change, describe
+from nodekit.parameter_server.following import Following, open_all
+from nodekit.parameter_server.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
 from topic_scope.controls import reconfigure, services
 from topic_scope.controls.lamps import Lamps, topics_of

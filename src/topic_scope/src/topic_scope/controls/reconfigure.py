@@ -13,7 +13,7 @@ import rospy
 import yaml
 
 from nodekit.commands.calling import TIMEOUT_S, ask
-from nodekit.live.reconfigure import config_of
+from nodekit.parameter_server.reconfigure import config_of
 from topic_scope.controls.settings import Changed
 
 try:

@@ -1,0 +1,1 @@
+"""Callback groups, and what waits for a thread of an executor."""

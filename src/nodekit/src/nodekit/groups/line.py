@@ -1,0 +1,212 @@
+"""What waits to be called by an executor, and whose turn it is; without a thread of its own.
+
+Each source, such as a subscription or a timer, keeps what waits for it. It asks its group to be let
+in, and stands in line only when the group is kept for it: so no thread of the executor ever waits
+for a group. In line, the first comes first, but those of urgent groups come before all others. A
+source that has more goes to the end: so a timer is not kept from its turns by a slow subscription
+with many messages.
+"""
+
+import threading
+import time
+from collections import deque
+from functools import partial
+from typing import Any, Callable, Deque, List, NamedTuple, Optional, Set
+
+from nodekit.groups.groups import Group
+
+
+class _Arrival(NamedTuple):
+    """Something that waits, since a time on the monotonic clock, s."""
+
+    thing: Any
+    at: float
+
+
+class Source:
+    """What calls are made for.
+
+    :param line: where it stands
+    :param group: its group
+    :param depth: how much may wait; of more, the newest is kept
+    :param run: makes one call for a list of things, inside the group; raises nothing
+    :param drop: is told of what no call is made for; raises nothing
+    :param together: whether one call is made for all that waits
+
+    :ivar running: calls under way
+    :ivar made: calls begun
+    :ivar dropped: how much was dropped
+    :ivar longest: longest call, s
+    :ivar longest_wait: longest time from an arrival to its call, s
+    """
+
+    def __init__(
+        self,
+        line: "Line",
+        group: Group,
+        depth: int,
+        run: Callable[[List[Any]], None],
+        drop: Callable[[Any], None],
+        together: bool = False,
+    ) -> None:
+        self.line, self.group, self.depth = line, group, depth
+        self.run, self.drop = run, drop
+        self.running = self.made = self.dropped = 0
+        self.longest = self.longest_wait = 0.0
+        self._most_at_once = depth if together else 1
+        self._waiting: Deque[_Arrival] = deque()
+        self._asks = False
+
+    @property
+    def waiting(self) -> int:
+        """How much waits."""
+        return len(self._waiting)
+
+    def put(self, thing: Any) -> None:
+        """Have a call made for something.
+
+        :param thing: what ``run`` and ``drop`` know
+        """
+        self.line.put(self, thing)
+
+    # For the line, which has locked itself:
+
+    def add(self, thing: Any) -> List[Any]:
+        """Add something that waits; return what is dropped for it."""
+        dropped = [self._waiting.popleft().thing] if len(self._waiting) >= self.depth else []
+        self._waiting.append(_Arrival(thing, time.monotonic()))
+        return dropped
+
+    def take(self) -> List[Any]:
+        """Return what the next call is made for, which begins now."""
+        count = min(self._most_at_once, len(self._waiting))
+        self.longest_wait = max(self.longest_wait, time.monotonic() - self._waiting[0].at)
+        self.made += 1
+        self.running += 1
+        self._asks = False
+        return [self._waiting.popleft().thing for _ in range(count)]
+
+    def must_ask(self) -> bool:
+        """Tell whether it is to ask its group now: if something waits, and it does not already."""
+        asks, self._asks = self._asks, bool(self._waiting)
+        return self._asks and not asks
+
+
+class Turn(NamedTuple):
+    """A call to be made.
+
+    :param source: whose
+    :param things: what it is made for
+    """
+
+    source: Source
+    things: List[Any]
+
+
+class Line:
+    """The line that sources stand in; any thread may call its methods."""
+
+    def __init__(self) -> None:
+        lock = threading.Lock()
+        self._news, self._finished = threading.Condition(lock), threading.Condition(lock)
+        self._urgent: Deque[Source] = deque()
+        self._usual: Deque[Source] = deque()
+        self._unfinished = 0  # how much waits or is under way
+        #: Threads that take from it.
+        self.workers: Set[threading.Thread] = set()
+        self._is_closed = self._is_over = False
+
+    def is_served_by_caller_alone(self) -> bool:
+        """Tell whether all that waits has to wait for the calling thread."""
+        return self.workers == {threading.current_thread()}
+
+    def put(self, source: Source, thing: Any) -> None:
+        """Have a call made for something, unless the line is closed.
+
+        :param source: what it is for
+        :param thing: see :class:`Source`
+        """
+        dropped = [thing]
+        with self._news:
+            if not self._is_closed:
+                dropped = source.add(thing)
+                self._unfinished += 1 - len(dropped)
+            source.dropped += len(dropped)
+            must_ask = source.must_ask()
+        if must_ask:
+            self._ask(source)
+        for one in dropped:
+            source.drop(one)
+
+    def take(self, wait: bool = True) -> Optional[Turn]:
+        """Return the next call to be made, which is then to be given to :meth:`serve`.
+
+        :param wait: whether to wait until there is one
+        :returns: None if there is none, or will be none as the line is closed
+        """
+        with self._news:
+            while not (self._urgent or self._usual):
+                if self._is_over or not wait:
+                    return None
+                self._news.wait()
+            source = (self._urgent or self._usual).popleft()
+            things = source.take()
+            must_ask = source.must_ask()
+        if must_ask:
+            self._ask(source)
+        return Turn(source, things)
+
+    def serve(self, turn: Turn) -> None:
+        """Make a call.
+
+        :param turn: from :meth:`take`
+        """
+        source, things = turn
+        source.group.adopt()
+        began = time.monotonic()
+        try:
+            if self._is_over:
+                for thing in things:
+                    source.drop(thing)
+            else:
+                source.run(things)
+        finally:
+            source.group.leave()
+            with self._news:
+                source.longest = max(source.longest, time.monotonic() - began)
+                source.running -= 1
+                self._unfinished -= len(things)
+                if not self._unfinished:
+                    self._finished.notify_all()
+
+    def close(self, timeout: float) -> bool:
+        """Take in nothing more, and wait until all calls are made; drop what then still waits.
+
+        :param timeout: longest wait, s
+        :returns: whether all calls were made
+        """
+        with self._news:
+            self._is_closed = True
+            is_done = self._finished.wait_for(lambda: not self._unfinished, timeout)
+            self._is_over = True
+            self._news.notify_all()
+        self._clear()
+        return is_done
+
+    def _ask(self, source: Source) -> None:
+        source.group.admit(partial(self._stand, source))
+
+    def _stand(self, source: Source) -> None:
+        with self._news:
+            (self._urgent if source.group.urgent else self._usual).append(source)
+            self._news.notify()
+            is_over = self._is_over
+        if is_over:  # there may be no thread left
+            self._clear()
+
+    def _clear(self) -> None:
+        while True:
+            turn = self.take(wait=False)
+            if turn is None:
+                return
+            self.serve(turn)

@@ -1,0 +1,122 @@
+"""What others see of a managed node: the services and topics of ROS 2's lifecycle."""
+
+import threading
+import time
+import weakref
+from typing import Any, Callable, Mapping, Union
+
+import rospy
+
+from lifecycle_msgs import msg, srv
+from nodekit.groups.groups import Outside
+from nodekit.managed.heart import Heart
+from nodekit.managed.lifecycle import Lifecycle, Result
+from nodekit.managed.table import (
+    STATES,
+    TRANSITIONS,
+    NotAllowed,
+    State,
+    Transition,
+    available,
+)
+from nodekit.node.callbacks import Answering
+from nodekit.node.node import Node
+from nodekit.rospy_internals.shutdown import before_shutdown
+
+#: Longest wait for callbacks as the process ends, s.
+END_WAIT_S = 2.0
+
+
+class Interface:
+    """Asks for transitions of a node in the name of others, and tells them of its state.
+
+    :param node: the node
+    :param callbacks: what to call in each transition state, see :class:`.Lifecycle`
+
+    :ivar lifecycle: the node's way through its states
+    """
+
+    def __init__(self, node: Node, callbacks: Mapping[State, Callable[..., Result]]) -> None:
+        self.node = node
+        self.lifecycle = Lifecycle(node, callbacks, self._tell)
+        self._event = node.publisher("~transition_event", msg.TransitionEvent)
+        self._state = node.publisher("~state", msg.State, latch=True)
+        self._state.publish(_message(self.state))
+        Heart(node)
+        # In no group: they answer while a transition takes its time.
+        for name, service_class, handler in (
+            ("change_state", srv.ChangeState, self._change_state),
+            ("get_state", srv.GetState, lambda _: _message(self.state)),
+            ("get_available_states", srv.GetAvailableStates, lambda _: [_STATES]),
+            ("get_available_transitions", srv.GetAvailableTransitions, self._get_available),
+            ("get_transition_graph", srv.GetAvailableTransitions, lambda _: [_GRAPH]),
+        ):
+            node.service(f"~{name}", service_class, handler, group=Outside())
+        change = node.resolve("~change_state")
+        self._making = node.own(Answering(node.default_group, self.lifecycle.make, change))
+        _all.add(self)
+
+    @property
+    def state(self) -> State:
+        """The present state."""
+        return self.lifecycle.machine.state
+
+    def _change_state(self, request: Any) -> bool:
+        """Answer the service; of a refusal, the reason is logged."""
+        wanted: Union[int, str] = request.transition.label or request.transition.id
+        machine = self.lifecycle.machine
+        try:
+            transition = machine.claim(wanted)
+        except NotAllowed as refusal:
+            rospy.logwarn("%s: %s", self.node.name, refusal)
+            return False
+        try:
+            return bool(self._making.answer(transition))
+        finally:
+            machine.release()
+
+    def _get_available(self, _: Any) -> Any:
+        return [[_description(each) for each in available(self.state)]]
+
+    def _tell(self, step: Transition) -> None:
+        self._state.publish(_message(step.goal))
+        now = rospy.get_rostime().to_nsec()
+        self._event.publish(now, *_parts(step))
+
+
+def _message(state: State) -> msg.State:
+    return msg.State(*state)
+
+
+def _parts(step: Transition) -> Any:
+    """Return transition, start and goal as messages have them."""
+    return msg.Transition(step.id, step.label), _message(step.start), _message(step.goal)
+
+
+def _description(step: Transition) -> msg.TransitionDescription:
+    return msg.TransitionDescription(*_parts(step))
+
+
+_STATES = [_message(state) for state in STATES]
+_GRAPH = [_description(step) for step in TRANSITIONS]
+
+_all: "weakref.WeakSet[Interface]" = weakref.WeakSet()
+
+
+def _end_all() -> None:
+    """Have all that have started go through shutdown; leave behind those that do not come to it."""
+    ending = {}
+    for managed in list(_all):
+        if managed.node.is_up:
+            work = managed.lifecycle.shut_down
+            ending[managed] = threading.Thread(target=work, name="shutdown", daemon=True)
+            ending[managed].start()
+    deadline = time.monotonic() + END_WAIT_S
+    for managed, thread in ending.items():
+        thread.join(max(0.0, deadline - time.monotonic()))
+        if thread.is_alive():
+            text = "%s ends without its shutdown: it is %s, and busy for more than %g s"
+            rospy.logwarn(text, managed.node.name, managed.state.label, END_WAIT_S)
+
+
+before_shutdown(_end_all)

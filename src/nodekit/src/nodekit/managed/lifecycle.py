@@ -1,0 +1,128 @@
+"""Leads a node through its transitions: calls its class, and opens and closes what that makes."""
+
+import contextlib
+import traceback
+from typing import Any, Callable, List, Mapping, Union
+
+import rospy
+
+from nodekit.managed.gate import Gate
+from nodekit.managed.machine import Machine
+from nodekit.managed.stage import Stage
+from nodekit.managed.table import (
+    ACTIVATING,
+    ACTIVE,
+    CONFIGURING,
+    DEACTIVATING,
+    INACTIVE,
+    OUTCOMES,
+    SHUTTINGDOWN,
+    NotAllowed,
+    Outcome,
+    State,
+    Transition,
+)
+from nodekit.node.lifetime import Lifetime
+
+#: What a callback may return: nothing and True are success, False is failure.
+Result = Union[None, bool, Outcome]
+
+#: How many stages live on in a state: what on_configure has made, and on_activate. None in others.
+_STAGES = {INACTIVE: 1, ACTIVE: 2}
+
+
+class Lifecycle:
+    """A node's way through its states.
+
+    :param node: whose
+    :param callbacks: what to call in each transition state; the first two get a maker of their own
+    :param tell: called after each step, with it
+
+    :ivar previous: the state before the latest transition, which may be under way
+    """
+
+    def __init__(
+        self,
+        node: Lifetime,
+        callbacks: Mapping[State, Callable[..., Result]],
+        tell: Callable[[Transition], None],
+    ) -> None:
+        self.machine = Machine(tell)
+        self.previous = self.machine.state
+        self._node = node
+        self._callbacks = callbacks
+        self._gate = Gate()
+        self._stages: List[Stage] = []
+
+    def make(self, transition: Transition) -> bool:
+        """Make a transition that the machine was claimed for; called in the node's group.
+
+        :param transition: one that is allowed
+        :returns: whether the callback has succeeded
+        """
+        self.previous = transition.start
+        self._step(transition)
+        outcomes: List[Outcome] = []
+        while self.machine.state in self._callbacks:
+            outcomes.append(self._call())
+            self._step(OUTCOMES[self.machine.state, outcomes[-1]])
+        return outcomes[0] is Outcome.SUCCESS
+
+    def _step(self, transition: Transition) -> None:
+        """Make a step; have what the node has made heed it."""
+        goal = transition.goal
+        self._gate.let_tick(False)
+        # A last message may be sent on the way out, one that stops a motor.
+        if goal not in (ACTIVE, DEACTIVATING, SHUTTINGDOWN):
+            self._gate.let_publish(False)
+        if goal not in self._callbacks:
+            while len(self._stages) > _STAGES.get(goal, 0):
+                self._stages.pop().close()
+        self.machine.step(transition)
+        self._gate.let_tick(goal == ACTIVE)
+
+    def _call(self) -> Outcome:
+        """Call the node's class, as it is up to in this state; open what it has made."""
+        state = self.machine.state
+        callback = self._callbacks[state]
+        name = f"{self._node.name}: {callback.__name__}"
+        try:
+            if state not in (CONFIGURING, ACTIVATING):
+                outcome = _outcome(callback())
+            else:
+                made_at = "configure" if state == CONFIGURING else "activate"
+                stage = self._node.own(Stage(self._node, self._gate, made_at))
+                self._stages.append(stage)
+                outcome = _outcome(callback(stage))
+                if outcome is Outcome.SUCCESS:
+                    # What is opened may hear a message, and answer it, at once.
+                    self._gate.let_publish(state == ACTIVATING)
+                    stage.open()
+            if outcome is not Outcome.SUCCESS:
+                rospy.logwarn("%s: %s", name, outcome.name.lower())
+            return outcome
+        except BaseException:  # SystemExit too: the client would wait for its answer
+            rospy.logerr("%s failed:\n%s", name, traceback.format_exc().rstrip())
+            return Outcome.ERROR
+
+    def shut_down(self) -> None:
+        """Go through shutdown as soon as nothing else is under way, as the process ends."""
+        with contextlib.suppress(NotAllowed):  # it is finalized
+            transition = self.machine.claim("shutdown", None)
+            with self._node.default_group:
+                self.make(transition)
+            self.machine.release()
+
+
+def _outcome(result: Any) -> Outcome:
+    """Return what a callback means.
+
+    :raises TypeError: if it means nothing
+    """
+    if result is None or result is True:
+        return Outcome.SUCCESS
+    if result is False:
+        return Outcome.FAILURE
+    if result in tuple(Outcome):
+        return Outcome(result)
+    raise TypeError(f"returned {result!r}: must be None or True, False, or an Outcome")

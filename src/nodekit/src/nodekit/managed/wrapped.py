@@ -1,0 +1,55 @@
+"""A managed node of a class that knows nothing of it."""
+
+import functools
+from typing import Callable, cast
+
+import rospy
+
+from nodekit.managed.managed_node import ManagedNode
+from nodekit.managed.stage import CannotManage
+from nodekit.node.lifetime import Lifetime
+from nodekit.node.node import Node
+from nodekit.parameters.kinds import ParameterError
+
+
+class WrappedNode(ManagedNode):
+    """Makes a node's class at configure; its publishers and timers wait until the node is active.
+
+    :param cls: the class, called with what makes things until cleanup
+    :param node: the node
+    """
+
+    def __init__(self, cls: Callable[[Node], object], node: Node) -> None:
+        super().__init__(node)
+        self._cls = cls
+        self._guest: object = None
+        rospy.loginfo("%s is managed: it waits to be configured", node.name)
+
+    def on_configure(self, made: Lifetime) -> bool:
+        """Make the class; it fails with a sentence where parameters are refused, or the class."""
+        try:
+            self._guest = self._cls(cast(Node, made))
+            return True
+        except ParameterError as refused:
+            error = refused
+        except CannotManage as reason:
+            allowed = f"false for a class that {reason}"
+            error = ParameterError("managed", True, allowed).in_namespace(self.node.name)
+        rospy.logerr("%s; %s stays unconfigured", error, self.node.name)
+        return False
+
+    def on_cleanup(self) -> None:
+        """Give the class up; what it has made is closed without further ado."""
+        self._guest = None
+
+    on_shutdown = on_error = on_cleanup
+
+
+def wrapped(cls: Callable[[Node], object]) -> Callable[[Node], object]:
+    """Return the class of a managed node for a class; for one of a managed node, that itself.
+
+    :param cls: the class, or a function that makes its object
+    """
+    if isinstance(cls, type) and issubclass(cls, ManagedNode):
+        return cls
+    return functools.partial(WrappedNode, cls)

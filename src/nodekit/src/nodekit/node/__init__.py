@@ -1,0 +1,1 @@
+"""The class Node: names, lifetimes, what is opened when and closed when."""

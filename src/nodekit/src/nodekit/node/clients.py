@@ -1,0 +1,203 @@
+"""Call services, with a time-out and without waiting where one would wait for ever."""
+
+import concurrent.futures
+import contextlib
+import math
+import threading
+import time
+import weakref
+from functools import partial
+from typing import Any, Callable, Optional, Set
+
+import rospy
+
+from nodekit.node.callbacks import Answering, Callback
+from nodekit.node.server import CallError, CallTimeout, Server
+from nodekit.rospy_internals.shutdown import at_shutdown
+from nodekit.transport.service_call import ServiceCall
+
+#: How long a call takes at most where the user does not say, and what he may say, s.
+TIMEOUT_S, LONGEST_S = 5.0, 1e9
+#: Most calls of one client that are under way at once.
+MOST_CALLS = 200
+#: Time between two looks for a service that is not there yet, s, and between two lines about it.
+_LOOK_EVERY_S, _TELL_EVERY_S = 0.1, 1.0
+
+
+class CallCancelled(CallError):
+    """A call that was cancelled, or ended by the end of its node."""
+
+
+class NestedCall(CallError):
+    """A call that would wait for its own caller; it is refused."""
+
+
+class CallFuture(concurrent.futures.Future):
+    """The answer to a call, which comes later, but by the deadline.
+
+    :param client: whose
+    :param timeout: longest time to it, s
+    """
+
+    def __init__(self, client: "Client", timeout: float) -> None:
+        super().__init__()
+        self._client = client
+        self._call = ServiceCall(timeout)
+
+    def result(self, timeout: Optional[float] = None) -> Any:
+        """Wait for the answer.
+
+        :param timeout: longest wait, s; at most, and by default, up to the call's own deadline
+        :raises CallTimeout: if there is none in time
+        :raises CallCancelled: if the call was cancelled
+        :raises NestedCall: if the server waits for the calling thread
+        :raises CallError: if the service is not there, or answers with an error
+        """
+        if not self.done():
+            self._client.refuse_nested()
+        left = max(0.0, self._call.deadline - time.monotonic())
+        wait = left if timeout is None else min(timeout, left)
+        try:
+            return super().result(wait)
+        except concurrent.futures.CancelledError:
+            raise CallCancelled(f"the call of {self._client.name} was cancelled") from None
+        except concurrent.futures.TimeoutError:
+            waited = self._call.timeout if wait == left else wait
+            raise CallTimeout(f"{self._client.name}: no answer within {waited:g} s") from None
+
+    def cancel(self) -> bool:
+        """Wait for the answer no longer; the server learns of it only if it looks.
+
+        :returns: whether it was cancelled; False where it is done
+        """
+        is_cancelled = super().cancel()
+        self._call.cancel()
+        return is_cancelled
+
+    def add_done_callback(self, function: Callable[["CallFuture"], Any]) -> None:
+        """Have a function called with this when it is done, in the client's callback group.
+
+        :param function: what to call
+        """
+        super().add_done_callback(lambda _: self._client.done.offer(partial(self._tell, function)))
+
+    def _tell(self, function: Callable[["CallFuture"], Any]) -> None:
+        self._client.done.call_inside(function, self)
+
+    def run(self, request: bytes) -> None:
+        """Make the call, in a thread of its own.
+
+        :param request: serialised
+        """
+        try:
+            answer, error = self._client.server.answer(self._call, request), None
+        except Exception as failure:  # of any kind: it is told where the answer is waited for
+            answer, error = None, failure
+        with contextlib.suppress(concurrent.futures.InvalidStateError):  # cancelled: nobody waits
+            if error is None:
+                self.set_result(answer)
+            else:
+                self.set_exception(error)
+        self._client.under_way.discard(self)
+
+
+class Client:
+    """Calls one service; each call has a connection of its own, so that answers never swap.
+
+    :param name: of the service, resolved
+    :param service_class: its type
+    :param done: calls back when calls are done
+    """
+
+    def __init__(self, name: str, service_class: Any, done: Callback) -> None:
+        self.name, self.done = name, done
+        self.server = Server(name, service_class)
+        self.under_way: Set[CallFuture] = set()
+        self._is_closed = False
+        _clients.add(self)
+
+    def call(self, request: Any, timeout: float = TIMEOUT_S) -> Any:
+        """Call the service and wait for the answer.
+
+        :param request: of the service's request class
+        :param timeout: longest wait, s
+        :returns: the answer
+        :raises CallError: if there is none, see :meth:`CallFuture.result`
+        """
+        self.refuse_nested()
+        return self.call_async(request, timeout).result()
+
+    def call_async(self, request: Any, timeout: float = TIMEOUT_S) -> CallFuture:
+        """Call the service.
+
+        :param request: of the service's request class
+        :param timeout: longest time to the answer, s
+        :returns: the answer, which comes later
+        :raises CallError: if the request cannot be sent, or too many are under way
+        :raises ValueError: if the time-out is none
+        """
+        if not (0.0 < timeout <= LONGEST_S):
+            must = f"must be a number in (0, {LONGEST_S:g}]"
+            raise ValueError(f"timeout: refused {timeout!r} s: {must}")
+        if self._is_closed or rospy.is_shutdown():
+            raise CallCancelled(f"{self.name} is not called: its client is closed")
+        if len(self.under_way) >= MOST_CALLS:
+            raise CallError(f"{self.name} is not called: {MOST_CALLS} calls are under way already")
+        content = self.server.serialised(request)
+        future = CallFuture(self, timeout)
+        self.under_way.add(future)
+        threading.Thread(
+            target=future.run, args=(content,), name=f"call of {self.name}", daemon=True
+        ).start()
+        return future
+
+    def wait_for_service(self, timeout: float = math.inf) -> bool:
+        """Wait until the service can be called; say each second that it cannot.
+
+        :param timeout: longest wait, s; by default, until the node ends. With 0 it is looked once,
+            which takes up to 0.1 s where the server does not answer
+        :returns: whether it can be called now
+        """
+        began = told = time.monotonic()
+        while not (self._is_closed or rospy.is_shutdown()):
+            left = began + timeout - time.monotonic()
+            with contextlib.suppress(CallError):
+                self.server.look(ServiceCall(min(max(left, _LOOK_EVERY_S), _TELL_EVERY_S)))
+                return True
+            if time.monotonic() >= told + _TELL_EVERY_S:
+                told = time.monotonic()
+                rospy.loginfo("service %s is not available, waiting again...", self.name)
+            if left <= 0.0:
+                break
+            time.sleep(min(_LOOK_EVERY_S, max(0.0, left)))
+        return False
+
+    def close(self) -> None:
+        """Cancel all calls that are under way, and make none any more."""
+        self._is_closed = True
+        for future in list(self.under_way):
+            future.cancel()
+
+    def refuse_nested(self) -> None:
+        """Refuse to wait for a service of this process that waits for the calling thread.
+
+        :raises NestedCall: if it does
+        """
+        answering = Answering.offered.get(self.name)
+        if answering is not None and answering.waits_for_caller():
+            raise NestedCall(
+                f"{self.name} is not called: it is answered in the callback group or by the thread"
+                " that would wait for it; give the service a group of its own, or call it"
+                " asynchronously"
+            )
+
+
+_clients: "weakref.WeakSet[Client]" = weakref.WeakSet()
+
+
+def _close_all() -> None:
+    for client in list(_clients):
+        client.close()
+
+
+at_shutdown(_close_all)

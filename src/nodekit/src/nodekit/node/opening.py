@@ -1,0 +1,74 @@
+"""Open what nodes have made: nothing before their constructors have returned, then all together."""
+
+import threading
+from typing import Any, Iterable, List, Optional
+
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.service import Service
+from nodekit.messaging.subscription import Subscription
+from nodekit.node.telling import Change, Followed
+from nodekit.node.timers import NodeTimer
+from nodekit.parameter_server import following, live_parameters
+from nodekit.rospy_internals import registration
+
+
+class Opener:
+    """Keeps what is made until the start; from then on, opens it at once."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._noted: Optional[List[Any]] = []
+
+    @property
+    def has_started(self) -> bool:
+        """Whether what is made is opened at once."""
+        return self._noted is None
+
+    def add(self, things: List[Any]) -> None:
+        """Open things now or at the start.
+
+        :param things: publishers, services, subscriptions, parameters, timers
+        """
+        with self._lock:
+            if self._noted is not None:
+                self._noted += things
+                return
+        _open_together(things)
+
+    def forget(self, things: Iterable[Any]) -> None:
+        """Do not open things that were closed before the start.
+
+        :param things: some of those that were added
+        """
+        gone = set(map(id, things))
+        with self._lock:
+            if self._noted is not None:
+                self._noted = [thing for thing in self._noted if id(thing) not in gone]
+
+    def start(self) -> None:
+        """Open what has been made up to now."""
+        with self._lock:
+            noted, self._noted = self._noted, None
+        _open_together(noted or [])
+
+
+def _open_together(things: List[Any]) -> None:
+    """Open things with a few requests to the master, those last that begin to call back."""
+    subscriptions = [thing for thing in things if isinstance(thing, Subscription)]
+    with registration.together():
+        for thing in things:
+            if isinstance(thing, (Publisher, Service)):
+                thing.open()
+        for subscription in subscriptions:
+            subscription.open()
+    for subscription in subscriptions:
+        subscription.receive_latched()
+    followed = [thing for thing in things if isinstance(thing, Followed)]
+    live_parameters.open_all(
+        [thing for thing in things if isinstance(thing, live_parameters.LiveParameters)]
+    )
+    following.open_all([one.following for one in followed])
+    for thing in things:
+        if isinstance(thing, (Change, Followed)):
+            thing.start()
+    NodeTimer.start_together([thing for thing in things if isinstance(thing, NodeTimer)])

@@ -1,0 +1,95 @@
+"""What somebody has made is theirs, and is closed with them."""
+
+import threading
+import time
+import traceback
+from typing import Any, List, Set, TypeVar
+
+import rospy
+
+from nodekit.groups.groups import Group
+from nodekit.node.callbacks import Callback
+from nodekit.node.opening import Opener
+from nodekit.rospy_internals import registration
+
+Thing = TypeVar("Thing")
+
+#: Longest wait on closing for callbacks that are under way, s.
+CLOSE_WAIT_S = 1.0
+
+
+class Closed(RuntimeError):
+    """Something was to be made by what is closed."""
+
+
+class Owner:
+    """Has things opened, and closes them.
+
+    :param opener: opens them at the node's start, or at once after it
+    """
+
+    def __init__(self, opener: Opener) -> None:
+        self._opener = opener
+        self._made: List[Any] = []
+        self._closed = False
+        self._lock = threading.Lock()
+
+    def own(self, thing: Thing) -> Thing:
+        """Close something with the rest.
+
+        :param thing: anything with a method ``close``
+        :returns: the thing
+        :raises Closed: if the owner is closed
+        """
+        with self._lock:
+            if self._closed:
+                raise Closed(f"{self} is closed and can make nothing")
+            self._made.append(thing)
+        return thing
+
+    def disown(self, thing: object) -> None:
+        """Forget something that was closed.
+
+        :param thing: what :meth:`own` was given
+        """
+        with self._lock:
+            self._made = [other for other in self._made if other is not thing]
+
+    def close(self) -> None:
+        """Close all that was made, the latest first; without effect a second time.
+
+        No callback of it begins after this has returned. Those under way are waited for, but not
+        the caller's own, and not for longer than :data:`CLOSE_WAIT_S`.
+        """
+        groups: Set[Group] = set()
+        with registration.together():
+            self._shut(groups)
+        deadline = time.monotonic() + CLOSE_WAIT_S
+        for group in groups:
+            group.wait_until_left(max(0.0, deadline - time.monotonic()))
+
+    def _open(self, thing: Thing) -> Thing:
+        """Own a thing, and open it now or at the start."""
+        self.own(thing)
+        self._opener.add([thing])
+        return thing
+
+    def _shut(self, groups: Set[Group]) -> None:
+        """Close everything without waiting.
+
+        :param groups: takes in the groups whose callbacks may be under way
+        """
+        with self._lock:
+            self._closed = True
+            made, self._made = self._made, []
+        self._opener.forget(made)
+        for thing in reversed(made):
+            try:
+                if isinstance(thing, Owner):
+                    thing._shut(groups)
+                else:
+                    if isinstance(thing, Callback):
+                        groups.add(thing.group)
+                    thing.close()
+            except Exception:  # what fails must not keep the rest open
+                rospy.logerr("closing %s failed:\n%s", thing, traceback.format_exc())

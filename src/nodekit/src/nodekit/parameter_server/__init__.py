@@ -1,0 +1,1 @@
+"""The parameter server: one client of the master, one watcher, live parameters."""

@@ -1,0 +1,249 @@
+"""Keep a declared set of parameters in step with the parameter server."""
+
+import contextlib
+import threading
+import time
+from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequence, Tuple, Type
+
+import rospy
+
+from nodekit.parameter_server.first_writes import MANY, write_missing
+from nodekit.parameter_server.followers import Follower, call_listener
+from nodekit.parameter_server.master import MasterUnreachable
+from nodekit.parameter_server.watcher import Watcher
+from nodekit.parameters.declaration import Snapshot
+from nodekit.parameters.kinds import ParameterError, format_value
+from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
+from nodekit.parameters.schema import AT_START
+
+Bell = Callable[[], None]
+#: Most namespaces that are opened at a time: what they hold takes memory until then.
+_TOGETHER = 50
+
+
+class LiveParameters(Generic[Snapshot]):
+    """The parameters of one node, or of one part of it, validated and live.
+
+    The namespace is read and judged now. From :func:`open_all` on changes are
+    followed: a good one comes into force at once, a bad one is refused with one
+    warning and put back.
+
+    :param declaration: the class that declares the parameters
+    :param namespace: where they stand, a global name
+    :param watcher: reads the server
+    :param exempt: names in the namespace that are used but not declared
+    :param anew: when changes of what is read once take effect
+    :raises ParameterError: if values on the server are not allowed; names all of them
+    :raises MasterUnreachable: if the master does not answer
+
+    :ivar values: the snapshot in force; never changes itself, is replaced
+    """
+
+    values: Snapshot
+
+    def __init__(
+        self,
+        declaration: Type[Snapshot],
+        namespace: str,
+        watcher: Watcher,
+        exempt: Collection[str] = (),
+        anew: str = AT_START,
+    ) -> None:
+        self.declaration = declaration
+        self.namespace = namespace.rstrip("/")
+        self.anew = anew
+        self._watcher = watcher
+        self._reconciler = Reconciler(declaration, exempt)
+        self._follower = Follower(self.namespace, self._is_news, self._take)
+        self._lock = threading.Lock()
+        self._is_open = False
+        #: What :meth:`change` has to write when this is opened, by name.
+        self._unwritten: Dict[str, Any] = {}
+        #: Replaced and never changed, since several threads walk through it.
+        self._bells: Tuple[Bell, ...] = ()
+        #: What has not been logged yet: values before, and what has come of a change.
+        self._untold: List[Tuple[Snapshot, Outcome]] = []
+        raw = watcher.first_reading(self.namespace)
+        try:
+            outcome = self._reconciler.start(raw, time.monotonic())
+        except ParameterError as error:
+            raise error.in_namespace(self.namespace) from None
+        self.values = self._reconciler.values
+        self._adopt(outcome)
+        self._tell()
+
+    def update(self, **changes: Any) -> None:
+        """Change values from within the node, on the server too: all or, if one is refused, none.
+
+        :param changes: new values by name
+        :raises ParameterError: if values are not allowed; names all of them
+        :raises MasterUnreachable: if the master does not answer; nothing is changed then
+        """
+        self.change(changes)
+
+    def change(self, changes: Mapping[str, Any]) -> None:
+        """Change values as :meth:`update` does, given in one mapping.
+
+        :param changes: new values by name
+        """
+        with self._lock:
+            try:
+                outcome = self._reconciler.judge(changes)
+            except ParameterError as error:
+                raise error.in_namespace(self.namespace) from None
+            if self._is_open:
+                self._watcher.client.write(self._resolved(outcome.writes))
+            else:
+                self._unwritten.update(outcome.writes)
+            self._reconciler.adopt(outcome, time.monotonic())
+            self._adopt(outcome)
+        self._tell()
+
+    def add_listener(self, bell: Bell) -> Callable[[], None]:
+        """Have a function called after each change, in whatever thread makes it.
+
+        :param bell: must not block: other changes wait for it
+        :returns: a function that ends this
+        """
+        with self._lock:
+            self._bells += (bell,)
+
+        def remove() -> None:
+            with self._lock:
+                self._bells = tuple(other for other in self._bells if other is not bell)
+
+        return remove
+
+    def close(self) -> None:
+        """Follow the server no longer; changes from within the node stay in here."""
+        close_all([self])
+
+    def _is_news(self, raw: Any) -> bool:
+        with self._lock:
+            return self._reconciler.is_news(raw)
+
+    def _take(self, seen: Seen) -> bool:
+        try:
+            with self._lock:
+                if not self._is_open:
+                    return False  # it is just being opened
+                outcome = self._step(seen)
+                if not outcome.again:
+                    _write([self], self._resolved(outcome.writes))
+                return not outcome.again
+        finally:
+            self._tell()
+
+    def _begin(self, raw: Any, read_at: float) -> Dict[str, Any]:
+        """Follow the server from now on; return what to write there now, by global name.
+
+        :param raw: the namespace as it is now; what it lacks is in force already
+        """
+        if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
+            raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
+        outcome = self._step(Seen(raw, forgotten=True, read_at=read_at))
+        unwritten, self._unwritten = self._unwritten, {}
+        self._is_open = True
+        return self._resolved({**unwritten, **outcome.writes})
+
+    def _step(self, seen: Seen) -> Outcome:
+        outcome = self._reconciler.step(seen, time.monotonic())
+        self._adopt(outcome)
+        return outcome
+
+    def _adopt(self, outcome: Outcome) -> None:
+        """Have in force what the reconciler has decided, and note to tell of it."""
+        self._untold.append((self.values, outcome))
+        self.values = self._reconciler.values
+
+    def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
+        """Return values by global name; an empty name is that of the namespace."""
+        return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
+
+    def _tell(self) -> None:
+        """Log what has happened, and ring the bells if values have changed: without the lock."""
+        with self._lock:
+            untold, self._untold = self._untold, []
+        for old, outcome in untold:
+            self._log(old, outcome)
+        if any(old != outcome.values for old, outcome in untold):
+            for bell in self._bells:
+                call_listener(bell, self.namespace)
+
+    def _log(self, old: Snapshot, outcome: Outcome) -> None:
+        before, in_force = old.as_dict(), outcome.values.as_dict()
+        # First: of a good value that was set just before a bad one, the refusal says that it stays.
+        for name, value in in_force.items():
+            if value != before[name]:
+                texts = format_value(before[name]), format_value(value)
+                late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
+                rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
+        for error in outcome.refusals:
+            kept = {name: in_force[name] for name in error.names if name in in_force}
+            told = "in force is " + _settings(kept) if kept else "all values stay in force"
+            rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
+        for name, nearest in outcome.unknown.items():
+            hint = f"; did you mean {nearest}?" if nearest else ""
+            rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
+
+
+def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
+    """Follow changes from now on, and write what the server lacks: all in a few requests.
+
+    A change since the parameters were made is not missed.
+
+    :param parameters: all with the same watcher
+    :raises MasterUnreachable: if the master does not answer; nothing is followed then
+    """
+    if len(parameters) >= MANY:
+        in_force = {one.namespace: one.values for one in parameters}
+        write_missing(parameters[0]._watcher.client, in_force)
+    try:
+        for start in range(0, len(parameters), _TOGETHER):
+            _open(parameters[start : start + _TOGETHER])
+    except MasterUnreachable:
+        close_all(parameters)
+        raise
+    for one in parameters:
+        rospy.loginfo("%s: %s", one.namespace, _settings(one.values.as_dict()))
+        one._tell()
+
+
+def _open(parameters: Sequence[LiveParameters[Any]]) -> None:
+    watcher = parameters[0]._watcher
+    watcher.subscribe([one._follower for one in parameters])
+    with contextlib.ExitStack() as locks:
+        for one in parameters:
+            locks.enter_context(one._lock)
+        read_at = time.monotonic()
+        held = watcher.client.read([one.namespace for one in parameters]).values
+        writes = [one._begin(held[one.namespace], read_at) for one in parameters]
+        _write(parameters, {key: value for each in writes for key, value in each.items()})
+
+
+def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
+    """Follow the server no longer; changes from within the node do not reach it any more.
+
+    :param parameters: all with the same watcher, one at least
+    """
+    for one in parameters:
+        with one._lock:
+            one._is_open = False
+    parameters[0]._watcher.close(*(one._follower for one in parameters))
+
+
+def _write(parameters: Sequence[LiveParameters[Any]], writes: Mapping[str, Any]) -> None:
+    """Write what a step of each has come to; their locks are held."""
+    try:
+        parameters[0]._watcher.client.write(writes)
+    except BaseException:
+        for one in parameters:
+            one._reconciler.failed()
+        raise
+    for one in parameters:
+        one._reconciler.written(time.monotonic())
+
+
+def _settings(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={format_value(value)}" for name, value in values.items())

@@ -1,0 +1,91 @@
+"""What the master knows of this process, and what it is told once more.
+
+It has to be told all where it was restarted, or has forgotten this node as ``rosnode cleanup``
+makes it. And a service belongs to whoever registered it last: when that node ends, the master
+knows nobody who offers it, and the other one has to register it again.
+"""
+
+from typing import List, Optional, Set
+
+import rospy
+
+from nodekit.parameter_server.master import MasterClient, Reading
+from nodekit.parameter_server.turns import Turns
+from nodekit.rospy_internals import registration
+from nodekit.rospy_internals.service_owners import with_owners
+
+#: Most services that are looked up at a time; where there are more, they take turns.
+LOOKUPS = 20
+
+
+class Registrations:
+    """Keeps what this process has registered.
+
+    :param client: asks the master
+
+    :ivar are_lost: whether the master has to be told all again
+    """
+
+    def __init__(self, client: MasterClient) -> None:
+        self.are_lost = False
+        self._client = client
+        self._master_pid: Optional[int] = None
+        self._is_another = False
+        #: Whether the master took nothing at all: it will not know this node, restarted or not.
+        self._is_refused = False
+        self._taken: Set[str] = set()
+        self._turns = Turns(LOOKUPS)
+
+    def begin(self, reading: Reading) -> None:
+        """Note which master it is."""
+        self._master_pid = reading.master_pid
+
+    def note(self, reading: Reading) -> None:
+        """Note what was read from the master."""
+        if self._master_pid not in (None, reading.master_pid):
+            self.are_lost = self._is_another = True
+        elif not reading.knows_node and not self._is_refused:
+            self.are_lost = True
+        self._master_pid = reading.master_pid
+
+    def renew(self) -> None:
+        """Register all topics and services again.
+
+        :raises MasterUnreachable: if the master does not answer
+        """
+        self._is_refused = not registration.register_again(self._client.request)
+
+    def renewed(self) -> None:
+        """Note that the master has been told all, and say so."""
+        why = "was restarted" if self._is_another else "had forgotten this node"
+        self.are_lost = self._is_another = False
+        if not self._is_refused:
+            rospy.logwarn("the master %s: registered again, settings in force are kept", why)
+
+    def look_after_services(self) -> None:
+        """Register those again that another node had taken over, and has left.
+
+        :raises MasterUnreachable: if the master does not answer
+        """
+        services = registration.services()
+        turn = self._turns.next(list(services))
+        if not turn:
+            return
+        free: List[str] = []
+        taken: List[str] = []
+        answers = self._client.request([("lookupService", name) for name in turn])
+        for name, (code, _, uri) in zip(turn, answers):
+            if code != 1:
+                free.append(name)
+            elif uri == services[name]:
+                self._taken.discard(name)
+            elif name not in self._taken:
+                taken.append(name)
+        if taken:
+            text = "taken over by another node, which is called in place of this one: service %s"
+            rospy.logwarn(text, with_owners(taken, self._client.request))
+            self._taken.update(taken)
+        if free and not self.are_lost:
+            registration.register_services(free, self._client.request)
+            self._taken.difference_update(free)
+            rospy.loginfo("offered by nobody, registered again: service %s", ", ".join(free))

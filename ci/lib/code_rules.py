@@ -53,10 +53,7 @@ ROOMS: Dict[str, List[str]] = {
     "lifecycle_manager": [
         *("plan", "member", "commands", "system", "reports", "contact", "rivals", "nodes"),
     ],
-    "diff_drive_sim": [
-        *("kinematics", "limits", "odometry", "world", "laser", "robot", "robot_parameters"),
-        *("messages", "scanner", "world_markers", "command_topic", "nodes"),
-    ],
+    "diff_drive_sim": ["simulation", "robot_parameters", "messages", "nodes"],
     "executors_demo": [
         *("events", "diary", "bars", "picture", "timeline_command"),
         *("demo", "four_timers", "nodes"),
@@ -65,11 +62,7 @@ ROOMS: Dict[str, List[str]] = {
         *("modes", "robot_model", "awake_clock", "period", "presence", "sources", "settings"),
         *("problems", "robot", "fleet", "table", "diagnostics", "fleet_report_command", "nodes"),
     ],
-    "bot_controller_demo": [
-        *("geometry", "velocities", "laws", "pursuit", "freshness", "straight_line", "wandering"),
-        *("teleop_keys", "terminal", "driving_parameters", "commands", "driver", "goals"),
-        *("go_to_server", "nodes"),
-    ],
+    "bot_controller_demo": ["laws", "teleop", "driving", "nodes"],
     "topic_scope": [
         *("messages", "analysis", "record", "bag", "protocol", "page", "graph", "controls"),
         *("robots", "web", "nodes"),
@@ -88,8 +81,7 @@ PURE = (
     *("basic_comms.signals", "basic_comms.chatter"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
     "lifecycle_manager.system",
-    *("diff_drive_sim.kinematics", "diff_drive_sim.limits", "diff_drive_sim.odometry"),
-    *("diff_drive_sim.world", "diff_drive_sim.laser", "diff_drive_sim.robot"),
+    "diff_drive_sim.simulation",
     *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
     *("executors_demo.picture", "executors_demo.timeline_command"),
     *("robot_interfaces_demo.modes", "robot_interfaces_demo.robot_model"),
@@ -99,10 +91,7 @@ PURE = (
     *("robot_interfaces_demo.robot", "robot_interfaces_demo.fleet", "robot_interfaces_demo.table"),
     *("parameters_demo.pixel_font", "parameters_demo.picture", "parameters_demo.room"),
     *("parameters_demo.traffic", "launch_files_demo.temperature"),
-    *("bot_controller_demo.geometry", "bot_controller_demo.velocities"),
-    *("bot_controller_demo.laws", "bot_controller_demo.pursuit"),
-    *("bot_controller_demo.freshness", "bot_controller_demo.straight_line"),
-    *("bot_controller_demo.wandering", "bot_controller_demo.teleop_keys"),
+    *("bot_controller_demo.laws", "bot_controller_demo.teleop.keys"),
     *(
         "ros2_bridge.types.twins",
         "ros2_bridge.types.comparing",

@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, NamedTuple, Type
 
 import matplotlib
-from bot_controller_demo import pursuit
-from bot_controller_demo.geometry import Goal, Pose
-from bot_controller_demo.laws import Gains
-from bot_controller_demo.straight_line import distance_left
-from bot_controller_demo.velocities import MODELS, STOP, Limits, Velocity
-from diff_drive_sim.limits import RobotSettings
-from diff_drive_sim.robot import Robot
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
+
+from bot_controller_demo.laws import pursuit
+from bot_controller_demo.laws.geometry import Goal, Pose
+from bot_controller_demo.laws.steering import Gains
+from bot_controller_demo.laws.straight_line import distance_left
+from bot_controller_demo.laws.velocities import MODELS, STOP, Limits, Velocity
+from diff_drive_sim.simulation.limits import RobotSettings
+from diff_drive_sim.simulation.robot import Robot
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402

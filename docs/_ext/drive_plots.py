@@ -10,11 +10,12 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import matplotlib
 import numpy
-from diff_drive_sim.kinematics import Pose, Wheels, body_speeds
-from diff_drive_sim.limits import RobotSettings
-from diff_drive_sim.robot import Robot
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
+
+from diff_drive_sim.simulation.kinematics import Pose, Wheels, body_speeds
+from diff_drive_sim.simulation.limits import RobotSettings
+from diff_drive_sim.simulation.robot import Robot
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402

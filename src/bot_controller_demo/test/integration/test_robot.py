@@ -16,10 +16,10 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from stepping import SteppedClock
 
-from bot_controller_demo.commands import Commands
-from bot_controller_demo.straight_line import distance_left
-from bot_controller_demo.velocities import STOP, Velocity
-from bot_controller_demo.wandering import Wanderer
+from bot_controller_demo.driving.commands import Commands
+from bot_controller_demo.laws.straight_line import distance_left
+from bot_controller_demo.laws.velocities import STOP, Velocity
+from bot_controller_demo.laws.wandering import Wanderer
 from bot_controller_demo_msgs.msg import (
     GoToActionFeedback,
     GoToActionGoal,

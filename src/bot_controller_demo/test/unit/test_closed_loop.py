@@ -6,13 +6,13 @@ from typing import List, NamedTuple, Optional
 
 import pytest
 
-from bot_controller_demo.geometry import Goal, Pose
-from bot_controller_demo.laws import Gains, may_circle
-from bot_controller_demo.pursuit import ARRIVED, Pursuit, Tuning
-from bot_controller_demo.straight_line import distance_left, sampled, time_when
-from bot_controller_demo.velocities import MODELS, STOP, Limits, Velocity
-from diff_drive_sim.limits import RobotSettings
-from diff_drive_sim.robot import Robot
+from bot_controller_demo.laws.geometry import Goal, Pose
+from bot_controller_demo.laws.pursuit import ARRIVED, Pursuit, Tuning
+from bot_controller_demo.laws.steering import Gains, may_circle
+from bot_controller_demo.laws.straight_line import distance_left, sampled, time_when
+from bot_controller_demo.laws.velocities import MODELS, STOP, Limits, Velocity
+from diff_drive_sim.simulation.limits import RobotSettings
+from diff_drive_sim.simulation.robot import Robot
 
 PERIOD = 0.05
 #: What the nodes have by default.

@@ -7,7 +7,7 @@ from typing import Any, Iterator, List
 import pytest
 import rospy
 
-from bot_controller_demo import go_to_server
+from bot_controller_demo.driving import go_to_server
 from bot_controller_demo_msgs.msg import Progress
 
 

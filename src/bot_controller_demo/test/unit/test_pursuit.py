@@ -8,13 +8,13 @@ from geometry_msgs.msg import PoseStamped
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bot_controller_demo.freshness import Freshness
-from bot_controller_demo.geometry import Errors, Goal, Pose, errors, heading_of, wrap
-from bot_controller_demo.goals import GoalRefused, goal_of
-from bot_controller_demo.laws import LAWS, Gains, course, settling
-from bot_controller_demo.pursuit import ARRIVED, DRIVING, TURNING, Pursuit, Tuning
-from bot_controller_demo.velocities import STOP, Limits, Velocity, clamp, saturate
-from bot_controller_demo.wandering import Wanderer
+from bot_controller_demo.driving.goals import GoalRefused, goal_of
+from bot_controller_demo.laws.freshness import Freshness
+from bot_controller_demo.laws.geometry import Errors, Goal, Pose, errors, heading_of, wrap
+from bot_controller_demo.laws.pursuit import ARRIVED, DRIVING, TURNING, Pursuit, Tuning
+from bot_controller_demo.laws.steering import LAWS, Gains, course, settling
+from bot_controller_demo.laws.velocities import STOP, Limits, Velocity, clamp, saturate
+from bot_controller_demo.laws.wandering import Wanderer
 
 TUNING = Tuning("settling", Gains(0.5, 1.0), Limits(0.5, 1.0), 0.1, 0.05)
 ANGLES = st.floats(-math.pi, math.pi)

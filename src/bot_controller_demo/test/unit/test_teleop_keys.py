@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bot_controller_demo.teleop_keys import (
+from bot_controller_demo.laws.velocities import STOP, Velocity
+from bot_controller_demo.teleop.keys import (
     MOVES,
     SCALES,
     HeldKey,
@@ -14,7 +15,6 @@ from bot_controller_demo.teleop_keys import (
     TimeOuts,
     split,
 )
-from bot_controller_demo.velocities import STOP, Velocity
 
 TIME_OUTS = TimeOuts(0.6, 0.15)
 SPEEDS = Velocity(0.2, 1.0)

@@ -1,8 +1,8 @@
 """The parameters of a robot; their defaults are those of a TurtleBot3 Burger."""
 
-from diff_drive_sim.kinematics import Pose
-from diff_drive_sim.limits import RobotSettings
-from diff_drive_sim.world import World
+from diff_drive_sim.simulation.kinematics import Pose
+from diff_drive_sim.simulation.limits import RobotSettings
+from diff_drive_sim.simulation.world import World
 from nodekit import (
     BoolParameter,
     EnumParameter,

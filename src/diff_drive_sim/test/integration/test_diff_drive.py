@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from diff_drive_sim.kinematics import Pose, wrapped
+from diff_drive_sim.simulation.kinematics import Pose, wrapped
 from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear

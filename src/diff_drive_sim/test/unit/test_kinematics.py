@@ -9,8 +9,15 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from diff_drive_sim.kinematics import Pose, Wheels, body_speeds, chord, wheel_speeds, wrapped
-from diff_drive_sim.robot import Robot
+from diff_drive_sim.simulation.kinematics import (
+    Pose,
+    Wheels,
+    body_speeds,
+    chord,
+    wheel_speeds,
+    wrapped,
+)
+from diff_drive_sim.simulation.robot import Robot
 
 getcontext().prec = 40
 PI = Decimal("3.141592653589793238462643383279502884197169399")

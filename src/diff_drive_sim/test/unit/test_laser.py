@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from diff_drive_sim.kinematics import Pose
-from diff_drive_sim.laser import Laser
+from diff_drive_sim.messages.scanner import Scanner
 from diff_drive_sim.robot_parameters import RobotParameters
-from diff_drive_sim.scanner import Scanner
-from diff_drive_sim.world import World, box_corners
+from diff_drive_sim.simulation.kinematics import Pose
+from diff_drive_sim.simulation.laser import Laser
+from diff_drive_sim.simulation.world import World, box_corners
 
 SQUARE = World([(2, -2, 2, 2), (2, 2, -2, 2), (-2, 2, -2, -2), (-2, -2, 2, -2)])
 GRID = st.integers(-50, 50)

@@ -6,10 +6,10 @@ from typing import List
 import numpy
 import pytest
 
-from diff_drive_sim.kinematics import Pose, wrapped
-from diff_drive_sim.limits import RobotSettings
-from diff_drive_sim.odometry import EXACT, wheel_paths
-from diff_drive_sim.robot import Robot
+from diff_drive_sim.simulation.kinematics import Pose, wrapped
+from diff_drive_sim.simulation.limits import RobotSettings
+from diff_drive_sim.simulation.odometry import EXACT, wheel_paths
+from diff_drive_sim.simulation.robot import Robot
 
 K = 0.01
 NOISY = RobotSettings(command_timeout=0.0, odometry_noise=K)

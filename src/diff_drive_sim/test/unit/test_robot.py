@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from diff_drive_sim.kinematics import Pose, Wheels, wheel_speeds, wrapped
-from diff_drive_sim.limits import RobotSettings, saturated
-from diff_drive_sim.robot import LONGEST_STEP_S, Robot
-from diff_drive_sim.world import World
+from diff_drive_sim.simulation.kinematics import Pose, Wheels, wheel_speeds, wrapped
+from diff_drive_sim.simulation.limits import RobotSettings, saturated
+from diff_drive_sim.simulation.robot import LONGEST_STEP_S, Robot
+from diff_drive_sim.simulation.world import World
 
 BURGER = RobotSettings()
 WAFFLE = RobotSettings(0.287, 0.033, 0.220, 0.26, 1.82, 8.06)

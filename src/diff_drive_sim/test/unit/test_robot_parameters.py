@@ -7,9 +7,9 @@ import pytest
 import rospkg
 import yaml
 
-from diff_drive_sim.limits import RobotSettings
 from diff_drive_sim.nodes.diff_drive_fleet import FleetParameters
 from diff_drive_sim.robot_parameters import RobotParameters
+from diff_drive_sim.simulation.limits import RobotSettings
 from nodekit import ParameterError
 
 CONFIG = os.path.join(rospkg.RosPack().get_path("diff_drive_sim"), "config")

@@ -5,11 +5,11 @@ import math
 import rospy
 from geometry_msgs.msg import PoseStamped
 
-from bot_controller_demo.driver import Driver
-from bot_controller_demo.driving_parameters import DrivingParameters
-from bot_controller_demo.geometry import Goal
-from bot_controller_demo.go_to_server import GoToServer
-from bot_controller_demo.goals import FARTHEST, GoalRefused, allowed, goal_of
+from bot_controller_demo.driving.driver import Driver
+from bot_controller_demo.driving.driving_parameters import DrivingParameters
+from bot_controller_demo.driving.go_to_server import GoToServer
+from bot_controller_demo.driving.goals import FARTHEST, GoalRefused, allowed, goal_of
+from bot_controller_demo.laws.geometry import Goal
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest, SetGoalResponse
 from nodekit import FloatParameter, Node, run
 

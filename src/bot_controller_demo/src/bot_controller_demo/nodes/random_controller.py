@@ -1,8 +1,8 @@
 """The random controller: drives a robot anywhere."""
 
-from bot_controller_demo.commands import Commands
-from bot_controller_demo.driving_parameters import controller_type
-from bot_controller_demo.wandering import Wanderer
+from bot_controller_demo.driving.commands import Commands
+from bot_controller_demo.driving.driving_parameters import controller_type
+from bot_controller_demo.laws.wandering import Wanderer
 from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
 
 

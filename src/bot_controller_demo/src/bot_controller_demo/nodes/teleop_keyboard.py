@@ -6,11 +6,11 @@ import time
 
 import rospy
 
-from bot_controller_demo.commands import Commands
-from bot_controller_demo.driving_parameters import controller_type
-from bot_controller_demo.teleop_keys import HELP, SCALES, Teleoperation, TimeOuts, split
-from bot_controller_demo.terminal import KeyTerminal
-from bot_controller_demo.velocities import MODELS, Limits, Velocity, clamp
+from bot_controller_demo.driving.commands import Commands
+from bot_controller_demo.driving.driving_parameters import controller_type
+from bot_controller_demo.laws.velocities import MODELS, Limits, Velocity, clamp
+from bot_controller_demo.teleop.keys import HELP, SCALES, Teleoperation, TimeOuts, split
+from bot_controller_demo.teleop.terminal import KeyTerminal
 from nodekit import (
     EnumParameter,
     FloatParameter,

@@ -4,11 +4,11 @@ from typing import List
 
 import rospy
 
-from bot_controller_demo.driver import Driver
-from bot_controller_demo.driving_parameters import DrivingParameters
-from bot_controller_demo.geometry import Goal
-from bot_controller_demo.goals import FARTHEST
-from bot_controller_demo.pursuit import ARRIVED
+from bot_controller_demo.driving.driver import Driver
+from bot_controller_demo.driving.driving_parameters import DrivingParameters
+from bot_controller_demo.driving.goals import FARTHEST
+from bot_controller_demo.laws.geometry import Goal
+from bot_controller_demo.laws.pursuit import ARRIVED
 from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run
 
 

@@ -12,12 +12,12 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from diff_drive_sim.command_topic import decoder, heard_as
-from diff_drive_sim.messages import ODOM, SCAN, RobotMessages
-from diff_drive_sim.robot import Robot
+from diff_drive_sim.messages.command_topic import decoder, heard_as
+from diff_drive_sim.messages.robot_messages import ODOM, SCAN, RobotMessages
+from diff_drive_sim.messages.scanner import Scanner
+from diff_drive_sim.messages.world_markers import world_markers
 from diff_drive_sim.robot_parameters import GAZEBO, RobotParameters
-from diff_drive_sim.scanner import Scanner
-from diff_drive_sim.world_markers import world_markers
+from diff_drive_sim.simulation.robot import Robot
 from nodekit import Node, run
 
 

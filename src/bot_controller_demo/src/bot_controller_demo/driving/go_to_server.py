@@ -4,8 +4,8 @@ from typing import Any, Callable, Optional
 
 import rospy
 
-from bot_controller_demo.goals import GoalRefused
-from bot_controller_demo.pursuit import ARRIVED
+from bot_controller_demo.driving.goals import GoalRefused
+from bot_controller_demo.laws.pursuit import ARRIVED
 from bot_controller_demo_msgs.msg import GoToAction, GoToFeedback, GoToResult, Progress
 from nodekit import Node
 

@@ -6,8 +6,8 @@ Both are proportional: the larger the error, the faster.
 import math
 from typing import Callable, Dict, NamedTuple
 
-from bot_controller_demo.geometry import Errors
-from bot_controller_demo.velocities import Velocity
+from bot_controller_demo.laws.geometry import Errors
+from bot_controller_demo.laws.velocities import Velocity
 
 
 class Gains(NamedTuple):

@@ -3,9 +3,9 @@
 import math
 from typing import NamedTuple
 
-from bot_controller_demo.geometry import Errors, Goal, Pose, errors
-from bot_controller_demo.laws import LAWS, Gains
-from bot_controller_demo.velocities import STOP, Limits, Velocity, saturate
+from bot_controller_demo.laws.geometry import Errors, Goal, Pose, errors
+from bot_controller_demo.laws.steering import LAWS, Gains
+from bot_controller_demo.laws.velocities import STOP, Limits, Velocity, saturate
 
 DRIVING, TURNING, ARRIVED = "driving", "turning", "arrived"
 PHASES = (DRIVING, TURNING, ARRIVED)

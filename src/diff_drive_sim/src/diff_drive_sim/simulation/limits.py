@@ -2,7 +2,7 @@
 
 from typing import NamedTuple, Tuple
 
-from diff_drive_sim.kinematics import Wheels, wheel_speeds
+from diff_drive_sim.simulation.kinematics import Wheels, wheel_speeds
 
 #: Faster than any robot, in m/s and in rad/s.
 _HUGE = 1e6

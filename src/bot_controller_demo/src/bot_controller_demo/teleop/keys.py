@@ -8,7 +8,7 @@ import math
 import re
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from bot_controller_demo.velocities import STOP, Velocity
+from bot_controller_demo.laws.velocities import STOP, Velocity
 
 #: Keys that move: share of the speed, share of the turning rate.
 MOVES: Dict[str, Tuple[float, float]] = {

@@ -3,7 +3,7 @@
 import random
 from typing import Tuple
 
-from bot_controller_demo.velocities import Velocity
+from bot_controller_demo.laws.velocities import Velocity
 
 Interval = Tuple[float, float]
 

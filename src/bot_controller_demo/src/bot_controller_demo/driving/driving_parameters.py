@@ -1,8 +1,8 @@
 """The parameters of whatever drives to a goal, under the names that the course gave them."""
 
-from bot_controller_demo.laws import LAWS, Gains
-from bot_controller_demo.pursuit import Tuning
-from bot_controller_demo.velocities import Limits
+from bot_controller_demo.laws.pursuit import Tuning
+from bot_controller_demo.laws.steering import LAWS, Gains
+from bot_controller_demo.laws.velocities import Limits
 from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, read_once, rule
 
 #: The message types by the names that the course gave them.

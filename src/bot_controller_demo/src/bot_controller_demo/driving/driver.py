@@ -8,13 +8,13 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool
 
-from bot_controller_demo.commands import Commands
-from bot_controller_demo.driving_parameters import DrivingParameters
-from bot_controller_demo.freshness import Freshness
-from bot_controller_demo.geometry import Goal, Pose, heading_of
-from bot_controller_demo.laws import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
-from bot_controller_demo.pursuit import ARRIVED, Pursuit
-from bot_controller_demo.velocities import STOP
+from bot_controller_demo.driving.commands import Commands
+from bot_controller_demo.driving.driving_parameters import DrivingParameters
+from bot_controller_demo.laws.freshness import Freshness
+from bot_controller_demo.laws.geometry import Goal, Pose, heading_of
+from bot_controller_demo.laws.pursuit import ARRIVED, Pursuit
+from bot_controller_demo.laws.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
+from bot_controller_demo.laws.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
 from nodekit import LiveParameters, Node
 

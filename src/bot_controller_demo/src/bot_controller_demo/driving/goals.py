@@ -4,8 +4,7 @@ from typing import Optional
 
 from geometry_msgs.msg import PoseStamped
 
-from bot_controller_demo.geometry import Goal, heading_of
-
+from bot_controller_demo.laws.geometry import Goal, heading_of
 
 #: Largest coordinate, m, and heading, rad: those of the parameters. From 1e308 on errors overflow,
 #: and with them the velocities.

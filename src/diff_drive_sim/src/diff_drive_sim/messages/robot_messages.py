@@ -12,9 +12,9 @@ from nav_msgs.msg import Odometry as OdometryMessage
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-from diff_drive_sim.kinematics import Pose
-from diff_drive_sim.odometry import EXACT, Covariance
-from diff_drive_sim.robot import Robot
+from diff_drive_sim.simulation.kinematics import Pose
+from diff_drive_sim.simulation.odometry import EXACT, Covariance
+from diff_drive_sim.simulation.robot import Robot
 
 #: As turtlebot3_fake names them.
 ODOM, BASE, SCAN = "odom", "base_footprint", "base_scan"

@@ -6,7 +6,7 @@ Plain Python, so that a robot without a laser needs no numpy.
 import math
 from typing import List, Sequence, Tuple
 
-from diff_drive_sim.kinematics import Pose
+from diff_drive_sim.simulation.kinematics import Pose
 
 #: From x, y to x, y, m.
 Segment = Tuple[float, float, float, float]

@@ -11,10 +11,10 @@ A controller's test closes the loop with it::
 import math
 from typing import Iterator, Optional, Tuple
 
-from diff_drive_sim.kinematics import Pose, Wheels, body_speeds, wheel_speeds
-from diff_drive_sim.limits import RobotSettings, between, ramp_time, saturated
-from diff_drive_sim.odometry import Odometry
-from diff_drive_sim.world import World
+from diff_drive_sim.simulation.kinematics import Pose, Wheels, body_speeds, wheel_speeds
+from diff_drive_sim.simulation.limits import RobotSettings, between, ramp_time, saturated
+from diff_drive_sim.simulation.odometry import Odometry
+from diff_drive_sim.simulation.world import World
 
 #: Pieces that a change of speed is driven in, s: each with its mean speeds, so that the heading is
 #: exact and the place off by the cube of this.

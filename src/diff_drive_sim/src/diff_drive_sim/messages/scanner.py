@@ -5,9 +5,9 @@ from typing import Any
 
 from sensor_msgs.msg import LaserScan
 
-from diff_drive_sim.kinematics import Pose
 from diff_drive_sim.robot_parameters import RobotParameters
-from diff_drive_sim.world import World
+from diff_drive_sim.simulation.kinematics import Pose
+from diff_drive_sim.simulation.world import World
 
 #: How near the laser sees, m.
 RANGE_MIN = 0.01
@@ -23,7 +23,7 @@ class Scanner:
 
     def __init__(self, world: World, values: RobotParameters, frame: str) -> None:
         # Only now: a robot that never scans does without numpy, which takes a third of its start.
-        from diff_drive_sim.laser import Laser
+        from diff_drive_sim.simulation.laser import Laser
 
         self._laser = Laser(world.segments, values.scan_rays)
         self._offset = values.laser_x

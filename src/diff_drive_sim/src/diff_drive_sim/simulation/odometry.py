@@ -9,7 +9,7 @@ import math
 import random
 from typing import Tuple
 
-from diff_drive_sim.kinematics import Pose, Wheels, chord
+from diff_drive_sim.simulation.kinematics import Pose, Wheels, chord
 
 #: Upper triangle of a covariance: xx, xy, xt, yy, yt, tt, in m^2, m rad, rad^2.
 Covariance = Tuple[float, float, float, float, float, float]

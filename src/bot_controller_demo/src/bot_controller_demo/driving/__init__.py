@@ -1,0 +1,1 @@
+"""What tells a robot how to move: the laws, wired to ROS."""

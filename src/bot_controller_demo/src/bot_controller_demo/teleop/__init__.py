@@ -1,0 +1,1 @@
+"""What keys mean, and the terminal that they come from."""

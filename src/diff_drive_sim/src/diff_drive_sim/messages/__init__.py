@@ -1,0 +1,1 @@
+"""What the robot receives and publishes."""

@@ -1,0 +1,1 @@
+"""How a robot moves and what it sees: plain computation, which knows no ROS."""

@@ -6,7 +6,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
-from robot_interfaces_demo.robot import Finding
+from robot_interfaces_demo.monitoring.robot import Finding
 
 
 def as_message(node: str, findings: Sequence[Finding]) -> DiagnosticArray:

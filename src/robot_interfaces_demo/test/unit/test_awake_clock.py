@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot_interfaces_demo.awake_clock import AwakeClock
+from robot_interfaces_demo.monitoring.awake_clock import AwakeClock
 
 
 def read(*times: Tuple[float, float]) -> AwakeClock:

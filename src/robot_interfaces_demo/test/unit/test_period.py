@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot_interfaces_demo.period import LEAST_PERIOD_S, PeriodLearner
+from robot_interfaces_demo.monitoring.period import LEAST_PERIOD_S, PeriodLearner
 
 LONGEST_S = 10.0
 PERIODS = st.floats(LEAST_PERIOD_S * 1.01, LONGEST_S / 1.2)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot_interfaces_demo.presence import TRANSITIONS, Attendance, Event, Presence
+from robot_interfaces_demo.monitoring.presence import TRANSITIONS, Attendance, Event, Presence
 
 #: What is stale and lost, s.
 STALE_S, LOST_S = 3.0, 10.0

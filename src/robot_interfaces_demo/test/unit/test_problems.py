@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.modes import Mode, name_of
-from robot_interfaces_demo.problems import LIMITS, Level, Problem, judge
-from robot_interfaces_demo.settings import FleetMonitorParameters
+from robot_interfaces_demo.monitoring.problems import LIMITS, Level, Problem, judge
+from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
 SETTINGS = FleetMonitorParameters()
 FINE = [12.0, 25.0, 1.0]

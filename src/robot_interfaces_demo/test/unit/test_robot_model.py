@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot_interfaces_demo.modes import Mode
-from robot_interfaces_demo.problems import Problem, judge
+from robot_interfaces_demo.monitoring.problems import Problem, judge
+from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 from robot_interfaces_demo.robot_model import FAULTS, RobotModel, Status
-from robot_interfaces_demo.settings import FleetMonitorParameters
 
 
 def told(count: int, messages_per_mode: int) -> List[Status]:

@@ -9,12 +9,12 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from nodekit import Node, run
 from robot_custom_interfaces.msg import RobotStatus
-from robot_interfaces_demo.awake_clock import AwakeClock
 from robot_interfaces_demo.diagnostics import as_message
-from robot_interfaces_demo.fleet import Fleet
-from robot_interfaces_demo.problems import Level
-from robot_interfaces_demo.settings import FleetMonitorParameters
-from robot_interfaces_demo.table import as_table
+from robot_interfaces_demo.monitoring.awake_clock import AwakeClock
+from robot_interfaces_demo.monitoring.fleet import Fleet
+from robot_interfaces_demo.monitoring.problems import Level
+from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
+from robot_interfaces_demo.monitoring.table import as_table
 
 #: How often it looks who has fallen silent, Hz.
 LOOK_HZ = 5.0

@@ -2,7 +2,7 @@
 
 from typing import List, Sequence
 
-from robot_interfaces_demo.robot import Finding
+from robot_interfaces_demo.monitoring.robot import Finding
 
 _COLUMNS = ("presence", "age", "period", "mode", "battery", "temperature", "obstacle")
 

@@ -5,7 +5,7 @@ import math
 from typing import FrozenSet, Iterator, NamedTuple, Sequence
 
 from robot_interfaces_demo.modes import KNOWN, Mode
-from robot_interfaces_demo.settings import FleetMonitorParameters
+from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
 #: How many readings a robot has to tell.
 READINGS = 3

@@ -2,10 +2,10 @@
 
 from typing import Dict, Iterable, List, Sequence, Tuple
 
-from robot_interfaces_demo.presence import Presence
-from robot_interfaces_demo.problems import Level
-from robot_interfaces_demo.robot import Finding, Note, Robot
-from robot_interfaces_demo.settings import LONGEST_NAME, FleetMonitorParameters, is_name
+from robot_interfaces_demo.monitoring.presence import Presence
+from robot_interfaces_demo.monitoring.problems import Level
+from robot_interfaces_demo.monitoring.robot import Finding, Note, Robot
+from robot_interfaces_demo.monitoring.settings import LONGEST_NAME, FleetMonitorParameters, is_name
 
 #: Most lines that are told at once.
 MOST_NOTES = 10

@@ -4,11 +4,18 @@ import math
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set
 
 from robot_interfaces_demo.modes import name_of
-from robot_interfaces_demo.period import PeriodLearner
-from robot_interfaces_demo.presence import Attendance, Presence
-from robot_interfaces_demo.problems import DEFECTS, LIMITS, READINGS, Level, Problem, judge
-from robot_interfaces_demo.settings import FleetMonitorParameters
-from robot_interfaces_demo.sources import Sources
+from robot_interfaces_demo.monitoring.period import PeriodLearner
+from robot_interfaces_demo.monitoring.presence import Attendance, Presence
+from robot_interfaces_demo.monitoring.problems import (
+    DEFECTS,
+    LIMITS,
+    READINGS,
+    Level,
+    Problem,
+    judge,
+)
+from robot_interfaces_demo.monitoring.publishers import Publishers
+from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
 #: How bad it is to be in each state.
 LEVELS: Dict[Presence, Level] = {
@@ -57,14 +64,14 @@ class Robot:
     """
 
     __slots__ = (
-        *("name", "is_expected", "_attendance", "_period", "_sources"),
+        *("name", "is_expected", "_attendance", "_period", "_publishers"),
         *("_problems", "_told", "_mode", "_readings", "_count"),
     )
 
     def __init__(self, name: str, now: float) -> None:
         self.name, self.is_expected = name, False
         self._attendance = Attendance(Presence.AWAITED, now)
-        self._period, self._sources = PeriodLearner(), Sources()
+        self._period, self._publishers = PeriodLearner(), Publishers()
         self._problems: FrozenSet[Problem] = frozenset()
         self._told: Set[Problem] = set()
         self._mode, self._count = 0, 0
@@ -83,7 +90,7 @@ class Robot:
     @property
     def problems(self) -> FrozenSet[Problem]:
         """What is wrong with it."""
-        if self._sources.has_rivals:
+        if self._publishers.has_rivals:
             return self._problems | {Problem.TWO_PUBLISHERS}
         return self._problems
 
@@ -107,12 +114,12 @@ class Robot:
         :param settings: those in force
         :returns: what is new
         """
-        before, had_rivals = self.presence, self._sources.has_rivals
+        before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
         self._attendance.look(now, settings.stale_after * period, settings.lost_after * period)
-        self._sources.forget(now, settings.lost_after * period)
+        self._publishers.forget(now, settings.lost_after * period)
         news = []
-        if had_rivals and not self._sources.has_rivals:
+        if had_rivals and not self._publishers.has_rivals:
             news.append(Note(Level.OK, f"{self.name}: one node publishes under this name again"))
         if self.presence is not before:
             news.append(self._change(f", nothing heard for {self.age(now):.1f} s"))
@@ -135,17 +142,19 @@ class Robot:
         :param settings: those in force
         :returns: what is new
         """
-        before, had_rivals = self.presence, self._sources.has_rivals
+        before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
         self._attendance.hear(now, settings.stale_after * period, settings.lost_after * period)
         self._period.note(now, settings.longest_period)
-        self._sources.note(publisher, now, settings.lost_after * period)
+        self._publishers.note(publisher, now, settings.lost_after * period)
         problems = judge(mode, readings, self._problems, settings)
         was, self._problems = self._problems, problems
         self._mode, self._readings, self._count = mode, readings[:READINGS], self._count + 1
         news = [self._change("")] if self.presence is not before else []
-        if self._sources.has_rivals and not had_rivals:
-            text = f"{self.name}: {Problem.TWO_PUBLISHERS.text}: {', '.join(self._sources.names())}"
+        if self._publishers.has_rivals and not had_rivals:
+            text = (
+                f"{self.name}: {Problem.TWO_PUBLISHERS.text}: {', '.join(self._publishers.names())}"
+            )
             news.append(Note(Level.ERROR, text))
         if problems != was:
             news += self._news(was, problems)
@@ -167,7 +176,7 @@ class Robot:
             for limit, reading in zip(LIMITS, self._readings):
                 values[limit.name] = f"{reading:.2f} {limit.unit}"
             values["messages"] = str(self._count)
-            values["publisher"] = ", ".join(self._sources.names())
+            values["publisher"] = ", ".join(self._publishers.names())
         return Finding(self.name, self.level, ", ".join(texts), values)
 
     def _change(self, more: str) -> Note:

@@ -6,7 +6,7 @@ from typing import Dict, List
 _MOST = 8
 
 
-class Sources:
+class Publishers:
     """The publishers of messages that carry one name.
 
     A robot that is started again has a new publisher, and its old one falls silent. Two are

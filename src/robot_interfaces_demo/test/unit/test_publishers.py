@@ -5,17 +5,17 @@ from typing import List
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot_interfaces_demo.sources import Sources
+from robot_interfaces_demo.monitoring.publishers import Publishers
 
 MEMORY_S = 10.0
 
 
-def heard(publishers: str, step: float = 1.0) -> Sources:
+def heard(publishers: str, step: float = 1.0) -> Publishers:
     """Return what was heard from publishers of one letter each, at equal intervals."""
-    sources = Sources()
+    known = Publishers()
     for number, publisher in enumerate(publishers):
-        sources.note(publisher, number * step, MEMORY_S)
-    return sources
+        known.note(publisher, number * step, MEMORY_S)
+    return known
 
 
 def test_a_robot_that_is_started_again_has_no_rival() -> None:
@@ -26,27 +26,27 @@ def test_a_robot_that_is_started_again_has_no_rival() -> None:
 
 def test_two_that_are_heard_in_turns_are_rivals() -> None:
     for publishers in ("aba", "aaabba", "abca", "abcabc"):
-        sources = heard(publishers)
-        assert sources.has_rivals, publishers
-        assert sources.names() == sorted(set(publishers))
+        known = heard(publishers)
+        assert known.has_rivals, publishers
+        assert known.names() == sorted(set(publishers))
 
 
 def test_who_is_alone_again_has_no_rival() -> None:
-    sources = heard("aba")  # b was heard at 1 s
-    sources.forget(1.0 + MEMORY_S, MEMORY_S)
-    assert sources.has_rivals
-    sources.note("a", 11.5, MEMORY_S)
-    sources.forget(11.5, MEMORY_S)
-    assert not sources.has_rivals
-    assert sources.names() == ["a"]
-    sources.note("b", 12.0, MEMORY_S)
-    assert not sources.has_rivals
+    known = heard("aba")  # b was heard at 1 s
+    known.forget(1.0 + MEMORY_S, MEMORY_S)
+    assert known.has_rivals
+    known.note("a", 11.5, MEMORY_S)
+    known.forget(11.5, MEMORY_S)
+    assert not known.has_rivals
+    assert known.names() == ["a"]
+    known.note("b", 12.0, MEMORY_S)
+    assert not known.has_rivals
 
 
 def test_the_last_one_is_remembered_however_long_it_is_silent() -> None:
-    sources = heard("ab")
-    sources.forget(1000.0, MEMORY_S)
-    assert sources.names() == ["b"]
+    known = heard("ab")
+    known.forget(1000.0, MEMORY_S)
+    assert known.names() == ["b"]
 
 
 def test_eight_may_follow_each_other_and_the_ninth_is_a_rival() -> None:
@@ -56,10 +56,10 @@ def test_eight_may_follow_each_other_and_the_ninth_is_a_rival() -> None:
 
 @given(st.lists(st.integers(0, 1000), max_size=100))
 def test_few_are_remembered_and_many_are_rivals(publishers: List[int]) -> None:
-    sources = Sources()
+    known = Publishers()
     for publisher in publishers:
-        sources.note(str(publisher), 0.0, MEMORY_S)
-    assert len(sources.names()) <= 8
-    assert sources.has_rivals or len(set(publishers)) <= 8
+        known.note(str(publisher), 0.0, MEMORY_S)
+    assert len(known.names()) <= 8
+    assert known.has_rivals or len(set(publishers)) <= 8
     if publishers:
-        assert str(publishers[-1]) in sources.names()
+        assert str(publishers[-1]) in known.names()

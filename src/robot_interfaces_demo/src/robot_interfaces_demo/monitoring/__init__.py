@@ -1,0 +1,1 @@
+"""What a monitor knows of its robots, and how it judges them: it knows no ROS."""

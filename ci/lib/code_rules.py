@@ -45,7 +45,7 @@ ROOMS: Dict[str, List[str]] = {
         *("parameter_server", "groups", "node", "executors", "managed", "process"),
         *("entry_point", "commands", "testing"),
     ],
-    "basic_comms": ["msg", "signals", "chatter", "nodes"],
+    "basic_comms": ["msg", "signals", "conditioning", "message_scope", "nodes"],
     "parameters_demo": [
         *("pixel_font", "picture", "room", "traffic", "messages", "sensors", "nodes"),
     ],
@@ -77,7 +77,7 @@ PURE = (
     *("nodekit.timing.timetable", "nodekit.groups", "nodekit.messaging.finite"),
     "nodekit.messaging.seldom",
     *("nodekit.managed.table", "nodekit.managed.machine"),
-    *("basic_comms.signals", "basic_comms.chatter"),
+    *("basic_comms.signals", "basic_comms.conditioning", "basic_comms.message_scope"),
     *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
     "lifecycle_manager.system",
     "diff_drive_sim.simulation",

@@ -58,6 +58,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "bot_controller_demo/velocities": ("pursuit",),
     "bot_controller_demo/wandering": ("pursuit",),
     "ros2_bridge/steps": ("codec",),
+    "basic_comms/conditioner": ("conditioning",),
     "basic_comms/multisine": ("waveforms", "signal_source"),
     "basic_comms/phase_estimate": ("phase_estimate", "phase_tracking"),
     "basic_comms/phase_intervals": ("phase_tracking",),

@@ -12,7 +12,7 @@ from dynamic_reconfigure.client import Client
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Trigger
 
-from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun

@@ -10,8 +10,8 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 from std_srvs.srv import SetBool, Trigger
 
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.msg import signal_msg
-from basic_comms.signals.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear

@@ -10,7 +10,6 @@ from math import pi
 from typing import Tuple
 from unittest import mock
 
-
 from nodekit.testing.graph import Graph
 from nodekit.testing.launching import Launched, launched
 from nodekit.testing.running import rosrun

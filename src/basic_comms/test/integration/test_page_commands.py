@@ -8,6 +8,7 @@ from typing import Callable, Dict, List
 
 from helpers.page_commands import Line, Typist, lines_of
 from helpers.tutorial import WORKSPACE, PageError
+
 from nodekit.testing.running import rosrun
 
 PAGES = {

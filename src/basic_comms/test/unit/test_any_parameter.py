@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.nodes.fleet import FleetParameters
 from basic_comms.nodes.talker import TalkerParameters
-from basic_comms.signals.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.reconciler import Reconciler, Seen

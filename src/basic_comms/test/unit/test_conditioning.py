@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.signals.conditioning import Conditioner
-from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.conditioning.conditioner import Conditioner
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from nodekit.messaging.finite import LARGEST_FLOAT32
 
 TURN = 2.0 * math.pi

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.signals.delay_line import PhaseDelayLine
+from basic_comms.conditioning.delay_line import PhaseDelayLine
 
 TURN = 2.0 * math.pi
 

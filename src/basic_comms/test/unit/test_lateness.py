@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.signals.lateness import LATE_S, SETTLED_S, LatenessMonitor
+from basic_comms.conditioning.lateness import LATE_S, SETTLED_S, LatenessMonitor
 
 PERIOD = 0.1
 #: What the receiver's clock shows when the signal begins: it means nothing.

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.chatter.message_scope import SCOPES, as_text, candidates, message_text
+from basic_comms.message_scope import SCOPES, as_text, candidates, message_text
 
 KEYS = candidates("/Group1/talker")
 PRIVATE, LOCAL, GLOBAL = KEYS

@@ -10,11 +10,11 @@ import rospy
 from helpers.offline_node import OfflineNode
 from std_srvs.srv import SetBoolRequest, TriggerRequest
 
+from basic_comms.conditioning.conditioner import Conditioner
 from basic_comms.msg import signal_msg
 from basic_comms.nodes import process
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
-from basic_comms.signals.conditioning import Conditioner
 
 PLAIN = {"amplitude_scale": 1.0, "phase_shift": 0.0, "keep_positive": False}
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from basic_comms.signals.phase_estimate import LEAST_TOLERANCE, PhaseEstimate
+from basic_comms.conditioning.phase_estimate import LEAST_TOLERANCE, PhaseEstimate
 
 TOLERANCE = LEAST_TOLERANCE + 1e-7
 phases = st.floats(-math.pi, math.pi)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from basic_comms.signals.phase_intervals import TURN, intersect, nearest_first, phases_of_sine
-from basic_comms.signals.phase_tracking import PhaseTracker
+from basic_comms.conditioning.phase_intervals import TURN, intersect, nearest_first, phases_of_sine
+from basic_comms.conditioning.phase_tracking import PhaseTracker
 
 # Half a unit in the last place of float32, relative: how far the frequency field may be off.
 ROUNDING = 2.0**-24

@@ -2,7 +2,7 @@
 
 import math
 
-from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.conditioning.process_parameters import ProcessParameters
 
 
 def test_defaults_and_ranges_are_the_agreed_ones() -> None:

@@ -6,10 +6,10 @@ from typing import List, Optional
 import rospy
 from std_msgs.msg import Float32
 
+from basic_comms.conditioning.conditioner import Conditioner
+from basic_comms.conditioning.lateness import LatenessMonitor
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.msg import signal_msg
-from basic_comms.signals.conditioning import Conditioner
-from basic_comms.signals.lateness import LatenessMonitor
-from basic_comms.signals.process_parameters import ProcessParameters
 from nodekit import Node, run
 
 #: Least time between two warnings about the same kind of odd input, s.

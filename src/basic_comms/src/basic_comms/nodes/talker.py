@@ -6,7 +6,7 @@ from typing import Any, Dict, Optional
 import rospy
 from std_msgs.msg import String
 
-from basic_comms.chatter.message_scope import SCOPES, as_text, candidates, message_text
+from basic_comms.message_scope import SCOPES, as_text, candidates, message_text
 from nodekit import EnumParameter, Node, ParameterSet, RateParameter, run
 
 

@@ -1,0 +1,1 @@
+"""What makes signals: waveforms, their parameters, and when they run. It knows no ROS."""

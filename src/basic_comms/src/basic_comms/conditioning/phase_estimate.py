@@ -15,7 +15,7 @@ follow.
 import math
 from typing import List, Optional, Tuple
 
-from basic_comms.signals.phase_intervals import (
+from basic_comms.conditioning.phase_intervals import (
     TURN,
     Interval,
     intersect,

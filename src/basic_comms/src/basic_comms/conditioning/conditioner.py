@@ -13,9 +13,9 @@ looks f(theta + shift) up in the latest period, and does without the shift until
 import math
 from typing import Optional
 
-from basic_comms.signals.delay_line import PhaseDelayLine
-from basic_comms.signals.phase_tracking import PhaseTracker
-from basic_comms.signals.process_parameters import ProcessParameters
+from basic_comms.conditioning.delay_line import PhaseDelayLine
+from basic_comms.conditioning.phase_tracking import PhaseTracker
+from basic_comms.conditioning.process_parameters import ProcessParameters
 from nodekit.messaging.finite import LARGEST_FLOAT32
 
 

@@ -2,12 +2,12 @@
 
 A message tells amplitude, angular frequency, time and value of a sample. From them follows how far
 the phase went since the previous sample and what the sine was, each with its largest error, as the
-fields are rounded to float32; :mod:`basic_comms.signals.phase_estimate` does the rest.
+fields are rounded to float32; :mod:`basic_comms.conditioning.phase_estimate` does the rest.
 """
 
 import math
 
-from basic_comms.signals.phase_estimate import LEAST_TOLERANCE, PhaseEstimate
+from basic_comms.conditioning.phase_estimate import LEAST_TOLERANCE, PhaseEstimate
 
 # Half a unit in the last place of float32, relative.
 _ROUNDING = 2.0**-24

@@ -1,0 +1,1 @@
+"""What the process node does to a signal. It knows no ROS."""

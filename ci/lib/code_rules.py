@@ -41,9 +41,22 @@ SIBLINGS: Dict[str, Set[str]] = {
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
-        *("parameters", "transport", "timing", "rospy_internals", "messaging"),
-        *("parameter_server", "groups", "node", "executors", "managed", "process"),
-        *("entry_point", "commands", "testing"),
+        "entry_point",
+        "message_definitions",
+        "parameters",
+        "transport",
+        "timing",
+        "master",
+        "rospy_internals",
+        "messaging",
+        "parameter_server",
+        "groups",
+        "node",
+        "executors",
+        "managed",
+        "process",
+        "commands",
+        "testing",
     ],
     "basic_comms": ["msg", "signals", "conditioning", "message_scope", "nodes"],
     "parameters_demo": [
@@ -73,7 +86,7 @@ ROOMS: Dict[str, List[str]] = {
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
-    *("nodekit.parameters", "nodekit.transport"),
+    *("nodekit.message_definitions", "nodekit.parameters", "nodekit.transport"),
     *("nodekit.timing.timetable", "nodekit.groups", "nodekit.messaging.finite"),
     "nodekit.messaging.seldom",
     *("nodekit.managed.table", "nodekit.managed.machine"),

@@ -8,7 +8,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest
 
 from nodekit import CallError, CallTimeout, Node
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 
 #: What a manager is known by, besides a heartbeat that it hears.
 SERVICE = "/manage_nodes"

@@ -14,6 +14,7 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.groups.groups import Group as Group
     from nodekit.managed.managed_node import ManagedNode as ManagedNode
     from nodekit.managed.table import Outcome as Outcome
+    from nodekit.master import MasterUnreachable as MasterUnreachable
     from nodekit.messaging.publisher import Publisher as Publisher
     from nodekit.messaging.subscription import Latest as Latest
     from nodekit.node.clients import CallCancelled as CallCancelled
@@ -25,7 +26,6 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.server import CallError as CallError
     from nodekit.node.server import CallTimeout as CallTimeout
     from nodekit.parameter_server.live_parameters import LiveParameters as LiveParameters
-    from nodekit.parameter_server.master import MasterUnreachable as MasterUnreachable
     from nodekit.parameters.bytes_kind import BytesParameter as BytesParameter
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
@@ -57,7 +57,7 @@ _HOMES: Dict[str, str] = {
     "ManagedNode": "managed.managed_node",
     "Outcome": "managed.table",
     "LiveParameters": "parameter_server.live_parameters",
-    "MasterUnreachable": "parameter_server.master",
+    "MasterUnreachable": "master",
     "Publisher": "messaging.publisher",
     "Latest": "messaging.subscription",
     "Node": "node.node",

@@ -1,4 +1,4 @@
-"""The first lines of a node's process: what has to be settled before rospy is imported."""
+"""The first lines of a node's process, before rospy is imported, and the last ones."""
 
 import contextlib
 import importlib
@@ -6,9 +6,7 @@ import os
 import signal
 import sys
 import types
-from typing import Any, Iterator, Optional
-
-from nodekit.process.ending import end
+from typing import Any, Iterator, NoReturn, Optional
 
 
 def main(node: str) -> None:
@@ -25,6 +23,19 @@ def main(node: str) -> None:
         module.main()
     except KeyboardInterrupt:
         end(0)  # Ctrl-C before rospy took over the signal
+
+
+def end(status: object) -> NoReturn:
+    """End the process with a status that no further signal changes.
+
+    Python gives up its handlers before it has ended, so that a SIGTERM soon after a SIGINT would
+    kill it; what is ignored stays so. Called by the main thread.
+
+    :param status: as for ``sys.exit``
+    """
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    sys.exit(status)  # type: ignore[arg-type]
 
 
 def _replace_closed_output() -> None:

@@ -15,11 +15,11 @@ import rosgraph
 import rospy
 from helpers.parameter_node import GaugeParameters
 
+from nodekit.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server import following, watcher
 from nodekit.parameter_server.followers import Follower
 from nodekit.parameter_server.following import Following
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters import budget, reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire

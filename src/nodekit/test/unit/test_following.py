@@ -6,9 +6,9 @@ from unittest import mock
 
 import pytest
 
+from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.followers import Entry, Follower
 from nodekit.parameter_server.following import Following
-from nodekit.parameter_server.master import MasterUnreachable
 from nodekit.parameters.reconciler import Seen
 
 

@@ -12,9 +12,9 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from nodekit.parameter_server import master as client_of_master
+from nodekit.master import MasterClient, MasterUnreachable
+from nodekit import master as client_of_master
 from nodekit.parameter_server.first_writes import write_missing
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.no_value import MISSING, UNREADABLE
 from nodekit.testing import processes

@@ -5,7 +5,7 @@ from typing import Any, Dict, List
 import pytest
 import rospy
 
-from nodekit.parameter_server.master import Reading
+from nodekit.master import Reading
 from nodekit.parameter_server.registrations import LOOKUPS, Registrations
 from nodekit.rospy_internals import registration
 

@@ -5,9 +5,9 @@ import time
 
 import pytest
 
+from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
 from nodekit.parameter_server.followers import Follower, Followers
-from nodekit.parameter_server.master import Reading
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals import parameters, registration, shutdown
 from nodekit.testing.waiting import wait_until

@@ -8,8 +8,8 @@ import rosgraph
 import rospy
 
 from nodekit import MasterUnreachable, Node
+from nodekit.master import MasterClient
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.parameter_server.master import MasterClient
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals.shutdown import before_shutdown

@@ -9,7 +9,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message
 
 from nodekit import Lifetime, Node
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 from ros2_bridge.parameters.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2

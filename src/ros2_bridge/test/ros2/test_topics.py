@@ -6,19 +6,18 @@ import xmlrpc.client
 from types import SimpleNamespace
 from typing import Any, List, cast
 
+import both
 import rospy
-from basic_comms.msg import SignalMsg
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, String
 
-import both
+from basic_comms.msg import SignalMsg
+from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
-from nodekit.transport.definitions import parse
-from ros2_bridge.types.codec import Codec
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.topics.topics import Count, ToRos1, ToRos2
-
+from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError
 

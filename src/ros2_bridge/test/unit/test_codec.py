@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nodekit.message_definitions import Fields, parse
 from ros2_bridge.types.codec import Codec
-from nodekit.transport.definitions import Fields, parse
 from ros2_bridge.types.steps import ConversionError
 
 SEPARATOR = "\n" + "=" * 80 + "\n"

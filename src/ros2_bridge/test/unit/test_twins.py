@@ -4,7 +4,7 @@ from typing import Dict
 
 import pytest
 
-from nodekit.transport.definitions import DefinitionError
+from nodekit.message_definitions import DefinitionError
 from ros2_bridge.types.twins import make_twin, twin_type
 
 

@@ -4,7 +4,7 @@ import threading
 from typing import List
 from unittest import mock
 
-from nodekit.parameter_server.master import SystemState
+from nodekit.master import SystemState
 from nodekit.testing.waiting import wait_until
 from topic_scope.graph import master_watch
 from topic_scope.graph.master_watch import GraphState, MasterWatch

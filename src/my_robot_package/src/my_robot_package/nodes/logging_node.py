@@ -8,7 +8,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from nodekit import IntParameter, Node, ParameterSet, SingleThreadedExecutor, run
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 
 
 class LoggingNodeParameters(ParameterSet):

@@ -8,10 +8,10 @@ from typing import Any, Iterator, List
 import rosgraph
 
 from nodekit.groups.groups import Outside
+from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Callback
 from nodekit.node.clients import CallFuture, Client
 from nodekit.node.server import CallError
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
 
 #: Longest wait for an answer, s.
 TIMEOUT_S = 2.0

@@ -10,7 +10,7 @@ import rosgraph
 import rospy
 from rosgraph.network import parse_http_host_and_port as host_and_port
 
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
+from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.transport.service_call import CallFailed, ServiceCall
 
 

@@ -5,8 +5,8 @@ from typing import Any, Callable, Dict, Tuple
 
 import yaml
 
+from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.parameter_server.master import MasterUnreachable
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.kinds import ParameterError, format_value, to_wire
 from nodekit_msgs.srv import SetParametersRequest, SetParametersResponse

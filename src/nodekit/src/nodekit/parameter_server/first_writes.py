@@ -6,7 +6,7 @@ With each value that it is given, the master looks through all subscriptions of 
 
 from typing import Any, Dict, Mapping
 
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.no_value import MISSING

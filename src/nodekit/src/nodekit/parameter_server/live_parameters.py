@@ -7,9 +7,9 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 
 import rospy
 
+from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.first_writes import MANY, write_missing
 from nodekit.parameter_server.followers import Follower, call_listener
-from nodekit.parameter_server.master import MasterUnreachable
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.declaration import Snapshot
 from nodekit.parameters.kinds import ParameterError, format_value

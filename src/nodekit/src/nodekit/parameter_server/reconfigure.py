@@ -12,8 +12,8 @@ from typing import Any, Callable, Dict, Mapping, Type
 
 import rospy
 
+from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.parameter_server.master import MasterUnreachable
 from nodekit.parameters.declaration import (
     EnumParameter,
     Parameter,

@@ -9,8 +9,7 @@ from typing import List, Optional, Set
 
 import rospy
 
-from nodekit.parameter_server.master import MasterClient, Reading
-from nodekit.parameter_server.turns import Turns
+from nodekit.master import MasterClient, Reading, Turns
 from nodekit.rospy_internals import registration
 from nodekit.rospy_internals.service_owners import with_owners
 

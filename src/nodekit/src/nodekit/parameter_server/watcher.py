@@ -15,10 +15,9 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 import rosgraph
 import rospy
 
+from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
 from nodekit.parameter_server.followers import Entry, Follower, Followers
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server.registrations import Registrations
-from nodekit.parameter_server.turns import Turns
 from nodekit.parameters.kinds import is_same
 from nodekit.parameters.no_value import MISSING
 from nodekit.rospy_internals import parameters, shutdown

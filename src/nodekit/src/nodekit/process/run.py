@@ -10,13 +10,13 @@ from typing import Callable, List
 import rosgraph
 import rospy
 
+from nodekit.entry_point import end
+from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.legal_names import IllegalName
 from nodekit.node.node import Node
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process import arguments, timer_slack
-from nodekit.process.ending import end
 from nodekit.process.managed import as_wanted
 from nodekit.rospy_internals import patches, registration, signals
 from nodekit.rospy_internals.start import looking_often

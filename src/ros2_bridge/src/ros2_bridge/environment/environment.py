@@ -18,7 +18,7 @@ from xml.etree import ElementTree
 import rospkg
 import yaml
 
-from nodekit.transport.definitions import DefinitionError
+from nodekit.message_definitions import DefinitionError
 from ros2_bridge.environment.start import home
 from ros2_bridge.types.twins import RENAMED, Twin, make_twin
 

@@ -17,7 +17,7 @@ from nodekit.entry_point import import_ros
 _NODEKIT = (
     *(
         "nodekit.node.server",
-        "nodekit.parameter_server.master",
+        "nodekit.master",
         "nodekit.parameter_server.watcher",
         "nodekit.node.node",
     ),

@@ -8,7 +8,7 @@ from typing import List, Mapping, Optional
 
 import rospkg
 
-from nodekit.process.ending import end
+from nodekit.entry_point import end
 
 #: Where the environment is, unless ./ci/ros2 has made it in build/ros2 above this file, or
 #: make_environment in the user's folder.

@@ -11,8 +11,8 @@ from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
 from nodekit import MasterUnreachable
+from nodekit.master import MasterClient
 from nodekit.parameter_server.following import Following, open_all
-from nodekit.parameter_server.master import MasterClient
 from nodekit.parameter_server.watcher import get_watcher
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_sources import unfit

@@ -16,7 +16,7 @@ from typing import Any, List, Set
 import rosgraph
 import rosgraph.xmlrpc
 
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 
 _TOPIC, _TYPE = "/parameter_events", "rcl_interfaces/ParameterEvent"
 #: Longest wait for the address, and for the master, s.

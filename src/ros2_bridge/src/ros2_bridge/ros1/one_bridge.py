@@ -8,8 +8,8 @@ import uuid
 import rosgraph
 
 from nodekit import CallError
+from nodekit.entry_point import end
 from nodekit.node.server import Server
-from nodekit.process.ending import end
 from nodekit.transport.service_call import ServiceCall
 from ros2_bridge.environment.ros1 import Trigger
 

@@ -3,7 +3,7 @@
 from typing import Dict, NamedTuple, Set
 
 from nodekit import MasterUnreachable
-from nodekit.parameter_server.master import MasterClient, Registrations
+from nodekit.master import MasterClient, Registrations
 
 
 class Ros1Graph(NamedTuple):

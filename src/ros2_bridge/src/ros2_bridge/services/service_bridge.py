@@ -6,7 +6,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 from ros2_bridge.ros1.ros1_graph import Ros1Graph
 from ros2_bridge.ros1.telling import Telling
 from ros2_bridge.ros2.ros2_side import Ros2

@@ -9,7 +9,7 @@ text ends with a zero, which is counted; a Header has no ``seq``; and what is em
 import struct
 from typing import Any, Dict, List
 
-from nodekit.transport.definitions import SIZES, TIMES, Field, Fields
+from nodekit.message_definitions import SIZES, TIMES, Field, Fields
 from ros2_bridge.types.steps import (
     EMPTY,
     SEQ,
@@ -81,7 +81,7 @@ class Codec:
     """Converts messages of one type.
 
     :param datatype: its name in ROS 1
-    :param fields: its definition, from :func:`nodekit.transport.definitions.parse`
+    :param fields: its definition, from :func:`nodekit.message_definitions.parse`
 
     :ivar has_header: whether it begins with a Header, whose ``seq`` counts the messages of a topic
     """

@@ -3,7 +3,7 @@
 import re
 from typing import Callable, Mapping, Optional, Tuple
 
-from nodekit.transport.definitions import SIZES, TIMES, Fields
+from nodekit.message_definitions import SIZES, TIMES, Fields
 
 #: The fields of a ROS 2 type and the types of these, as rclpy tells them.
 Describe = Callable[[str], Mapping[str, str]]

@@ -4,9 +4,8 @@ import itertools
 import threading
 from typing import Dict, Optional, Sequence, Set
 
+from nodekit.master import MasterClient, MasterUnreachable, Turns
 from nodekit.node.server import CallError, Server
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
-from nodekit.parameter_server.turns import Turns
 from nodekit.transport.service_call import ServiceCall
 
 #: Longest wait for a server, s, and most servers that are asked at once.

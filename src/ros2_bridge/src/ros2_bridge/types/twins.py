@@ -7,7 +7,7 @@ time, and the text of a constant stands between quotes.
 import re
 from typing import Dict, List, Mapping, NamedTuple, Set
 
-from nodekit.transport.definitions import DefinitionError, constant_in, field_in
+from nodekit.message_definitions import DefinitionError, constant_in, field_in
 
 #: ROS 1's types that have another name, or another home, in ROS 2.
 RENAMED = {

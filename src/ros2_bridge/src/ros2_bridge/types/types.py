@@ -13,11 +13,10 @@ import rospkg
 import rospy
 import yaml
 
+from nodekit.message_definitions import parse
 from ros2_bridge.types.codec import Codec
 from ros2_bridge.types.comparing import difference
-from nodekit.transport.definitions import parse
 from ros2_bridge.types.twins import twin_type
-
 
 #: Where Debian has packages.
 SHARE = pathlib.Path("/usr/share")

@@ -7,7 +7,7 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
-from nodekit.parameter_server.master import MasterClient
+from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
 from topic_scope.record.taps import Taps
 

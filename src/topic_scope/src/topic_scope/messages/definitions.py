@@ -6,7 +6,7 @@ to read messages whose package is not installed.
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
-from nodekit.transport.definitions import DefinitionError, Field, fields_of, parts_of
+from nodekit.message_definitions import DefinitionError, Field, fields_of, parts_of
 
 
 class Scalar(NamedTuple):

@@ -11,7 +11,7 @@ from typing import List, NoReturn
 import rospy
 import tornado.ioloop
 
-from nodekit.process.ending import end
+from nodekit.entry_point import end
 from topic_scope.bag.bag_reading import BagError
 from topic_scope.protocol.options import Options
 from topic_scope.web import web

@@ -10,7 +10,7 @@ import rosgraph
 import rospy
 import tornado.ioloop
 
-from nodekit.parameter_server.master import MasterClient, MasterUnreachable
+from nodekit.master import MasterClient, MasterUnreachable
 from topic_scope.protocol.options import Options
 from topic_scope.web import web
 from topic_scope.web.server import Server

@@ -11,9 +11,25 @@ import functools
 import http.client
 import threading
 import xmlrpc.client
-from typing import Any, Collection, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    Any,
+    Collection,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+)
 
-from nodekit.parameters.no_value import MISSING, UNREADABLE
+# What a reading holds is public as this module is.
+from nodekit.parameters.no_value import MISSING as MISSING
+from nodekit.parameters.no_value import UNREADABLE as UNREADABLE
+
+T = TypeVar("T")
 
 _SUCCESS = 1
 #: Most calls in one of several requests: the master's other clients are served between two.
@@ -246,3 +262,22 @@ class MasterClient:
 def _value(answer: Tuple[int, str, Any]) -> Any:
     code, _, value = answer
     return value if code == _SUCCESS else MISSING
+
+
+class Turns:
+    """Has things take turns, so that many of them are looked after a few at a time.
+
+    :param most: how many have their turn at once
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._from = 0
+
+    def next(self, things: Sequence[T]) -> List[T]:
+        """Return whose turn it is, of all things there are now in a lasting order."""
+        turn = list(things[self._from :][: self._most])
+        self._from += self._most
+        if self._from >= len(things):
+            self._from = 0
+        return turn

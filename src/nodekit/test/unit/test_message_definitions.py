@@ -8,7 +8,7 @@ from genpy.base import SIMPLE_TYPES_DICT
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float64MultiArray, Header
 
-from nodekit.transport.definitions import (
+from nodekit.message_definitions import (
     SIZES,
     Constant,
     DefinitionError,

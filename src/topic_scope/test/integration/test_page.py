@@ -104,7 +104,7 @@ class Page(PageTest):
             )
         )
         setup = self.browser.call(
-            "setup.js", "JSON.parse(decodeURIComponent(location.hash.slice(1)))"
+            "page/setup.js", "JSON.parse(decodeURIComponent(location.hash.slice(1)))"
         )
         self.browser.driver.get("about:blank")
         self.browser.open(address)
@@ -697,12 +697,12 @@ class Page(PageTest):
         self.browser.wait_connected()
 
     def test_loads_again_what_has_not_come(self) -> None:
-        self.expected_errors = ["numbers.js"]
+        self.expected_errors = ["base/numbers.js"]
         cdp = self.browser.driver.execute_cdp_cmd
         cdp("Network.enable", {})
         self.addCleanup(cdp, "Network.disable", {})
         # As when a network of this computer comes or goes: the browser gives up what it is loading.
-        cdp("Network.setBlockedURLs", {"urls": ["*/static/js/numbers.js"]})
+        cdp("Network.setBlockedURLs", {"urls": ["*/static/js/base/numbers.js"]})
         self.browser.driver.get(self.scope.url)
         # It loads itself again from time to time, so that now and then there is no page.
         wait_until(lambda: self.browser.text("#link") == "loading", lambda: "it says no such thing")

@@ -19,7 +19,7 @@ class Modules(BrowserTest):
     def test_ticks_are_round_and_inside(self) -> None:
         ranges = [[0, 1], [-5, 0], [1e-6, 3e-6], [999.9, 1000.1], [-2e7, 3e7], [-0.03, 0.02]]
         answers = self.browser.call(
-            "numbers.js", "a[0].map(([low, high]) => module.ticks(low, high, 8))", ranges
+            "base/numbers.js", "a[0].map(([low, high]) => module.ticks(low, high, 8))", ranges
         )
         for (low, high), ticks in zip(ranges, answers):
             span = high - low
@@ -42,19 +42,21 @@ class Modules(BrowserTest):
             1.23e-7: "1.230e-7",
             -4.5e9: "−4.500e+9",
         }
-        answers = self.browser.call("numbers.js", "a[0].map((x) => module.figure(x))", list(cases))
+        answers = self.browser.call(
+            "base/numbers.js", "a[0].map((x) => module.figure(x))", list(cases)
+        )
         self.assertEqual(answers, list(cases.values()))
-        self.assertEqual(self.browser.call("numbers.js", "module.figure(null)"), "–")
+        self.assertEqual(self.browser.call("base/numbers.js", "module.figure(null)"), "–")
 
     def test_figures_have_as_many_digits_as_their_trace_needs(self) -> None:
         # Value, and from the least to the greatest one of the trace.
         cases = [(1e6, 2e-3, "1000000.00000"), (1e6 + 1e-3, 2e-3, "1000000.00100")]
         cases += [(2.0, 4.0, "2.0000"), (-1.7e9, 20.0, "−1700000000.0"), (5.0, 0.0, "5.0000")]
         answers = self.browser.call(
-            "numbers.js", "a[0].map(([x, spread]) => module.figure(x, 5, spread))", cases
+            "base/numbers.js", "a[0].map(([x, spread]) => module.figure(x, 5, spread))", cases
         )
         self.assertEqual(answers, [text for *_, text in cases])
-        labels = self.browser.call("numbers.js", "module.ticks(1e6 - 1e-3, 1e6 + 1e-3, 8)")
+        labels = self.browser.call("base/numbers.js", "module.ticks(1e6 - 1e-3, 1e6 + 1e-3, 8)")
         self.assertEqual(len({tick["label"] for tick in labels}), len(labels), labels)
 
     def test_no_plot_is_empty_and_an_axis_stays_with_its_plot(self) -> None:
@@ -76,7 +78,7 @@ class Modules(BrowserTest):
         ]
         for fields, plots, expected, axes_then in cases:
             told = self.browser.call(
-                "traces.js",
+                "state/traces.js",
                 "(() => { const [fields, plots, axes] = a;"
                 " const traces = module.readTraces("
                 "Object.fromEntries(Object.entries(plots).map(([f, plot]) => [f, { plot }])));"
@@ -98,7 +100,7 @@ class Modules(BrowserTest):
         wrong = [{"plot": 9}, {"plot": 1.5}, {"slot": -1}, {"dash": "wavy"}, {"drawn": "dots"}]
         wrong += [{"gain": "2"}, {"offset": 1e301}, {"other": 1}, {"toString": 1}, None]
         told = self.browser.call(
-            "traces.js",
+            "state/traces.js",
             "(() => { const written = module.writeTraces(module.readTraces(a[0]));"
             " const judge = (one) => {"
             " try { return module.isTraces({'/c': one}); } catch { return false; } };"
@@ -110,8 +112,8 @@ class Modules(BrowserTest):
 
     def test_no_two_of_forty_traces_look_alike_and_a_look_stays(self) -> None:
         looks, after, written = self.browser.call(
-            "colours.js",
-            "await (async () => { const traces = await import('/static/js/traces.js');"
+            "state/colours.js",
+            "await (async () => { const traces = await import('/static/js/state/traces.js');"
             " const axes = { x: {} }, colours = new Map(), theme = 'light';"
             " const names = Array.from({ length: 40 }, (_, index) => `/t/x${index}`);"
             " const of = (values) => values.fields.map((field) => [field, JSON.stringify("
@@ -133,13 +135,13 @@ class Modules(BrowserTest):
         zone = "Emulation.setTimezoneOverride"
         self.addCleanup(self.browser.driver.execute_cdp_cmd, zone, {"timezoneId": ""})
         self.browser.driver.execute_cdp_cmd(zone, {"timezoneId": "America/St_Johns"})
-        names = self.browser.call("clock.js", "a[0].map(module.zoneText)", [1.7e9, 1.72e9])
+        names = self.browser.call("base/clock.js", "a[0].map(module.zoneText)", [1.7e9, 1.72e9])
         self.assertEqual(names, ["UTC−03:30", "UTC−02:30"])  # in winter, and in summer
         self.assertEqual(
-            self.browser.call("clock.js", "module.dateText(1.7e9 + 2e4)"), "2023-11-15"
+            self.browser.call("base/clock.js", "module.dateText(1.7e9 + 2e4)"), "2023-11-15"
         )
         found = self.browser.call(
-            "clock.js",
+            "base/clock.js",
             "a[0].map((time) => [module.clockText(time, 1),"
             " new Date(Math.round(time) * 1e3).toLocaleTimeString('en-GB'),"
             " module.clockText(time, 0.01).slice(8),"
@@ -163,7 +165,7 @@ class Modules(BrowserTest):
           camera.pan(30, -40);
           return { corners, before, after, panned: camera.toWorld(130, 10), scale: camera.scale };
         })()"""
-        told = self.browser.call("robot_camera.js", code)
+        told = self.browser.call("robots/camera.js", code)
         (left, bottom), (right, top) = told["corners"]
         self.assertTrue(0 < left < right < 800 and 0 < top < bottom < 400, told)
         self.assertAlmostEqual((right - left) / 8, (bottom - top) / 4)  # one scale, y is up
@@ -186,7 +188,7 @@ class Modules(BrowserTest):
           element.remove();
           return places;
         })()"""
-        equal, filled = self.browser.call("chart.js", code)
+        equal, filled = self.browser.call("plot/chart.js", code)
         sizes = [(b[0] - a[0], b[1] - c[1]) for a, b, c in (equal, filled)]  # y is down
         self.assertAlmostEqual(sizes[0][0] / sizes[0][1], 10.0)
         self.assertLess(sizes[1][0] / sizes[1][1], 4.0)
@@ -201,7 +203,7 @@ class Modules(BrowserTest):
           const count = trails.of("/odom").reduce((sum, line) => sum + line.length, 0);
           return { lines, count, others: trails.of("/other").length };
         })()"""
-        told = self.browser.call("robot_trails.js", code)
+        told = self.browser.call("robots/trails.js", code)
         self.assertEqual(told["lines"], [[0, 0.1, 0.2], [5, 5.1]])
         self.assertLessEqual(told["count"], 5001)
         self.assertEqual(told["others"], 0)
@@ -227,7 +229,7 @@ class Modules(BrowserTest):
           globalThis.WebSocket = native;
           return waits;
         })()"""
-        waits = self.browser.call("connection.js", code)
+        waits = self.browser.call("base/connection.js", code)
         expected = [
             250,
             500,
@@ -264,20 +266,20 @@ class Modules(BrowserTest):
           Object.assign(globalThis, natives);
           return [states, timers[0].wait, sockets.map(({ closed }) => closed)];
         })()"""
-        states, wait, closed = self.browser.call("connection.js", code)
+        states, wait, closed = self.browser.call("base/connection.js", code)
         self.assertEqual(states, ["connecting", "lost", "connecting", "connecting", "connected", 2])
         self.assertEqual((wait, closed), (10000, [True, True, False]))
 
     def test_typed_numbers(self) -> None:
         texts = ["1.5", " -2,25 ", "−3", "1e3", "", "fast"]
-        answers = self.browser.call("numbers.js", "a[0].map(module.readNumber)", texts)
+        answers = self.browser.call("base/numbers.js", "a[0].map(module.readNumber)", texts)
         self.assertEqual(answers[:5], [1.5, -2.25, -3, 1000, None])
         self.assertIsNone(answers[5])  # NaN, as it travels
 
     def test_range_grows_at_once_and_shrinks_later(self) -> None:
         steps = [[-1, 1, 0], [-1, 3, 0.1], [-0.1, 0.1, 0.2], [-0.1, 0.1, 1.0], [-0.1, 0.1, 5.0]]
         first, grown, waiting, still, shrunk = self.browser.call(
-            "numbers.js",
+            "base/numbers.js",
             "(() => { const range = new module.AutoRange();"
             " return a[0].map((step) => range.update(...step)); })()",
             steps,
@@ -292,7 +294,7 @@ class Modules(BrowserTest):
         traces = {"f": [1, 2, False, False, None, None, 3, 4]}
         # Between what is null dygraphs draws on, at NaN it does not.
         found = self.browser.call(
-            "buffer.js",
+            "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 10);"
             " return [buffer.rows(['f'], 0).map((row) => String(row[1])), buffer.filled('f'),"
             " buffer.extent(['f'], 0, 100), buffer.at('f', 6.5)]; })()",
@@ -315,7 +317,7 @@ class Modules(BrowserTest):
             },
         ]
         rows, held, bins = self.browser.call(
-            "buffer.js",
+            "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer();"
             " a[0].forEach((frame) => buffer.apply(frame, 4));"
             " const rows = buffer.rows(['f', 'g'], 0);"
@@ -337,7 +339,7 @@ class Modules(BrowserTest):
         names = [f"/{name}" for name in types]
         more = ["/int64[12]@stamp", "/int64.difference", "/int64.derivative", "/unknown"]
         stepped, scaled = self.browser.call(
-            "traces.js",
+            "state/traces.js",
             "(() => { const [names, more] = a; const available = [...names, '/int64[0]'].map("
             " (field) => ({ field, datatype: field.match(/\\w+/)[0] }));"
             " const traces = module.readTraces({ '/bool': { drawn: 'line', gain: -0.5 },"
@@ -366,7 +368,7 @@ class Modules(BrowserTest):
             },
         ]
         answers = self.browser.call(
-            "buffer.js",
+            "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer();"
             " const values = (field) => buffer.traces.get(field)?.slice() ?? null;"
             " return a[0].map((frame) => { buffer.apply(frame, 1);"
@@ -381,7 +383,7 @@ class Modules(BrowserTest):
     def test_sweep_is_held_when_its_right_half_has_come(self) -> None:
         for mode in ("normal", "single"):
             held, values = self.browser.call(
-                "sweep.js",
+                "state/sweep.js",
                 "(() => { const values = {window: 2, end: null, reference: null,"
                 " trigger: {mode: a[0], field: 'f', edge: 'rising'}};"
                 " const sweep = new module.Sweep("
@@ -405,7 +407,7 @@ class Modules(BrowserTest):
 
     def test_cursors_tell_the_frequency_of_the_time_between_them(self) -> None:
         texts = self.browser.call(
-            "cursors.js",
+            "measure/cursors.js",
             "a[0].map(([from, to]) => { const values = {cursors: null};"
             " const overlay = document.createElement('div');"
             " const cursors = new module.Cursors(overlay, {values, on() {}, set() {}},"
@@ -422,7 +424,7 @@ class Modules(BrowserTest):
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
         rows = self.browser.call(
-            "buffer.js",
+            "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply("
             "{now: 4, bin: 1, reset: true, first: 0, traces: {f: a[0]}}, 9);"
             " return buffer.rows(['f'], 4); })()",
@@ -441,7 +443,9 @@ class Modules(BrowserTest):
             {"kind": "float", "minimum": 100, "maximum": 1e6, "value": 150},
         ]
         for case in cases:
-            travel = self.browser.call("slider.js", "module.travel(a[0], a[0].value)", case)
+            travel = self.browser.call(
+                "controls/slider.js", "module.travel(a[0], a[0].value)", case
+            )
             low, high = travel["low"], travel["high"]
             self.assertTrue(low <= case["value"] <= high, (case, travel))
             self.assertTrue(case.get("minimum", low) <= low < high <= case.get("maximum", high))
@@ -453,7 +457,7 @@ class Modules(BrowserTest):
         ends = {"minimum": 0, "maximum": 10, "labels": []}
         parameter = {"name": "level", "kind": "float", "value": 1, **ends}
         places = self.browser.call(
-            "parameter.js",
+            "controls/parameter.js",
             "(() => { const it = new module.Parameter(a[0], false, () => {});"
             " const placeAfter = (value) => { it.update(value); return it.slider.value; };"
             " const anybodys = placeAfter(4);"
@@ -466,7 +470,7 @@ class Modules(BrowserTest):
 
     def test_long_names_are_broken_behind_their_parts(self) -> None:
         wrapped = self.browser.call(
-            "picture.js",
+            "measure/picture.js",
             "a.map(([name, most]) => module.wrapped(name, most, (text) => text.length))",
             ["/robot/joint_states/position", 14],
             ["/robot/x", 30],
@@ -484,7 +488,9 @@ class Modules(BrowserTest):
     def test_names_are_in_the_order_that_people_count_in(self) -> None:
         names = ["/group10/a", "/group2/b", "/group2/a", "/group2", "/group2_b/a", "/a/10", "/a/9"]
         order = ["/a/9", "/a/10", "/group2", "/group2/a", "/group2/b", "/group2_b/a", "/group10/a"]
-        self.assertEqual(self.browser.call("natural.js", "a[0].sort(module.byName)", names), order)
+        self.assertEqual(
+            self.browser.call("base/natural.js", "a[0].sort(module.byName)", names), order
+        )
 
     def test_choices_are_grouped_and_the_useful_ones_come_first(self) -> None:
         types = {
@@ -509,7 +515,7 @@ class Modules(BrowserTest):
 
         def found(text: str, everything: bool = False) -> Any:
             told = self.browser.call(
-                "choices.js", "module.found(...a)", choices, types, text, everything
+                "choose/choices.js", "module.found(...a)", choices, types, text, everything
             )
             return [[one["field"] for one in group["fields"]] for group in told["groups"]], told[
                 "aside"
@@ -536,7 +542,7 @@ class Modules(BrowserTest):
         items = [{"id": name} for name in "abcd"]
         edges = [{"from": a, "to": b} for a, b in ("ab", "bc", "ca", "ad", "cd")]
         layers = self.browser.call(
-            "layout.js", "Object.fromEntries(module.layersOf(a[0], a[1]))", items, edges
+            "graph/layout.js", "Object.fromEntries(module.layersOf(a[0], a[1]))", items, edges
         )
         self.assertEqual(layers, {"a": 0, "b": 1, "c": 2, "d": 3})
 
@@ -544,7 +550,7 @@ class Modules(BrowserTest):
         dice = random.Random(8)
         graphs = [_random_graph(dice) for _ in range(150)]
         layouts = self.browser.call(
-            "layout.js",
+            "graph/layout.js",
             "a[0].map(([items, edges]) => { const made = module.layOut(items, edges);"
             " return {...made, places: Object.fromEntries(made.places),"
             " routes: Object.fromEntries(made.routes)}; })",

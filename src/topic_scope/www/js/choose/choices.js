@@ -1,0 +1,65 @@
+/** What can be chosen, as the chooser lists it: by topic, the useful ones first. */
+
+import { byName } from "../base/natural.js";
+
+/** Types of topics that are about the nodes themselves. */
+const ASIDE = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
+/** What a message has besides its subject. */
+const FORMAL = /(^|[/\]])(header\/(seq|stamp)|layout\/.*|.*covariance\[.*)$/;
+const ELEMENT = /\[[\w-]+\]/g;
+
+/**
+ * Tell whether a topic stands behind the tick.
+ * @param {string} datatype of the topic
+ * @returns {boolean}
+ */
+export const isAside = (datatype) => ASIDE.test(datatype);
+
+/**
+ * Tell whether a field is what its message is for.
+ * @param {{field: string, topic: string}} choice
+ * @returns {boolean}
+ */
+export const isUseful = ({ field, topic }) => !FORMAL.test(field.slice(topic.length + 1));
+
+/** What a choice becomes where a word has an element that is not listed: /scan/ranges[0] with [200]. */
+function withElements(choice, words) {
+  const wanted = words.flatMap((word) => word.match(ELEMENT) || []);
+  if (!wanted.length) return choice;
+  let place = 0;
+  const field = choice.field.replace(ELEMENT, () => wanted[Math.min(place++, wanted.length - 1)]);
+  return { ...choice, field };
+}
+
+/**
+ * Find what fits some words.
+ * @param {{field: string, datatype: string, topic: string}[]} available
+ * @param {Object<string, string>} types of the topics
+ * @param {string} text words, each to be in a name or a type
+ * @param {boolean} all with what stands behind the tick
+ * @returns {{groups: {topic: string, datatype: string, fields: Object[]}[], count: number, aside: number}}
+ *   count: how many fields are listed, aside: how many more stand behind the tick
+ */
+export function found(available, types, text, all) {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  const groups = new Map();
+  const seen = new Set();
+  let aside = 0;
+  for (const one of available) {
+    const choice = withElements(one, words);
+    const type = types[one.topic] || "";
+    const where = `${choice.field} ${choice.datatype} ${type}`.toLowerCase();
+    if (seen.has(choice.field) || !words.every((word) => where.includes(word))) continue;
+    seen.add(choice.field);
+    if (!all && isAside(type)) aside += 1;
+    else if (groups.has(one.topic)) groups.get(one.topic).push(choice);
+    else groups.set(one.topic, [choice]);
+  }
+  const rank = (choice) => Number(!isUseful(choice));
+  const listed = [...groups].map(([topic, fields]) => ({
+    topic,
+    datatype: types[topic] || "",
+    fields: fields.sort((a, b) => rank(a) - rank(b)), // else as in the message
+  })).sort((a, b) => isAside(a.datatype) - isAside(b.datatype) || byName(a.topic, b.topic));
+  return { groups: listed, count: seen.size - aside, aside };
+}

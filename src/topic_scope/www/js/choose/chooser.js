@@ -1,0 +1,117 @@
+/** The dialog to choose traces from all numeric fields on the graph. */
+
+import { found } from "./choices.js";
+import { byId, make, say } from "../base/dom.js";
+
+const MOST = 500; // listed at once; the search finds the rest
+const OPEN = 40; // up to so many fields, all topics are open
+const TRACES = 32; // as the server has it
+const TYPED = "as typed";
+const FUNCTIONS = ["derivative", "difference", "unwrap"];
+const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is computed, and its time
+const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
+
+/**
+ * Make the dialog work.
+ * @param {import("../state/state.js").State} state
+ * @returns {function(string=): void} opens it, with a text to search for
+ */
+export function startChooser(state) {
+  const dialog = byId("chooser");
+  const search = byId("chooser-search");
+  const list = byId("chooser-list");
+  const all = byId("chooser-all");
+  const note = byId("chooser-note");
+
+  /** Choose a field, or no longer; tells whether that was possible. */
+  function choose(field, wanted) {
+    const others = state.values.fields.filter((other) => other !== field);
+    if (wanted && others.length >= TRACES) {
+      say(note, `A page shows at most ${TRACES} traces: remove one first.`);
+      return false;
+    }
+    say(note, "");
+    state.set({ fields: wanted ? [...others, field] : others });
+    return true;
+  }
+
+  function row({ field, datatype, topic }) {
+    const box = make("input", {
+      type: "checkbox",
+      "aria-label": field,
+      change: () => { box.checked = choose(field, box.checked) && box.checked; },
+    });
+    box.checked = state.values.fields.includes(field);
+    const computed = make("select", {
+      "aria-label": `what is computed of ${field}`,
+      title: "what is computed of it",
+      change: () => {
+        choose(`${field}.${computed.value}`, true);
+        computed.value = "";
+      },
+    }, make("option", { value: "" }, "…"), ...FUNCTIONS.map((name) => make("option", { value: name }, name)));
+    return make("label", { title: field }, box, make("span", {}, topic ? field.slice(topic.length + 1) || field : field),
+      make("span", { class: "type" }, datatype), field.includes(".") || datatype === TYPED ? null : computed);
+  }
+
+  function group({ topic, datatype, fields }, isOpen) {
+    const chosen = fields.some(({ field }) => state.values.fields.includes(field));
+    return make("details", { "data-topic": topic, "aria-label": topic, open: isOpen || chosen },
+      make("summary", {}, make("span", {}, topic), make("span", { class: "type" }, datatype)),
+      ...fields.map(row));
+  }
+
+  function fill() {
+    const { available, types } = state.values;
+    const typed = search.value.trim();
+    const { groups, count: total, aside } = found(available, types, typed, all.checked);
+    const isListed = groups.some(({ fields }) => fields.some(({ field }) => field === typed));
+    const rows = [];
+    let left = MOST;
+    for (const one of groups) {
+      if (left <= 0) break;
+      rows.push(group({ ...one, fields: one.fields.slice(0, left) }, typed !== "" || total <= OPEN));
+      left -= one.fields.length;
+    }
+    if (NAME.test(typed) && !isListed) rows.push(row({ field: typed, datatype: TYPED, topic: "" }));
+    list.replaceChildren(...rows);
+    say(byId("chooser-count"), `${total} numeric fields of ${groups.length} topics` +
+      (left < 0 ? `, the first ${MOST} are listed` : "") + (aside ? `, ${aside} more with the tick` : ""));
+  }
+
+  /** What the arrow keys go through: topics, and the fields of those that are open. */
+  const stops = () => [...list.querySelectorAll("summary, label input")]
+    .filter((element) => element.matches("summary") || !element.closest("details:not([open])"));
+
+  function moveFocus(step) {
+    const all = stops();
+    const place = all.indexOf(document.activeElement) + step;
+    (place < 0 ? search : all[Math.min(place, all.length - 1)] || search).focus();
+  }
+
+  search.addEventListener("input", fill);
+  all.addEventListener("change", fill);
+  dialog.addEventListener("keydown", (event) => {
+    if (event.target.matches("select")) return;
+    if (event.key === "ArrowDown") moveFocus(1);
+    else if (event.key === "ArrowUp") moveFocus(-1);
+    else if (event.key === "Enter") {
+      const focused = document.activeElement;
+      if (focused !== search && !list.contains(focused)) return; // a button
+      (focused === search ? stops().find((one) => one.matches("input")) : focused)?.click();
+    } else if (event.key === "Escape") dialog.close(); // a search field would only clear itself
+    else return;
+    event.preventDefault();
+  });
+  state.on(["available"], () => {
+    if (dialog.open && !list.contains(document.activeElement)) fill();
+  });
+
+  return (text = "") => {
+    search.value = text;
+    say(note, "");
+    fill();
+    dialog.showModal();
+    search.focus();
+  };
+}

@@ -1,0 +1,164 @@
+/** The table below the plot: legend, switches and measurements of each trace. */
+
+import { colourOf, dashOf, sampleOf } from "../state/colours.js";
+import { byId, make, press, say } from "../base/dom.js";
+import { LEVELS, shownFigures } from "../measure/measures.js";
+import { figure } from "../base/numbers.js";
+import { plotChoice, startDrag } from "./plot_choice.js";
+import { TimeChoice } from "./time_base.js";
+import { scaledText } from "../state/traces.js";
+
+const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
+const CURSORS_EVERY_MS = 120;
+
+const without = (set, item) => new Set([...set].filter((other) => other !== item));
+const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
+
+/** Say in words what is not there of a trace. */
+function missing({ silent, nan, problem }) {
+  if (problem) return problem;
+  const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
+  if (nan > 0) words.push(`NaN ${Math.max(1, Math.round(100 * nan))} %`);
+  return words.join(", ");
+}
+
+/** The legend. */
+export class Legend {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../measure/cursors.js").Cursors} cursors
+   * @param {function(string): void} openTrace opens the dialog of a trace
+   */
+  constructor(state, plot, cursors, openTrace) {
+    this.state = state;
+    this.openTrace = openTrace;
+    this.cursors = cursors;
+    this.rows = new Map();
+    this.spreads = new Map(); // field -> from its least to its greatest value
+    this.body = byId("legend");
+    this.cursorsShown = 0;
+    this.more = make("th", { scope: "col" }, byId("show-measures"));
+    state.on(["fields", "hidden", "right", "colours", "traces", "theme", "measures"], () => this.build());
+    state.on(["cursors"], () => {
+      if ((state.values.cursors !== null) !== this.withCursors) this.build();
+    });
+    plot.onDrawn(() => this.showCursors());
+    this.build();
+  }
+
+  build() {
+    const focused = document.activeElement?.dataset?.control;
+    this.withCursors = this.state.values.cursors !== null;
+    this.figures = shownFigures(this.state.values);
+    this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
+    const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
+    byId("legend-head").replaceChildren(
+      head("", ""), head("", ""), head("trace", "name"), head("plot", ""), head("axis", ""), head("time", ""),
+      ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
+    );
+    const before = this.rows;
+    this.rows = new Map();
+    for (const field of this.state.values.fields) {
+      const row = this.row(field);
+      this.rows.set(field, row);
+      for (const [key, cell] of row.cells) {
+        say(cell, before.get(field)?.cells.get(key)?.textContent ?? "–");
+      }
+    }
+    this.body.replaceChildren(...[...this.rows.values()].map((row) => row.element));
+    if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
+  }
+
+  row(field) {
+    const { state } = this;
+    const { hidden, right, colours } = state.values;
+    const cells = new Map(this.columns.map(([key, text]) => [key, make("td", { "data-cell": key, "data-head": text })]));
+    const shown = make("input", {
+      type: "checkbox",
+      "aria-label": `show ${field}`,
+      "data-control": `show ${field}`,
+      change: () => state.set({ hidden: toggled(hidden, field) }),
+    });
+    shown.checked = !hidden.has(field);
+    const colour = make("input", {
+      type: "color",
+      value: colourOf(state, field),
+      "aria-label": `colour of ${field}`,
+      change: () => state.set({ colours: new Map([...colours, [field, colour.value]]) }),
+    });
+    const axis = make("button", {
+      type: "button",
+      title: "left or right axis",
+      "aria-label": `right axis for ${field}`,
+      "data-control": `axis ${field}`,
+      click: () => state.set({ right: toggled(right, field) }),
+    }, right.has(field) ? "right" : "left");
+    press(axis, right.has(field));
+    const time = new TimeChoice(state, field);
+    const badge = make("span", { class: "badge", role: "status", hidden: true });
+    const more = make("button", {
+      type: "button",
+      class: "quiet",
+      title: "dash, steps, gain and offset of the trace",
+      "aria-label": `more of ${field}`,
+      "data-control": `more ${field}`,
+      click: () => this.openTrace(field),
+    }, "⋯");
+    const remove = make("button", {
+      type: "button",
+      class: "quiet",
+      title: "remove the trace",
+      "aria-label": `remove ${field}`,
+      click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
+    }, "✕");
+    const scaled = scaledText(state.values, field);
+    const name = make("td", { class: "name", title: `${field}: drag it to another plot` },
+      make("i", {
+        class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
+      }), field, scaled && make("em", { class: "scaled" }, scaled), badge);
+    startDrag(name, state, field);
+    const element = make(
+      "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
+      make("td", {}, shown), make("td", {}, colour), name,
+      make("td", { class: "choice" }, plotChoice(state, field)),
+      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, more, remove),
+    );
+    return { element, name, cells, time, badge };
+  }
+
+  /**
+   * Show what the server measured in the visible window.
+   * @param {Object<string, Object<string, ?number>>} traces
+   */
+  showStats(traces) {
+    for (const [field, { element, name, cells, time, badge }] of this.rows) {
+      const measured = traces[field] || {};
+      element.classList.toggle("gone", Boolean(measured.problem));
+      name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
+      if (measured.topic) time.show(measured.topic, measured.time);
+      say(badge, missing(measured));
+      badge.hidden = !badge.textContent;
+      const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
+      // Of a mean that should be 0, only the rounding of the sum is left.
+      const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;
+      this.spreads.set(field, measured.vpp);
+      for (const [key] of this.figures) {
+        const value = key === "mean" && largest ? mean : measured[key];
+        say(cells.get(key), figure(value, 5, LEVELS.includes(key) ? measured.vpp : null));
+      }
+    }
+  }
+
+  showCursors() {
+    const now = performance.now();
+    if (!this.withCursors || now - this.cursorsShown < CURSORS_EVERY_MS) return;
+    this.cursorsShown = now;
+    for (const [field, { cells }] of this.rows) {
+      const values = this.cursors.valuesOf(field) || {};
+      for (const [key] of AT_CURSORS) {
+        say(cells.get(key), figure(values[key], 5, key === "difference" ? null : this.spreads.get(field)));
+      }
+    }
+  }
+}

@@ -1,0 +1,52 @@
+/** The dialog with what else can be chosen for a trace. */
+
+import { byId, make, say } from "../base/dom.js";
+import { readNumber, typed } from "../base/numbers.js";
+import { DASHES, LARGEST, choose, chosenOf, differenceOf, isDifference } from "../state/traces.js";
+
+const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
+const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
+const less = byId("trace-less");
+const add = byId("trace-difference");
+
+/**
+ * Make the dialog work.
+ * @param {import("../state/state.js").State} state
+ * @returns {function(string): void} opens it for a field
+ */
+export function startTraceDialog(state) {
+  let field = "";
+
+  function fill() {
+    const chosen = chosenOf(state.values, field);
+    say(byId("trace-title"), field);
+    for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
+    for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
+    const others = state.values.fields.filter((other) => other !== field && !isDifference(other));
+    less.replaceChildren(...others.map((other) => make("option", { value: other }, other)));
+    add.disabled = !others.length || isDifference(field);
+  }
+
+  add.addEventListener("click", () => {
+    const { fields } = state.values;
+    const name = differenceOf(field, less.value);
+    if (!fields.includes(name)) state.set({ fields: [...fields, name] });
+  });
+  WORDS.dash.append(make("option", { value: "" }, "automatic"),
+    ...[...DASHES.keys()].map((name) => make("option", { value: name }, name)));
+  for (const [name, select] of Object.entries(WORDS)) {
+    select.addEventListener("change", () => choose(state, field, { [name]: select.value }));
+  }
+  for (const [name, input] of Object.entries(NUMBERS)) {
+    input.addEventListener("change", () => {
+      const number = readNumber(input.value) ?? NaN;
+      if (Math.abs(number) <= LARGEST) choose(state, field, { [name]: number });
+      fill(); // what is no number goes back to what it was
+    });
+  }
+  return (name) => {
+    field = name;
+    fill();
+    byId("trace").showModal();
+  };
+}

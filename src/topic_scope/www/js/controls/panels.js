@@ -1,0 +1,177 @@
+/** A panel for each node that describes its parameters or can be enabled and reset. */
+
+import { byId, make, say } from "../base/dom.js";
+import { byName } from "../base/natural.js";
+import { Parameter } from "./parameter.js";
+
+const CALLS = { // what the buttons of a service say, and what they send
+  SetBool: [["on", true], ["off", false]],
+  Trigger: [["call", null]],
+};
+const WELL_KNOWN = {
+  enable: [["Enable", true], ["Disable", false]],
+  reset: [["Reset", null]],
+};
+
+/** Shows the panels and sends what is done with them. */
+export class Panels {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {function(Object): void} send takes messages for the server
+   */
+  constructor(state, send) {
+    this.state = state;
+    this.send = send;
+    this.parameters = new Map(); // "node name" -> Parameter
+    this.answers = new Map(); // service -> where its answer is shown
+    this.shown = new Map(); // node -> {shape, element}
+    this.closed = new Set();
+    this.lamps = {}; // node -> what it says of itself, such as running or idle
+    this.filter = byId("filter");
+    this.filter.addEventListener("input", () => this.applyFilter());
+  }
+
+  /**
+   * Show other panels. One that is the same but for its values stays, with what is typed there.
+   * @param {Object[]} panels as the server sends them
+   */
+  show(panels) {
+    panels.sort((a, b) => byName(a.node, b.node));
+    const list = byId("panel-list");
+    const nodes = panels.map(({ node }) => node);
+    for (const [node, { element }] of this.shown) {
+      if (nodes.includes(node)) continue;
+      element.remove();
+      this.shown.delete(node);
+    }
+    panels.forEach((panel, place) => {
+      const before = this.shown.get(panel.node);
+      const shape = JSON.stringify([panel, this.state.values.readonly], (key, value) =>
+        (key === "value" ? undefined : value));
+      if (before?.shape === shape) {
+        for (const { name, value } of panel.parameters) {
+          this.onValue({ node: panel.node, name, value });
+        }
+        return;
+      }
+      const element = this.panel(panel);
+      this.shown.set(panel.node, { shape, element });
+      before?.element.remove();
+      list.insertBefore(element, list.children[place] ?? null);
+    });
+    byId("no-panels").hidden = panels.length > 0;
+    this.filter.hidden = panels.length === 0;
+    this.applyFilter();
+  }
+
+  panel({ node, parameters, services }) {
+    const readonly = this.state.values.readonly;
+    const rows = parameters.map((parameter) => {
+      const { name } = parameter;
+      const row = new Parameter(parameter, readonly, (value) =>
+        this.send({ type: "set", node, name, value }));
+      this.parameters.set(`${node} ${name}`, row);
+      return row.element;
+    });
+    return make(
+      "details", {
+        class: "panel",
+        "data-node": node,
+        "aria-label": `parameters of ${node}`,
+        open: !this.closed.has(node),
+        toggle: (event) => {
+          if (event.target.open) this.closed.delete(node);
+          else this.closed.add(node);
+        },
+      },
+      make("summary", {}, node, this.lamp(node)),
+      make("div", { class: "body" }, readonly ? null : this.services(node, services), ...rows),
+    );
+  }
+
+  lamp(node) {
+    const state = this.lamps[node];
+    return make("output", { class: "lamp", "data-state": state, hidden: !state }, state);
+  }
+
+  /**
+   * Show whether the nodes run.
+   * @param {{nodes: Object<string, string>}} message
+   */
+  onLamps({ nodes }) {
+    this.lamps = nodes;
+    for (const [node, { element }] of this.shown) {
+      const lamp = element.querySelector("summary .lamp");
+      const state = nodes[node] || "";
+      lamp.dataset.state = state;
+      lamp.hidden = !state;
+      say(lamp, state);
+    }
+  }
+
+  services(node, services) {
+    const made = services.map((service) => this.service(node, service));
+    const answers = made.map(({ answer }) => answer);
+    return made.length
+      ? make("div", { class: "services" }, ...made.flatMap(({ parts }) => parts), ...answers)
+      : null;
+  }
+
+  /** Buttons of a service, after its name where they do not speak for themselves. */
+  service(node, { name, kind }) {
+    const short = name.split("/").pop();
+    const own = name === `${node}/${short}`.replace("//", "/");
+    const known = own && WELL_KNOWN[short] && (kind === "SetBool") === (short === "enable");
+    const answer = make("p", { class: "answer", role: "status", "data-service": name });
+    this.answers.set(name, answer);
+    const call = (data) => {
+      say(answer, "…");
+      this.send({ type: "call", service: name, ...(data === null ? {} : { data }) });
+    };
+    const buttons = (known ? WELL_KNOWN[short] : CALLS[kind]).map(([text, data]) => make("button", {
+      type: "button",
+      "aria-label": `${name}: ${text}`,
+      click: () => call(data),
+    }, text));
+    const title = known ? [] : [make("span", { class: "name" }, own ? short : name)];
+    return { parts: [...title, ...buttons], answer };
+  }
+
+  /**
+   * Take the value in force of a parameter.
+   * @param {{node: string, name: string, value: *}} message
+   */
+  onValue({ node, name, value }) {
+    this.parameters.get(`${node} ${name}`)?.update(value);
+  }
+
+  /**
+   * @param {{node: string, name: string, text: string, kept: boolean}} message
+   */
+  onRefused({ node, name, text, kept }) {
+    this.parameters.get(`${node} ${name}`)?.refuse(text, kept);
+  }
+
+  /**
+   * @param {{service: string, success: boolean, message: string}} message
+   */
+  onCalled({ service, success, message }) {
+    const answer = this.answers.get(service);
+    if (!answer) return;
+    say(answer, message || (success ? "done" : "refused"));
+    answer.classList.toggle("bad", !success);
+  }
+
+  applyFilter() {
+    const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    for (const panel of byId("panel-list").children) {
+      let any = false;
+      for (const row of panel.querySelectorAll(".parameter")) {
+        const text = `${panel.dataset.node} ${row.textContent}`.toLowerCase();
+        row.hidden = !words.every((word) => text.includes(word));
+        any = any || !row.hidden;
+      }
+      panel.hidden = words.length > 0 && !any;
+    }
+  }
+}

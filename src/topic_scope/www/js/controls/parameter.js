@@ -1,0 +1,182 @@
+/** One parameter of a node: its control, what it means, and why a value was refused. */
+
+import { make, say } from "../base/dom.js";
+import { readNumber, short, typed } from "../base/numbers.js";
+import { allowed, isPoor, travel } from "./slider.js";
+
+const EVERY_MS = 60; // between two sets while a slider moves
+const ANSWER_MS = 1000; // from a set to its value in force, at most
+
+/** Shows a parameter and lets it be changed. */
+export class Parameter {
+  /**
+   * @param {Object} parameter as the server describes it
+   * @param {boolean} readonly
+   * @param {function(*): void} set takes a value that the user wants
+   */
+  constructor(parameter, readonly, set) {
+    this.parameter = parameter;
+    this.inForce = parameter.value;
+    this.set = set;
+    this.sent = parameter.value;
+    this.lastSent = -Infinity;
+    this.later = null;
+    this.settled = null;
+    this.refused = false; // whether what is typed is none that is in force
+    this.numeric = parameter.kind === "float" || parameter.kind === "int";
+    this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
+    this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
+    this.control.setAttribute("aria-label", parameter.name);
+    this.slider = this.numeric && !readonly && !parameter.labels.length ? this.makeSlider() : null;
+    this.ends = this.slider && make("div", { class: "travel" }, make("i"), this.slider, make("i"));
+    const range = allowed(parameter);
+    this.element = make(
+      "div", { class: "parameter", "data-name": parameter.name },
+      make("div", { class: "row" },
+        make("label", { title: parameter.name }, parameter.name),
+        this.control, make("span", { class: "unit" }, parameter.unit || "")),
+      this.ends,
+      make("p", { class: "help" }, [parameter.help, range && `(${range})`].filter(Boolean).join(" ")),
+      this.refusal,
+    );
+    this.show();
+  }
+
+  makeControl() {
+    const { kind, choices, labels } = this.parameter;
+    if (kind === "bool") {
+      return make("input", { type: "checkbox", change: () => this.want(this.control.checked) });
+    }
+    if (kind === "enum") {
+      const options = choices.map((choice) => make("option", { value: choice }, choice));
+      return make("select", { change: () => this.want(this.control.value) }, ...options);
+    }
+    if (labels.length) {
+      const options = labels.map(([value, word]) => make("option", { value: typed(value, 7) }, word));
+      return make("select", { change: () => this.want(Number(this.control.value)) }, ...options);
+    }
+    return make("input", {
+      type: "text",
+      class: this.numeric ? "value" : "value text",
+      inputmode: this.numeric ? "decimal" : false,
+      change: () => this.wantTyped(this.control.value),
+      keydown: (event) => {
+        if (event.key === "Escape") this.giveUp();
+      },
+    });
+  }
+
+  makeSlider() {
+    const slider = make("input", {
+      type: "range",
+      "aria-label": `${this.parameter.name}, slider`,
+      pointerdown: () => { this.held = true; },
+      input: () => this.wantSoon(Number(slider.value)),
+      change: () => {
+        this.held = false;
+        this.want(Number(slider.value));
+      },
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      slider.addEventListener(end, () => { this.held = false; });
+    }
+    return slider;
+  }
+
+  wantTyped(text) {
+    const number = this.numeric ? readNumber(text) : null;
+    // What is no number goes to the node as it is: the node says what it allows.
+    this.want(this.numeric && Number.isFinite(number) ? number : text);
+  }
+
+  wantSoon(value) {
+    this.control.value = typed(value);
+    clearTimeout(this.later);
+    const wait = this.lastSent + EVERY_MS - performance.now();
+    if (wait <= 0) this.send(value);
+    else this.later = setTimeout(() => this.send(value), wait);
+  }
+
+  want(value) {
+    clearTimeout(this.later);
+    this.send(value);
+  }
+
+  send(value) {
+    this.sent = value;
+    this.lastSent = performance.now();
+    this.clear();
+    this.set(value);
+  }
+
+  clear() {
+    this.refused = false;
+    this.refusal.hidden = true;
+    say(this.refusal, "");
+    this.element.classList.remove("refused");
+  }
+
+  /** Go back to the value in force. */
+  giveUp() {
+    if (this.refused) this.send(this.inForce); // or what was refused is tried again with another one
+    this.show();
+  }
+
+  /**
+   * Take the value in force. Where more was wanted meanwhile, it is the answer to what was wanted
+   * before, and the control does not go back to it.
+   * @param {*} value
+   */
+  update(value) {
+    const isNews = value !== this.inForce;
+    this.inForce = value;
+    clearTimeout(this.settled);
+    if (this.refused && (!isNews || document.activeElement === this.control)) return; // to be mended
+    if (isNews) this.clear();
+    const wait = value === this.sent ? 0 : this.lastSent + ANSWER_MS - performance.now();
+    if (wait > 0) this.settled = setTimeout(() => this.update(this.inForce), wait);
+    else if (!this.held) this.show();
+  }
+
+  /**
+   * Say why a value was refused. What was typed stays to be mended; all else goes back to the value
+   * in force.
+   * @param {string} text
+   * @param {boolean} kept whether it is tried once more with the next value of the node
+   */
+  refuse(text, kept) {
+    const isText = this.control.matches("input[type=text]");
+    const again = kept ? " It is tried again together with the next value that is set here." : "";
+    const back = isText ? ` In force: ${asText(this.inForce)}; Escape goes back to it.` : "";
+    say(this.refusal, `${text}.${again}${back}`);
+    this.refused = isText;
+    this.refusal.hidden = false;
+    this.element.classList.add("refused");
+    if (!isText) this.show();
+    else if (this.slider && typeof this.inForce === "number") this.showSlider(this.inForce);
+  }
+
+  show() {
+    const { kind } = this.parameter;
+    const value = this.inForce;
+    const text = this.numeric && typeof value === "number" ? typed(value, 7) : asText(value);
+    this.control.title = asText(value); // a number with all its digits
+    if (this.control.tagName === "OUTPUT") this.control.value = text;
+    else if (kind === "bool") this.control.checked = Boolean(value);
+    else this.control.value = text;
+    if (this.slider && typeof value === "number") this.showSlider(value);
+  }
+
+  showSlider(value) {
+    const wanted = travel(this.parameter, value);
+    if (!this.travel || isPoor(this.travel, wanted, value)) {
+      this.travel = wanted;
+      Object.assign(this.slider, { min: wanted.low, max: wanted.high, step: wanted.step });
+      say(this.ends.firstChild, short(wanted.low));
+      say(this.ends.lastChild, short(wanted.high));
+    }
+    this.slider.value = value;
+  }
+}
+
+const asText = (value) => (typeof value === "string" ? value : JSON.stringify(value ?? ""));

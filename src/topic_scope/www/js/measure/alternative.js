@@ -1,0 +1,44 @@
+/** The plot in words, for those who cannot see it. */
+
+import { byId, say } from "../base/dom.js";
+import { figure } from "../base/numbers.js";
+import { labelOf } from "../state/traces.js";
+
+const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "plot of traces over one another" };
+
+/**
+ * Say what a plot shows.
+ * @param {Object} values of the state
+ * @param {string[]} fields that are shown
+ * @param {Object<string, Object>} traces what is measured of them
+ * @returns {string}
+ */
+export function inWords(values, fields, traces) {
+  const { window, end } = values;
+  const of = (field) => {
+    const told = traces[field];
+    if (!told) return "nothing yet";
+    if (told.problem) return told.problem;
+    if (!Number.isFinite(told.min)) return told.silent ? `no data for ${Math.floor(told.silent)} s` : "no data";
+    const level = (value) => figure(value, 5, told.vpp);
+    const wave = Number.isFinite(told.frequency) ? `, ${figure(told.frequency, 4)} Hz` : "";
+    return `from ${level(told.min)} to ${level(told.max)}, mean ${level(told.mean)}, latest ${level(told.value)}${wave}`;
+  };
+  const until = end === null ? "until now" : `until ${new Date(end * 1000).toISOString().slice(11, 19)} UTC, paused`;
+  const head = fields.length ? `${figure(window, 3)} s ${until}.` : "No traces.";
+  return [head, ...fields.map((field) => `${labelOf(values, field)}: ${of(field)}.`)].join(" ");
+}
+
+/**
+ * Keep the words in step with the plot.
+ * @param {import("../state/state.js").State} state
+ * @returns {function(Object<string, Object>): void} takes what is measured of the traces
+ */
+export function startAlternative(state) {
+  const plot = byId("plot");
+  state.on(["chart"], ({ chart: { kind } }) => {
+    plot.setAttribute("aria-label", KINDS[kind]);
+    byId("chart").setAttribute("aria-label", KINDS[kind]);
+  });
+  return (traces) => say(byId("plot-text"), inWords(state.values, state.shown, traces));
+}

@@ -1,0 +1,104 @@
+/** Two cursors in time. */
+
+import { clockText } from "../base/clock.js";
+import { byId, make, press, say } from "../base/dom.js";
+import { Handle } from "../plot/handle.js";
+import { figure } from "../base/numbers.js";
+
+/** Shows two lines that can be moved, and the time between them. */
+export class Cursors {
+  /**
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   */
+  constructor(overlay, state, plot) {
+    this.state = state;
+    this.plot = plot;
+    this.lastAxis = null; // left edge, length and reference of the axis when last drawn
+    this.own = null; // the cursors as they were set for an axis that was shown; a set-up has others
+    this.readout = make("output", { class: "readout", hidden: true });
+    overlay.append(this.readout);
+    this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
+      kind: "cursor",
+      name: `cursor ${key.toUpperCase()}, time`,
+      label: key.toUpperCase(),
+      move: (part) => this.moveTo(key, part),
+    })]);
+    const button = byId("cursors");
+    button.addEventListener("click", () => this.toggle());
+    state.on(["cursors"], ({ cursors }) => {
+      press(button, cursors !== null);
+      this.place();
+    });
+    plot.onDrawn(() => this.place());
+  }
+
+  /** Show the cursors in the view, or hide them. */
+  toggle() {
+    const [from, to] = this.plot.times;
+    const cursors = { a: from + (to - from) * 0.35, b: from + (to - from) * 0.65 };
+    this.set(this.state.values.cursors ? null : cursors);
+  }
+
+  moveTo(key, part) {
+    const [from, to] = this.plot.times;
+    const moved = { [key]: from + part * (to - from) };
+    this.set({ ...this.state.values.cursors, ...moved });
+  }
+
+  set(cursors) {
+    this.own = cursors;
+    this.state.set({ cursors });
+  }
+
+  place() {
+    const [from, to] = this.plot.times;
+    this.stay(from, to);
+    const { cursors } = this.state.values;
+    this.readout.hidden = !cursors;
+    for (const [key, handle] of this.handles) {
+      const time = cursors ? cursors[key] : null;
+      handle.place(time === null ? null : (time - from) / (to - from), time, `${figure(time)} s`);
+    }
+    if (!cursors) return;
+    const apart = cursors.b - cursors.a;
+    const text = (time) => (this.state.values.axes?.x.clock
+      ? clockText(this.plot.shown.reference + time, (to - from) / 500) : `${figure(time)} s`);
+    say(this.readout, `A ${text(cursors.a)}   B ${text(cursors.b)}   ` +
+      `Δt ${figure(apart)} s   1/Δt ${figure(apart ? 1 / Math.abs(apart) : null)} Hz`);
+  }
+
+  /** Stay where they are on the screen when the axis begins to count from something else. */
+  stay(from, to) {
+    const { cursors, trigger } = this.state.values;
+    const before = this.lastAxis;
+    const { shown } = this.plot;
+    const reference = shown?.reference;
+    this.lastAxis = { from, length: to - from, reference };
+    if (!cursors || !shown) return;
+    if (cursors !== this.own) {
+      // Of a set-up, they are by the axis of its trigger, also where that has not come yet.
+      if (trigger.mode === "off" || reference !== shown.to) this.own = cursors;
+      return;
+    }
+    if (!before || before.reference === reference) return;
+    const shift = from - before.from;
+    if (Math.abs(to - from - before.length) > 1e-9 || Math.abs(shift) < 1e-9) return;
+    this.set({ a: cursors.a + shift, b: cursors.b + shift });
+  }
+
+  /**
+   * Tell what a trace is at both cursors.
+   * @param {string} field
+   * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
+   */
+  valuesOf(field) {
+    const { cursors } = this.state.values;
+    const { shown } = this.plot;
+    if (!cursors || !shown) return null;
+    const a = shown.buffer.at(field, shown.reference + cursors.a);
+    const b = shown.buffer.at(field, shown.reference + cursors.b);
+    return { a, b, difference: a === null || b === null ? null : b - a };
+  }
+}

@@ -1,0 +1,71 @@
+/** Tells the time and the values under the pointer. */
+
+import { clockText } from "../base/clock.js";
+import { sampleOf } from "../state/colours.js";
+import { make } from "../base/dom.js";
+import { figure } from "../base/numbers.js";
+import { scaledText } from "../state/traces.js";
+
+const BESIDE = 12; // pixels from the pointer
+
+/** A line below the pointer, and what the traces are there. */
+export class Hover {
+  /**
+   * @param {HTMLElement} stage
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   * @param {function(string): number} spreadOf from the least to the greatest value of a trace
+   */
+  constructor(stage, overlay, state, plot, spreadOf) {
+    Object.assign(this, { overlay, state, plot, spreadOf });
+    this.part = null; // of the plot's width, from the left
+    this.line = make("i", { class: "hover-line", hidden: true });
+    this.box = make("div", { class: "hover", hidden: true });
+    overlay.append(this.line, this.box);
+    stage.addEventListener("pointermove", (event) => this.onMove(event));
+    for (const name of ["pointerleave", "pointerdown"]) stage.addEventListener(name, () => this.hide());
+    plot.onDrawn(() => this.show());
+  }
+
+  hide() {
+    this.part = null;
+    this.show();
+  }
+
+  onMove(event) {
+    const { left, width, top, height } = this.overlay.getBoundingClientRect();
+    const part = (event.clientX - left) / width;
+    const isIn = part >= 0 && part <= 1 && event.clientY >= top && event.clientY <= top + height;
+    this.part = isIn && !event.buttons && event.pointerType !== "touch" ? part : null;
+    this.show();
+  }
+
+  show() {
+    const { shown } = this.plot;
+    const fields = this.state.shown;
+    const isShown = this.part !== null && shown !== null && fields.length > 0;
+    this.line.hidden = this.box.hidden = !isShown;
+    if (!isShown) return;
+    const time = shown.from + this.part * (shown.to - shown.from);
+    const value = (field) => figure(shown.buffer.at(field, time), 5, this.spreadOf(field));
+    const scaled = (field) => {
+      const text = scaledText(this.state.values, field);
+      return text && make("em", { class: "scaled" }, text);
+    };
+    this.box.replaceChildren(make("b", {}, this.timeText(time, shown)), ...fields.flatMap((field) => [
+      make("i", { style: `background: ${sampleOf(this.state, field)}` }),
+      make("span", {}, field, scaled(field)), make("span", { class: "figure" }, value(field)),
+    ]));
+    this.line.style.left = `${100 * this.part}%`;
+    const isRight = this.part > 0.5;
+    const beside = `calc(${100 * (isRight ? 1 - this.part : this.part)}% + ${BESIDE}px)`;
+    this.box.style.left = isRight ? "auto" : beside;
+    this.box.style.right = isRight ? beside : "auto";
+  }
+
+  timeText(time, { from, to, reference }) {
+    if (this.state.values.axes.x.clock) return clockText(time, (to - from) / 500);
+    return `${figure(time - reference)} s`;
+  }
+}

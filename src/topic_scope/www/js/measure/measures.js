@@ -1,0 +1,102 @@
+/** What is measured of the traces: which figures, of which span of time, against which trace. */
+
+import { byId, make } from "../base/dom.js";
+
+/** Keys of the figures, their heads in the table, and what they are. */
+export const FIGURES = [
+  ["rate", "rate, Hz", "samples a second"],
+  ["value", "value", "the latest value"],
+  ["min", "min", "least value"],
+  ["max", "max", "greatest value"],
+  ["vpp", "Vpp", "peak to peak"],
+  ["mean", "mean", "mean"],
+  ["rms", "RMS", "root of the mean square"],
+  ["deviation", "σ", "standard deviation"],
+  ["frequency", "freq., Hz", "frequency"],
+  ["rise", "rise, s", "rise time, from 10 % to 90 %"],
+  ["overshoot", "over, %", "overshoot, in % of the step"],
+  ["settling", "settled, s", "settling time, to within 2 % of the step"],
+  ["duty", "duty, %", "duty, above the middle of the levels"],
+  ["phase", "phase, °", "phase, ahead of the trace chosen below"],
+];
+/** Those that are written with the digits that the spread of the trace needs. */
+export const LEVELS = ["value", "min", "max", "mean", "rms"];
+
+const SHAPES = ["rise", "overshoot", "settling", "duty"];
+const SOON_MS = 100; // a cursor that is dragged is not told of more often
+
+/** The figures that are to be seen, in their order. */
+export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures.figures.includes(key));
+
+/**
+ * Say what the server is to measure.
+ * @param {Object} values of the state
+ * @param {?number} reference what the cursors count from, since the epoch, s; null: the present
+ * @returns {Object} the request
+ */
+export function wished({ measures, cursors, fields }, reference) {
+  const { figures, against, between } = measures;
+  const span = between && cursors
+    ? { start: cursors.a, end: cursors.b, reference } : { start: null, end: null, reference: null };
+  return {
+    type: "measure",
+    shapes: SHAPES.some((key) => figures.includes(key)),
+    against: figures.includes("phase") ? (fields.includes(against) && against) || fields[0] || "" : "",
+    ...span,
+  };
+}
+
+/**
+ * Make the dialog work, and keep the server in step with it.
+ * @param {import("../state/state.js").State} state
+ * @param {import("../state/sweep.js").Sweep} sweep
+ * @param {import("../plot/plots.js").Plots} plot
+ * @param {import("../page/requests.js").Requests} requests
+ * @returns {function(): void} opens the dialog
+ */
+export function startMeasures(state, sweep, plot, requests) {
+  const rows = byId("measures-figures");
+  const against = byId("measures-against");
+  const between = byId("measures-between");
+  const change = (changes) => state.set({ measures: { ...state.values.measures, ...changes } });
+
+  function row([key, , text]) {
+    const { figures } = state.values.measures;
+    const box = make("input", {
+      type: "checkbox",
+      "data-figure": key,
+      change: () => change({ figures: FIGURES.map(([one]) => one).filter((one) =>
+        (one === key ? box.checked : state.values.measures.figures.includes(one))) }),
+    });
+    box.checked = figures.includes(key);
+    return make("label", {}, box, make("span", {}, text));
+  }
+
+  function fill() {
+    const { measures, fields } = state.values;
+    rows.replaceChildren(...FIGURES.map(row));
+    against.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));
+    against.value = fields.includes(measures.against) ? measures.against : fields[0] || "";
+    between.checked = measures.between;
+  }
+
+  let timer = null;
+  function tellSoon() {
+    if (timer !== null) return;
+    timer = setTimeout(() => {
+      timer = null;
+      const stands = state.values.end !== null || sweep.held;
+      const message = wished(state.values, stands ? plot.shown?.reference ?? null : null);
+      requests.sendMeasure(message);
+    }, SOON_MS);
+  }
+
+  against.addEventListener("change", () => change({ against: against.value }));
+  between.addEventListener("change", () => change({ between: between.checked }));
+  plot.onDrawn(tellSoon);
+  state.on(["measures", "cursors"], tellSoon);
+  return () => {
+    fill();
+    byId("measures").showModal();
+  };
+}

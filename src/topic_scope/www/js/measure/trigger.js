@@ -1,0 +1,119 @@
+/** The trigger: its controls, its line on the plot, and its lamp. */
+
+import { byId, make, say } from "../base/dom.js";
+import { Handle } from "../plot/handle.js";
+import { figure, readNumber, rounded, typed } from "../base/numbers.js";
+
+const MODES = ["off", "normal", "auto", "single"];
+
+/** Shows and changes the trigger. */
+export class Trigger {
+  /**
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   */
+  constructor(overlay, state, plot) {
+    this.state = state;
+    this.plot = plot;
+    this.mode = byId("trigger-mode");
+    this.field = byId("trigger-field");
+    this.edge = byId("trigger-edge");
+    this.level = byId("trigger-level");
+    this.lamp = byId("trigger-state");
+    this.line = new Handle(overlay, {
+      kind: "level",
+      name: "trigger level",
+      label: "T",
+      move: (part) => this.moveTo(part),
+    });
+    this.arrow = make("button", {
+      type: "button", class: "beyond", hidden: true, title: "bring the level to 50 %",
+      click: () => this.halve(),
+    });
+    overlay.append(this.arrow);
+    this.mode.addEventListener("change", () => this.change({ mode: this.mode.value }));
+    this.field.addEventListener("change", () => this.change({ field: this.field.value }));
+    this.edge.addEventListener("change", () => this.change({ edge: this.edge.value }));
+    this.level.addEventListener("change", () => {
+      const level = readNumber(this.level.value);
+      if (Number.isFinite(level)) this.change({ level });
+      else this.show();
+    });
+    state.on(["fields", "trigger"], () => this.show());
+    plot.onDrawn(() => this.placeLine());
+    this.show();
+  }
+
+  /** Choose the next mode. */
+  cycle() {
+    const next = (MODES.indexOf(this.state.values.trigger.mode) + 1) % MODES.length;
+    this.change({ mode: MODES[next] });
+  }
+
+  change(changes) {
+    const trigger = { ...this.state.values.trigger, ...changes };
+    if (!trigger.field) trigger.field = this.state.values.fields[0] || "";
+    if (!trigger.field) trigger.mode = "off";
+    // Any change arms a single trigger again.
+    const again = this.state.values.end !== null && ("mode" in changes || trigger.mode === "single");
+    this.state.setTrigger(trigger, again ? { end: null, reference: null } : {});
+  }
+
+  /** Bring the level to the middle between the least and the greatest value that are visible. */
+  halve() {
+    const { trigger, fields } = this.state.values;
+    const { buffer, from, to } = this.plot.shown;
+    const [low, high] = buffer.extent([trigger.field || fields[0]], from, to);
+    if (low < high) this.change({ level: rounded((low + high) / 2, high - low) });
+  }
+
+  moveTo(part) {
+    const axis = this.plot.axisOf(this.state.values.trigger.field);
+    this.change({ level: this.plot.valueAt(axis, part) });
+  }
+
+  show() {
+    const { fields, trigger } = this.state.values;
+    if (trigger.field && !fields.includes(trigger.field)) {
+      this.state.setTrigger({ field: "", mode: "off" });
+      return;
+    }
+    this.field.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));
+    this.field.value = trigger.field || fields[0] || "";
+    this.mode.value = trigger.mode;
+    this.edge.value = trigger.edge;
+    if (document.activeElement !== this.level) this.level.value = typed(trigger.level);
+    for (const control of [this.field, this.edge, this.level]) {
+      control.disabled = trigger.mode === "off";
+    }
+    if (trigger.mode === "off") this.showLamp("off");
+  }
+
+  /**
+   * Show what the server says of the trigger.
+   * @param {"off"|"armed"|"triggered"} text
+   */
+  showLamp(text) {
+    this.lamp.dataset.state = text;
+    this.lamp.value = text;
+  }
+
+  placeLine() {
+    const { trigger, hidden } = this.state.values;
+    const shown = trigger.mode !== "off" && trigger.field && !hidden.has(trigger.field);
+    const axis = this.plot.axisOf(trigger.field);
+    const [, high] = this.plot.range(axis);
+    const place = shown ? this.plot.placeOf(axis, trigger.level) : null;
+    this.line.place(place, trigger.level, figure(trigger.level));
+    // Where the level is outside of the view an arrow says where.
+    this.arrow.hidden = !shown || place !== null;
+    if (this.arrow.hidden) return;
+    const isAbove = trigger.level > high;
+    const span = this.plot.spanOf(axis);
+    this.arrow.classList.toggle("above", isAbove);
+    this.arrow.style.top = isAbove ? `calc(${100 * (1 - span.high)}% + 4px)` : "auto";
+    this.arrow.style.bottom = isAbove ? "auto" : `calc(${100 * span.low}% + 4px)`;
+    say(this.arrow, `${isAbove ? "▲" : "▼"} T ${figure(trigger.level)}`);
+  }
+}

@@ -1,0 +1,76 @@
+/** Two cursors in value: lines across one of the plots, on one of its axes. */
+
+import { byId, make, press, say } from "../base/dom.js";
+import { Handle } from "../plot/handle.js";
+import { figure, rounded } from "../base/numbers.js";
+import { labelOf } from "../state/traces.js";
+
+/** Shows two lines that can be moved, and how far apart they are. */
+export class ValueCursors {
+  /**
+   * @param {HTMLElement} overlay of the plot
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   */
+  constructor(overlay, state, plot) {
+    this.state = state;
+    this.plot = plot;
+    this.readout = make("output", { class: "readout of-values", hidden: true });
+    overlay.append(this.readout);
+    this.handles = ["c", "d"].map((key) => [key, new Handle(overlay, {
+      kind: "value-cursor",
+      name: `cursor ${key.toUpperCase()}, value`,
+      label: key.toUpperCase(),
+      move: (part) => this.moveTo(key, part),
+    })]);
+    byId("value-cursors").addEventListener("click", () => this.cycle());
+    state.on(["levels"], () => this.place());
+    state.on(["fields"], ({ fields, levels }) => {
+      if (levels && fields.length && !fields.includes(levels.field)) state.set({ levels: null });
+    });
+    plot.onDrawn(() => this.place());
+  }
+
+  /** Show them on the next axis that has a trace, or hide them after the last one. */
+  cycle() {
+    const { state, plot } = this;
+    const { levels } = state.values;
+    const axes = new Map(); // axis -> its first trace
+    for (const field of state.shown) {
+      if (!axes.has(plot.axisOf(field))) axes.set(plot.axisOf(field), field);
+    }
+    const before = levels ? [...axes.keys()].indexOf(plot.axisOf(levels.field)) : -1;
+    const field = levels && before < 0 ? undefined : [...axes.values()][before + 1];
+    if (field === undefined) {
+      state.set({ levels: null });
+      return;
+    }
+    const [low, high] = plot.range(plot.axisOf(field));
+    const at = (part) => rounded(low + part * (high - low), high - low);
+    state.set({ levels: { field, c: at(0.65), d: at(0.35) } });
+  }
+
+  moveTo(key, part) {
+    const { levels } = this.state.values;
+    const moved = this.plot.valueAt(this.plot.axisOf(levels.field), part);
+    this.state.set({ levels: { ...levels, [key]: moved } });
+  }
+
+  place() {
+    const { levels, fields } = this.state.values;
+    const isShown = levels !== null && fields.includes(levels.field);
+    press(byId("value-cursors"), isShown);
+    this.readout.hidden = !isShown;
+    for (const [key, handle] of this.handles) {
+      const value = isShown ? levels[key] : null;
+      const place = isShown ? this.plot.placeOf(this.plot.axisOf(levels.field), value) : null;
+      handle.place(place, value, figure(value));
+    }
+    if (!isShown) return;
+    const { field, c, d } = levels;
+    const apart = Math.abs(c - d);
+    const text = (value) => figure(value, 5, apart);
+    say(this.readout, `C ${text(c)}   D ${text(d)}   C − D ${figure(c - d)}   on the axis of ` +
+      labelOf(this.state.values, field));
+  }
+}

@@ -1,0 +1,104 @@
+/** Plays a bag: where in it the scope is, how fast it goes, and what of the page it has not. */
+
+import { clockText, dateText, zoneText } from "../base/clock.js";
+import { byId, make, say } from "../base/dom.js";
+import { notify } from "../base/link.js";
+import { typed } from "../base/numbers.js";
+
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
+const EVERY_MS = 250; // between two looks at where the clock is
+
+/** The bar of a bag, and how its clock goes together with what the page shows. */
+export class Playback {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {import("../state/sweep.js").Sweep} sweep
+   * @param {function(Object): void} send
+   * @param {function(): void} onJump is told that its clock was sent elsewhere
+   */
+  constructor(state, sweep, send, onJump) {
+    this.state = state;
+    this.sweep = sweep;
+    this.onJump = onJump;
+    this.send = (changes) => send({ type: "playback", ...changes });
+    this.bag = null;
+    this.told = null; // how it goes, as the server has told last
+    this.follows = false; // whether the view goes where the clock was sent to
+    this.picked = null; // where the slider was moved to, and the clock is not yet, s
+    this.place = byId("playback-place");
+    this.speed = byId("playback-speed");
+    this.speed.append(...SPEEDS.map((speed) => make("option", { value: speed }, `${typed(speed)} ×`)));
+    this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
+    this.place.addEventListener("input", () => this.pick());
+    this.place.addEventListener("change", () => {
+      this.pick();
+      this.send({ time: this.picked });
+    });
+    state.on(["end"], ({ end, playing }) => {
+      const goes = end === null;
+      if (this.bag && !this.follows && goes !== playing) this.send({ playing: goes });
+    });
+    state.on(["view"], ({ view }) => {
+      if (!this.bag || view !== "graph") return;
+      state.set({ view: "scope" });
+      notify("a bag has no nodes: there is no graph");
+    });
+    setInterval(() => this.show(), EVERY_MS);
+  }
+
+  /**
+   * Learn whether a bag is shown, and which.
+   * @param {{bag: ?{name: string, begin: number, end: number}}} message
+   * @param {boolean} fresh whether the page shows what the scope suggests
+   */
+  onHello({ bag = null }, fresh) {
+    this.bag = bag;
+    this.told = null;
+    document.body.classList.toggle("bag", bag !== null);
+    byId("playback").hidden = bag === null;
+    this.state.set({ isBag: bag !== null, playing: bag === null });
+    if (!bag) return;
+    say(byId("playback-name"), bag.name);
+    this.place.max = bag.end - bag.begin;
+    if (fresh) this.state.setAxis("x", { clock: true });
+  }
+
+  /**
+   * @param {{playing: boolean, speed: number, loading: boolean, jumps: number}} message
+   */
+  onState(message) {
+    const jumped = this.told && this.told.jumps !== message.jumps;
+    this.told = message;
+    this.state.set({ playing: message.playing });
+    const speed = String(message.speed);
+    if (![...this.speed.options].some(({ value }) => value === speed)) {
+      this.speed.append(make("option", { value: speed }, `${typed(message.speed)} ×`));
+    }
+    this.speed.value = speed;
+    if (!message.loading) this.picked = null;
+    if (jumped) {
+      this.follows = true;
+      this.sweep.release();
+      this.state.set({ end: null, reference: null });
+      this.follows = false;
+      this.onJump();
+    }
+    this.show();
+  }
+
+  pick() {
+    this.picked = this.bag.begin + Number(this.place.value);
+    this.show();
+  }
+
+  show() {
+    if (!this.bag || !this.told) return;
+    const { begin, end } = this.bag;
+    const time = this.picked ?? Math.min(Math.max(this.sweep.live.now, begin), end);
+    if (this.picked === null) this.place.value = time - begin;
+    const at = `${dateText(time)} ${clockText(time, 0.01)} ${zoneText(time)}`;
+    const text = `${at}, ${(time - begin).toFixed(2)} of ${(end - begin).toFixed(2)} s`;
+    say(byId("playback-time"), this.told.loading ? `${text}, reading` : text);
+    this.place.setAttribute("aria-valuetext", text);
+  }
+}

@@ -1,0 +1,119 @@
+/** Tells the server what the user has chosen, also after a connection that was lost. */
+
+import { looksOf } from "../state/traces.js";
+
+const EVERY_MS = 50; // between two views while the wheel turns
+
+/** Keeps the server in step with the state. */
+export class Requests {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../base/connection.js").Connection} connection
+   * @param {import("./setup.js").Setup} setup
+   */
+  constructor(state, plot, connection, setup) {
+    this.state = state;
+    this.setup = setup;
+    this.plot = plot;
+    this.connection = connection;
+    this.welcome = false; // whether the server has said hello once
+    this.picked = false; // whether the user has picked fields; else the server decides
+    this.greeting = false;
+    this.sent = {}; // kind -> what was sent last
+    this.timer = null;
+    this.chart = { type: "chart", kind: "time" };
+    state.on(["fields"], () => {
+      this.picked = this.picked || !this.greeting;
+      this.sendSelect();
+    });
+    state.on(["window", "end"], () => this.sendViewSoon());
+    state.on(["fields", "traces", "available"], () => this.sendLooks());
+    state.on(["trigger"], () => this.sendTrigger());
+    state.on(["view"], () => {
+      this.sendGraph();
+      this.sendViewSoon();
+    });
+    new ResizeObserver(() => this.sendViewSoon()).observe(plot.element);
+  }
+
+  /**
+   * At first, take what the server suggests; after a loss, restore what the user had. The server
+   * says hello again when it finds more of the fields it was started for.
+   * @param {{readonly: boolean, history: number, fields: string[], defaults: {window: number},
+   *   setup: ?Object}} message
+   */
+  onHello({ readonly, history, fields, defaults, setup }) {
+    this.sent = {};
+    this.greeting = true;
+    const { window } = defaults;
+    this.state.set({ readonly, history, ...(this.picked ? {} : { fields }) });
+    const fresh = !this.welcome && !this.setup.chosen;
+    if (fresh) this.state.set({ window, baseWindow: window });
+    this.welcome = true;
+    this.greeting = false;
+    if (fresh && setup) this.setup.restore(JSON.stringify(setup));
+    if (fresh || !this.picked) this.setup.begin();
+    this.sendSelect();
+    this.sendLooks();
+    this.sendView();
+    this.sendTrigger();
+    this.sendChart(this.chart);
+    this.sendGraph();
+  }
+
+  /** Send a message, if it says something new. */
+  send(message) {
+    const text = JSON.stringify(message);
+    if (!this.welcome || this.sent[message.type] === text) return;
+    this.sent[message.type] = text;
+    this.connection.send(message);
+  }
+
+  sendSelect() {
+    if (this.picked) this.send({ type: "select", fields: this.state.values.fields });
+  }
+
+  sendLooks() {
+    const message = looksOf(this.state.values);
+    const isPlain = !Object.keys(message.traces).length;
+    if (!isPlain || this.sent.looks) this.send(message); // as a server begins
+  }
+
+  sendViewSoon() {
+    if (this.timer !== null) return;
+    this.timer = setTimeout(() => this.sendView(), EVERY_MS);
+  }
+
+  sendView() {
+    clearTimeout(this.timer);
+    this.timer = null;
+    if (this.state.values.view !== "scope") return; // the plot has no size then
+    const { window, end } = this.state.values;
+    const width = Math.min(Math.max(Math.round(this.plot.area.w), 50), 4000);
+    this.send({ type: "view", window, width, end });
+  }
+
+  sendTrigger() {
+    const { trigger } = this.state.values;
+    if (trigger.mode === "off" && !this.sent.trigger) return; // as a server begins
+    this.send({ type: "trigger", ...trigger });
+  }
+
+  /** @param {Object} message what is to be made in place of a plot over time */
+  sendChart(message) {
+    this.chart = message;
+    if (message.kind !== "time" || this.sent.chart) this.send(message); // as a server begins
+  }
+
+  /** @param {Object} message what is to be measured */
+  sendMeasure(message) {
+    const plain = !message.shapes && !message.against && message.start === null;
+    if (!plain || this.sent.measure) this.send(message); // as a server begins
+  }
+
+  sendGraph() {
+    const on = this.state.values.view === "graph";
+    if (on || this.sent.graph) this.send({ type: "graph", on });
+  }
+}

@@ -1,0 +1,166 @@
+/** What a page is set up to show: kept in its address, in files, and given by the command line. */
+
+import { isChart } from "../plot/charts.js";
+import { byId, make } from "../base/dom.js";
+import { notify } from "../base/link.js";
+import { isTraces, readTraces, writeTraces } from "../state/traces.js";
+
+const LATER_MS = 300; // while something is dragged the address stays as it is
+const COLOUR = /^#[0-9a-f]{6}$/i;
+const VIEWS = ["scope", "graph", "robots"];
+const MODES = ["off", "normal", "auto", "single"];
+const EDGES = ["rising", "falling"];
+const VERTICAL = /^y2?(\.[2-8])?$/; // axes of the plots
+
+const isText = (value) => typeof value === "string";
+const isBound = (value) => value === null || Number.isFinite(value);
+const isList = (value) => Array.isArray(value) && value.every(isText);
+
+/** How each part is written, and what is checked when it is read. */
+const PARTS = {
+  fields: { ok: isList },
+  hidden: { ok: isList, write: (set) => [...set], read: (list) => new Set(list) },
+  right: { ok: isList, write: (set) => [...set], read: (list) => new Set(list) },
+  colours: {
+    ok: (value) => typeof value === "object" && Object.values(value).every((one) => COLOUR.test(one)),
+    write: (map) => Object.fromEntries(map),
+    read: (object) => new Map(Object.entries(object)),
+  },
+  traces: { ok: isTraces, write: writeTraces, read: readTraces },
+  window: { ok: (value) => value > 0 && value <= 3600 },
+  baseWindow: { ok: (value) => value > 0 && value <= 3600 },
+  trigger: {
+    ok: ({ mode, field, level, edge, hysteresis = 0, holdoff = 0, position = 0.5 }) =>
+      MODES.includes(mode) && isText(field) && Number.isFinite(level) && EDGES.includes(edge) &&
+      hysteresis >= 0 && holdoff >= 0 && position >= 0 && position <= 1,
+    write: ({ number, ...others }) => others,
+  },
+  axes: {
+    ok: ({ x, ...others }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&
+      others.y && others.y2 && Object.entries(others).every(([name, { title, low, high }]) =>
+      VERTICAL.test(name) && isText(title) && isBound(low) && isBound(high)),
+  },
+  cursors: { ok: (value) => value === null || (Number.isFinite(value.a) && Number.isFinite(value.b)) },
+  levels: {
+    ok: (value) => value === null ||
+      (isText(value.field) && Number.isFinite(value.c) && Number.isFinite(value.d)),
+  },
+  chart: { ok: isChart },
+  measures: {
+    ok: ({ figures, against, between }) =>
+      isList(figures) && isText(against) && typeof between === "boolean",
+  },
+  panels: { ok: (value) => typeof value === "boolean" },
+  view: { ok: (value) => VIEWS.includes(value) },
+};
+
+/**
+ * Write what a page is set up to show.
+ * @param {Object} values of the state
+ * @returns {Object} for JSON
+ */
+export function written(values) {
+  const write = ([name, part]) => [name, part.write ? part.write(values[name]) : values[name]];
+  return Object.fromEntries(Object.entries(PARTS).map(write));
+}
+
+/**
+ * Read what {@link written} has written; what is not there stays as it is.
+ * @param {Object} setup
+ * @returns {Object} values for the state
+ * @throws {Error} if it cannot be; the text says which part
+ */
+export function read(setup) {
+  if (typeof setup !== "object" || setup === null) throw new Error("a set-up is a JSON object");
+  return Object.fromEntries(Object.entries(setup).map(([name, value]) => {
+    let ok = false;
+    try {
+      ok = PARTS[name].ok(value);
+    } catch (error) { /* there is no such part, or it has not that form */ }
+    if (!ok) throw new Error(`the set-up's ${name} makes no sense`);
+    return [name, PARTS[name].read ? PARTS[name].read(value) : value];
+  }));
+}
+
+/** Keeps the address in step with the state, and the state with an address or a file. */
+export class Setup {
+  /**
+   * @param {import("../state/state.js").State} state
+   */
+  constructor(state) {
+    this.state = state;
+    this.given = null; // as the scope gives it, by its command line
+    this.timer = null;
+    this.chosen = false; // whether the address says what to show
+    state.on(Object.keys(PARTS), () => this.keepSoon());
+    byId("setup-save").addEventListener("click", () => this.save());
+    byId("setup-load").addEventListener("change", (event) => this.load(event.target));
+    // An address that is pasted where the page is open loads nothing: it differs at its end alone.
+    window.addEventListener("hashchange", () => this.restoreAddress());
+  }
+
+  /** Show what the address says. */
+  restoreAddress() {
+    let text = location.hash.slice(1);
+    try {
+      text = decodeURIComponent(text);
+    } catch (error) { /* it was cut off, and is no JSON either */ }
+    this.chosen = this.restore(text);
+  }
+
+  /** Take note of what the scope shows by itself: an address need not say that. */
+  begin() {
+    const shown = written(this.state.values);
+    const given = this.given ? { ...JSON.parse(this.given), fields: shown.fields } : shown;
+    this.given = JSON.stringify(given);
+    this.keepSoon();
+  }
+
+  /**
+   * Show what a text says.
+   * @param {string} text as {@link written}, in JSON
+   * @returns {boolean} whether there was something to be shown
+   */
+  restore(text) {
+    if (!text) return false;
+    try {
+      this.apply(JSON.parse(text));
+      return true;
+    } catch (error) {
+      notify(error instanceof SyntaxError ? "the set-up is no JSON" : error.message);
+      return false;
+    }
+  }
+
+  /**
+   * Show what a set-up says.
+   * @param {Object} setup
+   */
+  apply(setup) {
+    const { trigger, ...others } = read(setup);
+    if (trigger) this.state.setTrigger(trigger, others);
+    else this.state.set(others);
+  }
+
+  keepSoon() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
+      const text = JSON.stringify(written(this.state.values));
+      const address = text === this.given ? location.pathname : `#${encodeURIComponent(text)}`;
+      history.replaceState(null, "", address);
+    }, LATER_MS);
+  }
+
+  save() {
+    const text = JSON.stringify(written(this.state.values), null, 2);
+    const address = URL.createObjectURL(new Blob([text], { type: "application/json" }));
+    make("a", { href: address, download: "scope_setup.json" }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10000);
+  }
+
+  async load(input) {
+    const [file] = input.files;
+    if (file) this.restore(await file.text());
+    input.value = ""; // so that the same file can be loaded again
+  }
+}

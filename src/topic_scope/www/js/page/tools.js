@@ -1,0 +1,80 @@
+/** The bar above the plot. */
+
+import { colourOf, dashOf } from "../state/colours.js";
+import { byId, make, press } from "../base/dom.js";
+import { csvAddress, save } from "../measure/export.js";
+import { typed } from "../base/numbers.js";
+import { picture } from "../measure/picture.js";
+import { labelOf } from "../state/traces.js";
+
+const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
+
+const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
+
+/**
+ * Make the bar work.
+ * @param {import("../state/state.js").State} state
+ * @param {import("../state/view.js").View} view
+ * @param {import("../plot/plots.js").Plots} plot
+ * @param {import("../state/sweep.js").Sweep} sweep
+ * @param {{chooser: function(): void, axes: function(): void,
+ *   measures: function(): void}} open opens the dialogs
+ * @param {import("../plot/chart.js").Chart} chart
+ */
+export function startTools(state, view, plot, sweep, open, chart) {
+  const run = byId("run");
+  const select = byId("window");
+  const clicks = {
+    run: () => view.toggle(),
+    "playback-run": () => view.toggle(),
+    reset: () => view.reset(),
+    add: () => open.chooser(),
+    "show-axes": open.axes,
+    "show-measures": open.measures,
+    "show-help": () => byId("help").showModal(),
+    "show-setup": () => byId("setup").showModal(),
+    "show-scope": () => state.set({ view: "scope" }),
+    "show-graph": () => state.set({ view: "graph" }),
+    png: () => {
+      const drawn = state.values.chart.kind === "time" ? plot : chart;
+      const until = sweep.shown.to || Date.now() / 1000;
+      const looks = {
+        colourOf: (field) => colourOf(state, field),
+        dashOf: (field) => dashOf(state, field),
+        labelOf: (field) => labelOf(state.values, field),
+      };
+      save(picture(drawn, state.shown, looks, until), "scope.png");
+    },
+  };
+  for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
+  select.addEventListener("change", () => view.choose(Number(select.value)));
+
+  const panels = byId("show-panels");
+  panels.addEventListener("click", () => state.set({ panels: !state.values.panels }));
+  state.on(["panels"], ({ panels: shown }) => {
+    byId("scope-view").classList.toggle("wide", !shown);
+    press(panels, shown);
+  });
+
+  const csv = byId("csv");
+  const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };
+  for (const before of ["pointerdown", "focus", "keydown", "click"]) csv.addEventListener(before, address);
+
+  function showWindows({ window, history }) {
+    const lengths = WINDOWS.filter((length) => length <= history);
+    if (!lengths.includes(window)) lengths.push(window);
+    lengths.sort((a, b) => a - b);
+    select.replaceChildren(...lengths.map((length) =>
+      make("option", { value: length }, windowText(Number(length.toPrecision(3))))));
+    select.value = String(window);
+  }
+
+  state.on(["window", "history"], showWindows);
+  state.on(["end", "playing"], () => {
+    for (const button of [run, byId("playback-run")]) {
+      press(button, state.isRunning);
+      button.textContent = state.isRunning ? "Pause" : "Run";
+    }
+  });
+  state.on(["readonly"], ({ readonly }) => { byId("readonly").hidden = !readonly; });
+}

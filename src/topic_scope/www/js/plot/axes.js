@@ -1,0 +1,103 @@
+/** The dialog with titles and ranges of the axes. */
+
+import { byId, make } from "../base/dom.js";
+import { readNumber, typed } from "../base/numbers.js";
+import { axisName, axisOf, axisParts, plotCount } from "../state/traces.js";
+
+const SIDES = { x: "time", y: "left", y2: "right" };
+
+/** What an axis is called; one of the first plot by its side alone. */
+function called(name) {
+  const [side, plot] = axisParts(name);
+  return `${SIDES[side]} axis${plot === 1 ? "" : ` of plot ${plot}`}`;
+}
+
+/**
+ * Make the dialog work.
+ * @param {import("../state/state.js").State} state
+ * @returns {function(): void} opens it
+ */
+export function startAxes(state) {
+  const dialog = byId("axes");
+  const rows = byId("axes-rows");
+  const head = (text) => make("span", { class: "head" }, text);
+
+  function titleField(name) {
+    const input = make("input", {
+      type: "text",
+      class: "title",
+      "aria-label": `title of the ${called(name)}`,
+      value: axisOf(state.values, name).title,
+      input: () => state.setAxis(name, { title: input.value }),
+    });
+    return input;
+  }
+
+  function boundField(name, bound) {
+    const value = axisOf(state.values, name)[bound];
+    const input = make("input", {
+      type: "text",
+      inputmode: "decimal",
+      placeholder: "auto",
+      "aria-label": `${called(name)}, ${bound === "low" ? "from" : "to"}`,
+      value: value === null ? "" : typed(value),
+      change: () => {
+        const number = readNumber(input.value);
+        if (Number.isNaN(number)) fill();
+        else state.setAxis(name, { [bound]: number });
+      },
+    });
+    return input;
+  }
+
+  function windowField() {
+    const input = make("input", {
+      type: "text",
+      inputmode: "decimal",
+      "aria-label": "length of the time axis, s",
+      value: typed(state.values.window),
+      change: () => {
+        const seconds = readNumber(input.value);
+        const { history } = state.values;
+        if (seconds > 0) state.set({ window: Math.min(seconds, history), baseWindow: Math.min(seconds, history) });
+        fill();
+      },
+    });
+    return input;
+  }
+
+  function clockField() {
+    const box = make("input", {
+      type: "checkbox",
+      "aria-label": "the time axis shows the time of day",
+      change: () => state.setAxis("x", { clock: box.checked }),
+    });
+    box.checked = Boolean(state.values.axes.x.clock);
+    return make("label", { class: "field" }, box, "clock");
+  }
+
+  function fill() {
+    const auto = (name) => make("button", {
+      type: "button",
+      click: () => {
+        state.setAxis(name, { low: null, high: null });
+        fill();
+      },
+    }, "Auto");
+    const vertical = (name) => [
+      make("span", {}, called(name).replace(/ axis( of plot)?/, "")), titleField(name),
+      boundField(name, "low"), boundField(name, "high"), auto(name),
+    ];
+    const plots = Array.from({ length: plotCount(state.values) }, (_, index) => index + 1);
+    rows.replaceChildren(
+      head("axis"), head("title"), head("from"), head("to"), head(""),
+      ...plots.flatMap((plot) => [...vertical(axisName("y", plot)), ...vertical(axisName("y2", plot))]),
+      make("span", {}, "time"), titleField("x"), windowField(), make("span", { class: "muted" }, "s long"), clockField(),
+    );
+  }
+
+  return () => {
+    fill();
+    dialog.showModal();
+  };
+}

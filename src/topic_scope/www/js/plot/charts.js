@@ -1,0 +1,130 @@
+/** The kinds of plot besides that over time: spectra, and one trace over another. */
+
+import { Chart } from "./chart.js";
+import { dashOf } from "../state/colours.js";
+import { byId, make } from "../base/dom.js";
+import { figure } from "../base/numbers.js";
+
+export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
+const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];
+const AVERAGES = [1, 2, 4, 8, 16, 32];
+const FLOOR_DB = 120; // below the largest line nothing is drawn
+
+/** Tell whether a chart of a set-up makes sense. */
+export const isChart = ({ kind, x, window, scale, averages, equal }) =>
+  KINDS.some(([name]) => name === kind) && typeof x === "string" && WINDOWS.includes(window) &&
+  ["dB", "linear"].includes(scale) && AVERAGES.includes(averages) && typeof equal === "boolean";
+
+/** The field that goes to the right: the chosen one while it is there. */
+const rightOf = ({ chart, fields }) => (fields.includes(chart.x) ? chart.x : fields[0] || "");
+
+/**
+ * Say what the server is to make.
+ * @param {Object} values of the state
+ * @returns {Object} the request
+ */
+export function wantedChart(values) {
+  const { kind, window, averages } = values.chart;
+  if (kind === "spectrum") return { type: "chart", kind, window, averages };
+  const x = rightOf(values);
+  return kind === "xy" && x ? { type: "chart", kind, x } : { type: "chart", kind: "time" };
+}
+
+/**
+ * Make what is to be drawn of spectra.
+ * @param {Object<string, Object>} traces as the server sends them
+ * @param {string[]} fields that are shown
+ * @param {string} scale dB or linear
+ */
+export function spectra(traces, fields, scale) {
+  const shown = fields.filter((field) => traces[field]);
+  const top = Math.max(0, ...shown.flatMap((field) => traces[field].values.filter(Number.isFinite)));
+  const least = 20 * Math.log10(top) - FLOOR_DB;
+  const level = (value) => (scale === "dB" ? Math.max(20 * Math.log10(value), least) : value);
+  const lines = shown.map((field) => {
+    const { first, step, values, peaks } = traces[field];
+    return {
+      field,
+      xs: values.map((_, index) => first + index * step),
+      ys: values.map((value) => (value === null ? null : level(value))),
+      marks: peaks.map(([x, y]) => ({
+        x, y: level(y), text: `${figure(x, 4)} Hz, ${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`,
+      })),
+    };
+  });
+  const y = scale === "dB" ? "amplitude, dB of 1" : "amplitude";
+  return { lines: top > 0 ? lines : [], titles: { x: "frequency, Hz", y }, isEqual: false, exact: true };
+}
+
+/**
+ * Make the switch and the kinds of plot work.
+ * @param {import("../state/state.js").State} state
+ * @param {import("../page/requests.js").Requests} requests
+ * @param {function(string): string} colourOf
+ * @returns {{onSpectrum: function(Object): void, onXy: function(Object): void, chart: Chart}}
+ */
+export function startCharts(state, requests, colourOf) {
+  const chart = new Chart(byId("chart"), colourOf, (field) => dashOf(state, field));
+  const kinds = byId("kind");
+  kinds.append(...KINDS.map(([value, text]) => make("option", { value }, text)));
+  const controls = make("div", { class: "chart-controls" });
+  byId("chart").append(controls);
+  const change = (changes) => state.set({ chart: { ...state.values.chart, ...changes } });
+  kinds.addEventListener("change", () => change({ kind: kinds.value }));
+
+  function select(name, label, options, read = (text) => text) {
+    const element = make("select", {
+      "aria-label": label, title: label, change: () => change({ [name]: read(element.value) }),
+    }, ...options.map(([value, text]) => make("option", { value }, text)));
+    element.value = String(name === "x" ? rightOf(state.values) : state.values.chart[name]);
+    return element;
+  }
+
+  function fill() {
+    const { chart: { kind, equal }, fields } = state.values;
+    kinds.value = kind;
+    byId("chart").hidden = kind === "time";
+    byId("overlay").hidden = kind !== "time";
+    const same = (list) => list.map((one) => [one, one]);
+    if (kind === "spectrum") {
+      controls.replaceChildren(
+        select("window", "window of the spectrum", same(WINDOWS)),
+        select("scale", "scale of the spectrum", same(["dB", "linear"])),
+        select("averages", "averages of the spectrum", AVERAGES.map((one) =>
+          [one, one > 1 ? `mean of ${one}` : "no mean"]), Number),
+      );
+    } else if (kind === "xy") {
+      const box = make("input", { type: "checkbox", change: () => change({ equal: box.checked }) });
+      box.checked = equal;
+      controls.replaceChildren(
+        select("x", "trace to the right", fields.map((field) => [field, `x: ${field}`])),
+        make("label", { class: "field" }, box, "equal scales"),
+      );
+    }
+  }
+
+  function follow() {
+    fill();
+    chart.forget();
+    chart.draw({ lines: [], titles: { x: "", y: "" }, isEqual: false, exact: false });
+    requests.sendChart(wantedChart(state.values));
+  }
+
+  state.on(["chart", "fields", "traces"], follow);
+  fill();
+  return {
+    chart,
+    onSpectrum({ traces }) {
+      if (state.values.chart.kind !== "spectrum") return;
+      chart.draw(spectra(traces, state.shown, state.values.chart.scale));
+    },
+    onXy({ x, traces }) {
+      const { kind, equal } = state.values.chart;
+      if (kind !== "xy") return;
+      const lines = state.shown.filter((field) => traces[field]).map((field) =>
+        ({ field, xs: traces[field][0], ys: traces[field][1], marks: [] }));
+      const y = lines.map(({ field }) => field).join(", ");
+      chart.draw({ lines, titles: { x, y }, isEqual: equal, exact: false });
+    },
+  };
+}

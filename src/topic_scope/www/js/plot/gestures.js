@@ -1,0 +1,72 @@
+/** Wheel, drag and double click on the plot. */
+
+import { axisName, axisParts, verticals } from "../state/traces.js";
+
+const ZOOM_PER_PIXEL = 0.0015;
+
+/**
+ * Tell which axis a pointer is over.
+ * @returns {string} "x", or the name of a vertical one, see traces.js
+ */
+function axisUnder(plots, event) {
+  const plot = plots.under(event);
+  const { across } = plot.at(event);
+  if (across < 0) return axisName("y", plot.number);
+  if (across > 1) return axisName("y2", plot.number);
+  return event.shiftKey ? axisName("y", plot.number) : "x";
+}
+
+/**
+ * Zoom by the wheel, move by dragging, reset by a double click; over a vertical axis, or with
+ * the shift key, vertically.
+ * @param {HTMLElement} stage
+ * @param {import("./plots.js").Plots} plots
+ * @param {import("../state/view.js").View} view
+ */
+export function startGestures(stage, plots, view) {
+  stage.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const wheel = event.deltaY || event.deltaX; // with shift, some systems turn the wheel
+    const pixels = wheel * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
+    const factor = Math.exp(Math.min(Math.max(pixels, -300), 300) * ZOOM_PER_PIXEL);
+    const axis = axisUnder(plots, event);
+    const { across, up } = plots.under(event).at(event);
+    if (axis === "x") view.zoomX(factor, across);
+    else together(axis, event).forEach((name) => view.zoomY(name, factor, up));
+  }, { passive: false });
+
+  /** With the shift key both vertical axes of a plot move together. */
+  function together(axis, event) {
+    const [side, plot] = axisParts(axis);
+    if (side === "y2" || !event.shiftKey) return [axis];
+    return verticals(view.state.values).filter((name) => axisParts(name)[1] === plot);
+  }
+
+  let drag = null;
+  stage.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || event.target.closest(".handle, .readout, .chart-controls")) return;
+    drag = { axis: axisUnder(plots, event), x: event.clientX, y: event.clientY };
+    stage.setPointerCapture(event.pointerId);
+  });
+  stage.addEventListener("pointermove", (event) => {
+    if (!drag) return;
+    stage.dataset.drag = drag.axis;
+    const { w, h } = plots.plotOf(drag.axis).area;
+    const across = event.clientX - drag.x;
+    const down = event.clientY - drag.y;
+    if (drag.axis === "x" && across) view.panX(-across / w);
+    if (drag.axis !== "x" && down) {
+      together(drag.axis, event).forEach((name) => view.panY(name, down / h));
+    }
+    drag = { ...drag, x: event.clientX, y: event.clientY };
+  });
+  for (const end of ["pointerup", "pointercancel"]) {
+    stage.addEventListener(end, () => {
+      drag = null;
+      delete stage.dataset.drag;
+    });
+  }
+  stage.addEventListener("dblclick", (event) => {
+    if (!event.target.closest(".handle, .readout")) view.reset();
+  });
+}

@@ -1,0 +1,167 @@
+/** The plots, one below another, over one time axis; where there is one only, that. */
+
+import { rounded } from "../base/numbers.js";
+import { Plot } from "./plot.js";
+import { axisName, axisParts, chosenOf, plotCount } from "../state/traces.js";
+
+/** All plots. */
+export class Plots {
+  /**
+   * @param {HTMLElement} element to draw in
+   * @param {import("../state/state.js").State} state
+   * @param {function(string): string} colourOf tells the colour of a field
+   */
+  constructor(element, state, colourOf) {
+    this.element = element;
+    this.state = state;
+    this.colourOf = colourOf;
+    this.listeners = [];
+    this.shown = null; // what was drawn last
+    this.list = [new Plot(element, state, 1, colourOf)];
+    this.isArranged = false;
+    state.on(["fields", "hidden", "traces"], () => { this.isArranged = false; });
+    state.on(["fields", "right", "traces"], () => this.list.forEach((plot) => plot.forgetRanges()));
+    state.on(["theme"], () => this.list.forEach((plot) => plot.restyle()));
+  }
+
+  /**
+   * Have a function called after each drawing.
+   * @param {function(): void} listener
+   */
+  onDrawn(listener) {
+    this.listeners.push(listener);
+  }
+
+  /** Have as many plots as there are to be, and the traces in theirs. */
+  arrange() {
+    const { list, state } = this;
+    const count = plotCount(state.values);
+    const isOther = count !== list.length;
+    while (list.length > count) list.pop().remove();
+    while (list.length < count) {
+      list.push(new Plot(this.element, state, list.length + 1, this.colourOf));
+    }
+    if (isOther) list.forEach((plot) => plot.resize()); // the room of each is another one
+    for (const plot of list) {
+      plot.fields = state.shown.filter((field) => chosenOf(state.values, field).plot === plot.number);
+    }
+    this.isArranged = true;
+  }
+
+  /**
+   * Draw.
+   * @param {{buffer: import("../state/buffer.js").TraceBuffer, reference: number, from: number,
+   *   to: number}} shown
+   */
+  draw(shown) {
+    this.shown = shown;
+    if (!this.isArranged) this.arrange();
+    for (const plot of this.list) plot.prepare(shown);
+    const widths = this.list.length > 1 ? this.widths() : null;
+    for (const plot of this.list) plot.draw(widths);
+    for (const listener of this.listeners) listener();
+  }
+
+  /** How wide the labels of both axes are for all plots to have the same edges, 0 for no axis. */
+  widths() {
+    const widest = (side, plots) => Math.max(0, ...plots.map((plot) => plot.widths[side]));
+    return {
+      y: widest("y", this.list.filter((plot) => !plot.onlyRight)),
+      y2: widest("y2", this.list.filter((plot) => plot.hasRight)),
+    };
+  }
+
+  /** From the first plot to the last one: x, y, w and h in the element, pixels. */
+  get area() {
+    const [first] = this.list;
+    const { x, y, w, h } = first.area;
+    if (this.list.length === 1) return { x, y, w, h };
+    const last = this.list[this.list.length - 1];
+    const { y: below, h: height } = last.area;
+    return { x, y, w, h: last.element.offsetTop + below + height - first.element.offsetTop - y };
+  }
+
+  /**
+   * Tell where a plot is in the area of all.
+   * @param {string} axis name of one of its axes
+   * @returns {{low: number, high: number}} parts of the height of all, from below
+   */
+  spanOf(axis) {
+    if (this.list.length === 1) return { low: 0, high: 1 };
+    const all = this.area;
+    const plot = this.plotOf(axis);
+    const { y, h } = plot.area;
+    const top = plot.element.offsetTop - this.list[0].element.offsetTop + y - all.y;
+    return { low: 1 - (top + h) / all.h, high: 1 - top / all.h };
+  }
+
+  /** The plot that an axis is of. */
+  plotOf(axis) {
+    return this.list[axisParts(axis)[1] - 1] || this.list[0];
+  }
+
+  /**
+   * Find the plot that is nearest to a pointer.
+   * @param {PointerEvent} event
+   * @returns {Plot}
+   */
+  under(event) {
+    const beside = (plot) => Math.abs(plot.at(event).up - 0.5);
+    return this.list.reduce((best, plot) => (beside(plot) < beside(best) ? plot : best));
+  }
+
+  /**
+   * Tell which vertical axis a field is on.
+   * @param {string} field
+   * @returns {string} its name, see traces.js
+   */
+  axisOf(field) {
+    const { values } = this.state;
+    return axisName(values.right.has(field) ? "y2" : "y", chosenOf(values, field).plot);
+  }
+
+  /**
+   * Tell the ends of a vertical axis.
+   * @param {string} axis its name
+   * @returns {[number, number]}
+   */
+  range(axis) {
+    return this.plotOf(axis).range(axisParts(axis)[0]);
+  }
+
+  /**
+   * Tell where a value is.
+   * @param {string} axis name of the axis that it is on
+   * @param {number} value
+   * @returns {?number} the place in the area of all plots, 0 to 1 from below; null out of its plot
+   */
+  placeOf(axis, value) {
+    const [low, high] = this.range(axis);
+    const part = (value - low) / (high - low);
+    const span = this.spanOf(axis);
+    return part >= -1e-6 && part <= 1 + 1e-6 ? span.low + part * (span.high - span.low) : null;
+  }
+
+  /**
+   * Tell which value is at a place; out of the plot, the nearest one in it.
+   * @param {string} axis name of the axis
+   * @param {number} place in the area of all plots, 0 to 1 from below
+   * @returns {number} with the digits that the screen can tell apart
+   */
+  valueAt(axis, place) {
+    const [low, high] = this.range(axis);
+    const span = this.spanOf(axis);
+    const inside = Math.min(Math.max((place - span.low) / (span.high - span.low), 0), 1);
+    return rounded(low + inside * (high - low), high - low);
+  }
+
+  /** The ends of the time axis, as it counts, s. */
+  get times() {
+    return this.list[0].times;
+  }
+
+  /** The canvases with grid and traces, the lowest first. */
+  get canvases() {
+    return this.list.flatMap((plot) => plot.canvases);
+  }
+}

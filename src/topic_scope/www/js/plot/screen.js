@@ -1,0 +1,54 @@
+/** Draws when there is something new, at most once a frame of the screen. */
+
+import { byId, say } from "../base/dom.js";
+import { FrameRate } from "./frame_rate.js";
+import { figure } from "../base/numbers.js";
+
+const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "theme", "view"];
+
+/**
+ * Draw the sweep whenever it or the state changes.
+ * @param {import("../state/state.js").State} state
+ * @param {import("../state/sweep.js").Sweep} sweep
+ * @param {import("./plots.js").Plots} plot
+ * @returns {{refresh: function(): void}} refresh: draw with the next frame
+ */
+export function startScreen(state, sweep, plot) {
+  const overlay = byId("overlay");
+  const frames = new FrameRate();
+  let waiting = false;
+
+  function drawNow(now) {
+    waiting = false;
+    if (state.values.view !== "scope") return;
+    plot.draw(sweep.shown);
+    frames.count(now);
+  }
+
+  function refresh() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(drawNow);
+  }
+
+  function place() {
+    const { x, y, w, h } = plot.area;
+    const box = { left: plot.element.offsetLeft + x, top: plot.element.offsetTop + y, width: w, height: h };
+    for (const [name, pixels] of Object.entries(box)) overlay.style[name] = `${pixels}px`;
+  }
+
+  function showFoot() {
+    const { end, window, fields } = state.values;
+    byId("empty").hidden = fields.length > 0;
+    say(byId("foot-frames"), `${frames.at(performance.now())} frames/s`);
+    const until = end === null ? "now" : new Date(end * 1000).toISOString().slice(11, 23);
+    say(byId("foot-view"), `${figure(window, 4)} s until ${until}` +
+      `, bins of ${figure(sweep.live.bin * 1000, 3)} ms`);
+  }
+
+  plot.onDrawn(place);
+  new ResizeObserver(refresh).observe(plot.element);
+  state.on(CHANGES, refresh);
+  setInterval(showFoot, 500);
+  return { refresh };
+}

@@ -1,0 +1,38 @@
+/** A tile for each robot that says how it is. */
+
+import { byId, make } from "../base/dom.js";
+import { figure } from "../base/numbers.js";
+
+const MODES = ["idle", "moving", "working", "charging", "error"]; // of RobotStatus
+const READINGS = [["battery", "V"], ["inside", "°C"], ["obstacle", "m"]];
+
+function tile({ topic, name, mode, readings, age }) {
+  const text = MODES[mode] ?? `mode ${mode}`;
+  const rows = readings.map((value, place) => {
+    const [label, unit] = READINGS[place] ?? [`reading ${place}`, ""];
+    return [make("dt", {}, label), make("dd", {}, `${figure(value, 4)} ${unit}`)];
+  }).flat();
+  return make("li", { class: "tile", "data-mode": text, "data-topic": topic, title: topic },
+    make("h3", {}, name || topic), make("span", { class: "mode" }, text), make("dl", {}, ...rows),
+    age === null ? null : make("p", { class: "answer bad" }, `no data for ${Math.round(age)} s`));
+}
+
+/** Shows the tiles. */
+export class Fleet {
+  constructor() {
+    this.shown = "";
+  }
+
+  /**
+   * @param {{robots: Object[]}} message as the server sends it
+   */
+  show({ robots }) {
+    const rounded = robots.map(({ age, ...robot }) => (
+      { ...robot, age: age === null ? null : Math.round(age) }));
+    const text = JSON.stringify(rounded);
+    if (text === this.shown) return;
+    this.shown = text;
+    byId("fleet").replaceChildren(...rounded.map(tile));
+    byId("fleet-part").hidden = robots.length === 0;
+  }
+}

@@ -1,0 +1,88 @@
+/** Sends robots to places: by a click on the picture, or by numbers. */
+
+import { byId, press, say } from "../base/dom.js";
+import { readNumber, typed } from "../base/numbers.js";
+
+const DEGREES = 180 / Math.PI;
+
+/** Sets goals, and remembers the last one until somebody tells of another. */
+export class Goals {
+  /**
+   * @param {function(Object): void} send takes messages for the server
+   * @param {function(): ?Object} chosen gives the robot that goals are for
+   * @param {function(): void} refresh draws the picture once more
+   */
+  constructor(send, chosen, refresh) {
+    this.send = send;
+    this.chosen = chosen;
+    this.refresh = refresh;
+    this.picking = false;
+    this.mark = null; // {topic, x, y, heading}: being drawn out, or sent
+    this.told = "";
+    byId("goal-pick").addEventListener("click", () => this.setPicking(!this.picking));
+    byId("goal-send").addEventListener("click", () => this.sendTyped());
+  }
+
+  setPicking(on) {
+    this.picking = on;
+    press(byId("goal-pick"), on);
+    byId("robot-canvas").dataset.picking = on;
+  }
+
+  /** A goal is being drawn out. */
+  aim(goal) {
+    this.mark = goal && { ...this.completed(goal), topic: byId("goal-topic").value };
+    this.refresh();
+  }
+
+  /** A goal is set in the picture. */
+  pick(goal) {
+    this.setPicking(false);
+    const { x, y, heading } = this.completed(goal);
+    byId("goal-x").value = typed(x, 3);
+    byId("goal-y").value = typed(y, 3);
+    byId("goal-heading").value = typed(heading * DEGREES, 3);
+    this.go(x, y, heading);
+  }
+
+  sendTyped() {
+    const [x, y, heading] = ["x", "y", "heading"].map((name) => readNumber(byId(`goal-${name}`).value));
+    if (![x, y].every((value) => value !== null && Number.isFinite(value)) || Number.isNaN(heading)) {
+      say(byId("goal-state"), "x, y and heading are numbers, in m and degrees.");
+      return;
+    }
+    this.go(x, y, heading === null ? this.completed({ x, y, heading }).heading : heading / DEGREES);
+  }
+
+  /** Without a heading of its own, a goal looks away from the robot. */
+  completed({ x, y, heading }) {
+    const robot = this.chosen();
+    return { x, y, heading: heading ?? (robot ? Math.atan2(y - robot.y, x - robot.x) : 0) };
+  }
+
+  go(x, y, heading) {
+    const topic = byId("goal-topic").value;
+    const frame = this.chosen()?.frame || "odom";
+    this.send({ type: "goal", topic, frame, x, y, heading });
+    this.mark = { topic, x, y, heading };
+    say(byId("goal-state"), "…");
+    this.refresh();
+  }
+
+  /** @param {{topic: string}} message the server has sent it */
+  onSent({ topic }) {
+    say(byId("goal-state"), `Sent on ${topic}.`);
+  }
+
+  /** Goals that are told on the graph count more than what was sent from here. */
+  onGoals(goals) {
+    const text = JSON.stringify(goals);
+    if (this.told && text !== this.told) this.mark = null;
+    this.told = text;
+  }
+
+  /** The goals to be drawn. */
+  shown(goals) {
+    return this.mark ? [...goals, { ...this.mark, isFaint: true }] : goals;
+  }
+}

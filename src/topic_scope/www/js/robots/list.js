@@ -1,0 +1,52 @@
+/** The robots in words: what the picture shows, for those who cannot see it, and to choose one. */
+
+import { byId, make, press, say } from "../base/dom.js";
+import { typed } from "../base/numbers.js";
+
+const DEGREES = 180 / Math.PI;
+
+/** The name of a robot by its topic: robot1 for /robot1/odom. */
+export const nameOf = (topic) => topic.replace(/^\//, "").replace(/(.)\/odom$/, "$1");
+
+/** Shows a row for each robot. */
+export class RobotList {
+  /**
+   * @param {function(string): string} colour gives the colour of a robot by its topic
+   * @param {function(string): void} choose is told the topic of a robot that is pressed
+   */
+  constructor(colour, choose) {
+    this.colour = colour;
+    this.choose = choose;
+    this.rows = new Map(); // topic -> button
+  }
+
+  /** Make all rows anew: the colours are others. */
+  forget() {
+    this.rows.clear();
+  }
+
+  /**
+   * @param {Object[]} robots as the server sends them
+   * @param {string} chosen topic of the one that is chosen
+   */
+  show(robots, chosen) {
+    const topics = robots.map(({ topic }) => topic);
+    if (topics.join() !== [...this.rows.keys()].join()) this.make(topics);
+    for (const { topic, x, y, heading, speed, silent } of robots) {
+      const row = this.rows.get(topic);
+      press(row, topic === chosen);
+      const place = `${x.toFixed(2)}, ${y.toFixed(2)} m, ${(heading * DEGREES).toFixed(0)}°`;
+      const motion = silent ? "no data" : `${typed(speed, 2)} m/s`;
+      say(row, `${nameOf(topic)}: ${`${place}, ${motion}`.replaceAll("-", "−")}`);
+    }
+  }
+
+  make(topics) {
+    this.rows = new Map(topics.map((topic) => [topic, make("button", {
+      type: "button", class: "quiet", "data-topic": topic, title: `follow ${topic}`,
+      click: () => this.choose(topic),
+    })]));
+    byId("robot-list").replaceChildren(...[...this.rows].map(([topic, row]) =>
+      make("li", { style: `--robot: ${this.colour(topic)}` }, row)));
+  }
+}

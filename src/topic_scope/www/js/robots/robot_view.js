@@ -1,0 +1,251 @@
+/** Robots in their world, seen from above. */
+
+import { paletteColour } from "../state/colours.js";
+import { byId, make, say } from "../base/dom.js";
+import { isTaken } from "../base/keys.js";
+import { Camera } from "./camera.js";
+import { Drawing, placesOf } from "./drawing.js";
+import { Goals } from "./goals.js";
+import { RobotList, nameOf } from "./list.js";
+import { startPointer } from "./pointer.js";
+import { Trails } from "./trails.js";
+import { Wheel } from "./wheel.js";
+
+const CLOSER = 1.25;
+const STEP = 60; // of the arrow keys, pixels
+
+/** Shows the robots, and follows what the user does with the picture. */
+export class RobotView {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {function(Object): void} send takes messages for the server
+   */
+  constructor(state, send) {
+    this.state = state;
+    this.send = send;
+    this.canvas = byId("robot-canvas");
+    this.camera = new Camera();
+    this.styles = new Map();
+    const style = (name) => this.style(name);
+    this.drawing = new Drawing(this.canvas.getContext("2d"), this.camera, style);
+    this.robots = [];
+    this.scans = [];
+    this.scenery = { markers: [], paths: [], goals: [] };
+    this.trails = new Trails();
+    this.wheel = new Wheel(send);
+    this.goals = new Goals(send, () => this.chosen, () => this.refresh());
+    this.list = new RobotList((topic) => this.colour(topic), (topic) =>
+      this.follow(topic === this.followed ? "" : topic));
+    this.followed = ""; // topic of a robot
+    this.touched = false; // whether the user has moved the picture
+    this.asked = false;
+    this.due = false;
+    this.start();
+  }
+
+  start() {
+    startPointer(this.canvas, {
+      camera: this.camera,
+      picksGoal: () => this.goals.picking,
+      moved: () => this.moved(),
+      aim: (goal) => this.goals.aim(goal),
+      pick: (goal) => this.goals.pick(goal),
+      over: (x, y) => say(byId("robot-pointer"), `${x.toFixed(2)}, ${y.toFixed(2)} m`),
+    });
+    byId("show-robots").addEventListener("click", () => this.state.set({ view: "robots" }));
+    byId("robot-fit").addEventListener("click", () => this.fit());
+    byId("robot-closer").addEventListener("click", () => this.zoom(CLOSER));
+    byId("robot-farther").addEventListener("click", () => this.zoom(1 / CLOSER));
+    document.addEventListener("keydown", (event) => this.onKey(event), true);
+    new ResizeObserver(() => this.resize()).observe(this.canvas);
+    this.state.on(["view"], () => this.ask());
+    this.state.on(["theme"], () => {
+      this.styles.clear();
+      this.list.forget();
+      this.refresh();
+    });
+    this.state.on(["readonly", "isBag"], ({ readonly, isBag }) => {
+      byId("robot-drive").hidden = readonly || isBag;
+      byId("robot-goal").hidden = readonly || isBag;
+      say(byId("robots-empty"), isBag ? "No robots: up to here the bag has no nav_msgs/Odometry." :
+        "No robots: no node publishes nav_msgs/Odometry.");
+    });
+  }
+
+  /** A colour of the page; asked once, as the browser takes its time. */
+  style(name) {
+    if (!this.styles.has(name)) {
+      const found = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
+      this.styles.set(name, found.trim());
+    }
+    return this.styles.get(name);
+  }
+
+  /** A new connection: nothing is driven, and the server is to be asked again. */
+  onHello() {
+    this.asked = false;
+    this.wheel.onSteering({ topic: "", datatype: "" });
+    this.ask();
+  }
+
+  ask() {
+    const on = this.state.values.view === "robots";
+    if (on !== this.asked) this.send({ type: "robots", on });
+    this.asked = on;
+    if (!on) this.wheel.leave();
+  }
+
+  // --- What the server tells ---
+
+  showRobots({ robots, scans }) {
+    const isFirst = !this.robots.length && robots.length > 0;
+    this.robots = robots;
+    this.scans = scans;
+    this.trails.add(robots);
+    byId("robots-empty").hidden = robots.length > 0;
+    this.list.show(this.robots, this.followed);
+    if (isFirst && !this.touched) this.fit();
+    this.refresh();
+  }
+
+  showScenery(scenery) {
+    this.scenery = scenery;
+    this.goals.onGoals(scenery.goals);
+    if (!this.touched) this.fit();
+    this.refresh();
+  }
+
+  showTargets({ commands, goals }) {
+    const fill = (id, topics) => {
+      const select = byId(id);
+      const { value } = select;
+      select.replaceChildren(...topics.map((topic) => make("option", { value: topic }, topic)));
+      if (topics.includes(value)) select.value = value;
+    };
+    fill("drive-topic", commands);
+    fill("goal-topic", goals);
+    byId("drive").disabled = !commands.length;
+    byId("goal-send").disabled = !goals.length;
+    byId("goal-pick").disabled = !goals.length;
+  }
+
+  colour(topic) {
+    return paletteColour(this.state, this.robots.findIndex((robot) => robot.topic === topic));
+  }
+
+  /** The robot that goals are for: the one that is followed, the first otherwise. */
+  get chosen() {
+    return this.robots.find(({ topic }) => topic === this.followed) ??
+      this.robots.find(({ topic }) => topic.endsWith("/odom")) ?? this.robots[0];
+  }
+
+  follow(topic) {
+    this.followed = topic;
+    this.list.show(this.robots, this.followed);
+    this.refresh();
+  }
+
+  // --- The picture ---
+
+  moved() {
+    this.touched = true;
+    if (this.followed) this.follow("");
+    this.refresh();
+  }
+
+  zoom(factor) {
+    this.camera.zoom(factor);
+    this.touched = true;
+    this.refresh();
+  }
+
+  /** Show all that there is. */
+  fit() {
+    this.touched = false;
+    const places = this.robots.map(({ x, y }) => [x, y]);
+    for (const { at: [a, b, c, d, e, f], points } of this.scenery.markers) {
+      places.push([e, f], ...placesOf({ points }).map(([x, y]) => [a * x + c * y + e, b * x + d * y + f]));
+    }
+    this.camera.fit(places);
+    this.refresh();
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.canvas;
+    const ratio = window.devicePixelRatio || 1;
+    this.canvas.width = Math.round(clientWidth * ratio);
+    this.canvas.height = Math.round(clientHeight * ratio);
+    Object.assign(this.camera, { width: clientWidth || 1, height: clientHeight || 1 });
+    if (!this.touched) this.fit();
+    this.refresh();
+  }
+
+  /** Draw once more, soon. */
+  refresh() {
+    if (this.due || this.state.values.view !== "robots") return;
+    this.due = true;
+    requestAnimationFrame(() => {
+      this.due = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const { drawing, camera, scenery } = this;
+    const followed = this.robots.find(({ topic }) => topic === this.followed);
+    if (followed) Object.assign(camera, { x: followed.x, y: followed.y });
+    drawing.clear(window.devicePixelRatio || 1);
+    scenery.markers.forEach((marker) => drawing.marker(marker));
+    scenery.paths.forEach((path) => drawing.inside(path.at, () =>
+      drawing.line(placesOf(path), this.style("good"), 2)));
+    this.scans.forEach((scan) => drawing.scan(scan, this.style("bad")));
+    for (const { topic } of this.robots) {
+      this.trails.of(topic).forEach((line) => drawing.line(line, this.colour(topic), 1.5, [5, 3]));
+    }
+    this.goals.shown(scenery.goals).forEach(({ topic, isFaint, ...goal }) =>
+      drawing.goal(goal, nameOf(topic), isFaint));
+    this.robots.forEach((robot) => drawing.robot(robot, this.colour(robot.topic)));
+    this.names();
+  }
+
+  /** Write the names of the robots; those of robots at one place go below one another. */
+  names() {
+    const written = [];
+    for (const { topic, x, y } of this.robots) {
+      const [across, down] = this.camera.toPicture(x, y);
+      const near = written.filter(([left, top]) => Math.hypot(left - across, top - down) < 14);
+      this.drawing.text(nameOf(topic), x, y, this.style("text"), 15 * near.length);
+      written.push([across, down]);
+    }
+  }
+
+  // --- Keys ---
+
+  onKey(event) {
+    if (this.state.values.view !== "robots" || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (isTaken(event)) return;
+    const acts = {
+      "+": () => this.zoom(CLOSER), "=": () => this.zoom(CLOSER), "-": () => this.zoom(1 / CLOSER),
+      0: () => this.fit(), f: () => this.followNext(), Escape: () => this.goals.setPicking(false),
+      ArrowLeft: () => this.pan(STEP, 0), ArrowRight: () => this.pan(-STEP, 0),
+      ArrowUp: () => this.pan(0, STEP), ArrowDown: () => this.pan(0, -STEP),
+      " ": () => {},
+    };
+    if (event.key === " " && this.state.values.isBag) return; // plays it
+    const isForWheel = this.wheel.onKey(event);
+    if (!isForWheel && !acts[event.key]) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (!isForWheel) acts[event.key]();
+  }
+
+  pan(across, down) {
+    this.camera.pan(across, down);
+    this.moved();
+  }
+
+  followNext() {
+    const topics = ["", ...this.robots.map(({ topic }) => topic)];
+    this.follow(topics[(topics.indexOf(this.followed) + 1) % topics.length]);
+  }
+}

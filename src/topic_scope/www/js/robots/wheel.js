@@ -1,0 +1,173 @@
+/** Teleoperation: keys, buttons and a joystick, which command only as long as they are held. */
+
+import { byId, make, press, say } from "../base/dom.js";
+import { notify } from "../base/link.js";
+import { readNumber } from "../base/numbers.js";
+
+const EVERY_MS = 50; // between two commands; the server stops the robot after four that do not come
+const KEYS = { // key -> part of the speed and of the turn
+  ArrowUp: [1, 0], w: [1, 0], ArrowDown: [-1, 0], s: [-1, 0],
+  ArrowLeft: [0, 1], a: [0, 1], ArrowRight: [0, -1], d: [0, -1],
+};
+const PAD = [
+  ["↖", "forward and left", 1, 1], ["↑", "forward", 1, 0], ["↗", "forward and right", 1, -1],
+  ["←", "turn left", 0, 1], ["■", "stop", 0, 0], ["→", "turn right", 0, -1],
+  ["↙", "back, turning left", -1, 1], ["↓", "back", -1, 0], ["↘", "back, turning right", -1, -1],
+];
+
+const unit = (value) => Math.min(Math.max(value, -1), 1);
+
+/** Takes the wheel of a robot, and commands it. */
+export class Wheel {
+  /**
+   * @param {function(Object): void} send takes messages for the server
+   */
+  constructor(send) {
+    this.send = send;
+    this.topic = ""; // that is driven now
+    this.held = new Map(); // what is held -> [speed, turn], each from -1 to 1
+    this.timer = null;
+    this.button = byId("drive");
+    this.select = byId("drive-topic");
+    this.button.addEventListener("click", () => (this.topic ? this.leave() : this.take()));
+    this.select.addEventListener("change", () => { if (this.topic) this.take(); });
+    byId("drive-pad").append(...PAD.map((place) => this.padButton(...place)));
+    this.startJoystick(byId("joystick"));
+    const release = () => this.release();
+    window.addEventListener("blur", release);
+    window.addEventListener("pagehide", release);
+    document.addEventListener("visibilitychange", release);
+    window.addEventListener("keyup", (event) => this.drop(event.key.toLowerCase()));
+    this.onSteering({ topic: "", datatype: "" });
+  }
+
+  /** Ask for the wheel. */
+  take() {
+    this.release();
+    if (this.select.value) this.send({ type: "steer", topic: this.select.value });
+  }
+
+  /** Give the wheel back; the robot stops. */
+  leave() {
+    this.release();
+    if (this.topic) this.send({ type: "steer", topic: "" });
+    this.onSteering({ topic: "", datatype: "" });
+  }
+
+  /**
+   * @param {{topic: string, datatype: string}} message what the server says is driven
+   */
+  onSteering({ topic, datatype }) {
+    this.topic = topic;
+    if (!topic) this.stopTimer();
+    press(this.button, Boolean(topic));
+    say(this.button, topic ? "Leave the wheel" : "Take the wheel");
+    say(byId("drive-state"), topic
+      ? `Driving on ${topic}, ${datatype.split("/").pop()}: hold arrow keys or w a s d.` : "");
+    byId("drive-controls").disabled = !topic;
+  }
+
+  /**
+   * A key is pressed.
+   * @returns {boolean} whether it was for the wheel
+   */
+  onKey(event) {
+    if (!this.topic) return false;
+    if (event.key === "Escape") this.leave();
+    else if (event.key === " ") this.stop();
+    else if (KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key]) {
+      const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+      if (!event.repeat) this.hold(key.toLowerCase(), ...KEYS[key]);
+    } else return false;
+    return true;
+  }
+
+  /** Something is held: command until it is dropped. */
+  hold(what, speed, turn) {
+    if (!this.topic) {
+      notify("take the wheel first");
+      return;
+    }
+    this.held.set(what, [speed, turn]);
+    if (this.timer === null) {
+      this.timer = setInterval(() => this.command(), EVERY_MS);
+      this.command();
+    }
+  }
+
+  /** Something is held no longer. */
+  drop(what) {
+    if (this.held.delete(what) && !this.held.size) this.stop();
+  }
+
+  /** Nothing is held any more. */
+  release() {
+    if (this.held.size) this.stop();
+  }
+
+  stop() {
+    this.stopTimer();
+    if (this.topic) this.drive(0, 0);
+  }
+
+  stopTimer() {
+    this.held.clear();
+    clearInterval(this.timer);
+    this.timer = null;
+    byId("joystick").style.removeProperty("--knob");
+  }
+
+  command() {
+    const parts = [...this.held.values()];
+    const [speed, turn] = [0, 1].map((place) =>
+      unit(parts.reduce((sum, part) => sum + part[place], 0)));
+    this.drive(speed * this.limit("drive-speed"), turn * this.limit("drive-turn"));
+  }
+
+  limit(id) {
+    const value = readNumber(byId(id).value);
+    return Number.isFinite(value) && value !== null ? Math.min(Math.max(value, 0), 100) : 0;
+  }
+
+  drive(speed, turn) {
+    this.send({ type: "drive", speed, turn, sent: performance.now() / 1000 });
+  }
+
+  padButton(text, name, speed, turn) {
+    const what = `pad ${text}`;
+    const down = (event) => {
+      if (event.type === "pointerdown") event.target.setPointerCapture(event.pointerId);
+      if (speed || turn) this.hold(what, speed, turn);
+      else this.stop();
+    };
+    const isPress = ({ key, repeat }) => (key === "Enter" || key === " ") && !repeat;
+    const up = () => this.drop(what);
+    return make("button", {
+      type: "button", "aria-label": name, title: name,
+      pointerdown: down, pointerup: up, pointercancel: up, lostpointercapture: up, blur: up,
+      keydown: (event) => { if (isPress(event)) down(event); }, keyup: up,
+      contextmenu: (event) => event.preventDefault(), // a long press on a phone
+    }, text);
+  }
+
+  /** A stick for thumbs; the buttons do the same for those who cannot use it. */
+  startJoystick(stick) {
+    const move = (event) => {
+      const box = stick.getBoundingClientRect();
+      const across = unit((2 * (event.clientX - box.left)) / box.width - 1);
+      const up = unit(1 - (2 * (event.clientY - box.top)) / box.height);
+      this.hold("stick", up, -across);
+      if (this.topic) stick.style.setProperty("--knob", `${across * 32}px, ${-up * 32}px`);
+    };
+    stick.addEventListener("pointerdown", (event) => {
+      stick.setPointerCapture(event.pointerId);
+      move(event);
+    });
+    stick.addEventListener("pointermove", (event) => {
+      if (stick.hasPointerCapture(event.pointerId) && this.held.has("stick")) move(event);
+    });
+    for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      stick.addEventListener(end, () => this.drop("stick"));
+    }
+  }
+}

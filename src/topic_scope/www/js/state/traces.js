@@ -1,0 +1,212 @@
+/** What is chosen for each trace besides its axis and the colour that a user has picked. */
+
+import { typed } from "../base/numbers.js";
+
+/** Most plots, one below another. */
+export const PLOTS = 8;
+
+/** Ways to draw a trace, "" for what suits its type. */
+export const DRAWN = ["", "line", "steps"];
+
+/** Largest gain and offset that the scope takes. */
+export const LARGEST = 1e300;
+
+/** Dashes and gaps of a line by name, pixels; as many slots as there are colours go with each. */
+export const DASHES = new Map([
+  ["solid", []], ["dashed", [9, 4]], ["dotted", [2, 3]], ["dash-dot", [9, 3, 2, 3]],
+]);
+
+/**
+ * @typedef {Object} Chosen
+ * @property {number} plot that the trace is in, from 1, the uppermost
+ * @property {?number} slot by which it gets a look that no other trace has; null: none yet
+ * @property {string} dash name of a dash, "" for that of its slot
+ * @property {string} drawn "line", "steps", or "" for what suits the type of the field
+ * @property {number} gain what the values are multiplied by
+ * @property {number} offset what is added then
+ */
+const USUAL = Object.freeze({ plot: 1, slot: null, dash: "", drawn: "", gain: 1, offset: 0 });
+
+const FREE = Object.freeze({ title: "", low: null, high: null });
+
+/** Name of a vertical axis of one of the plots: that of the first one is "y" or "y2". */
+export const axisName = (side, plot) => (plot === 1 ? side : `${side}.${plot}`);
+
+/** Side and plot of the name of a vertical axis. */
+export function axisParts(name) {
+  const [side, plot] = name.split(".");
+  return [side, Number(plot || 1)];
+}
+
+/** A vertical axis, as it is set. */
+export const axisOf = ({ axes }, name) => axes[name] || FREE;
+
+/** What is chosen for a trace. */
+export const chosenOf = ({ traces }, field) => traces.get(field) || USUAL;
+
+/** How many plots there are. */
+export const plotCount = ({ fields, traces }) =>
+  Math.max(1, ...fields.map((field) => chosenOf({ traces }, field).plot));
+
+/** Names of the vertical axes that have something to say. */
+export function verticals(values) {
+  const names = [];
+  for (let plot = 1; plot <= plotCount(values); plot += 1) {
+    const inside = values.fields.filter((field) => chosenOf(values, field).plot === plot);
+    const onRight = inside.filter((field) => values.right.has(field));
+    if (onRight.length < inside.length || !inside.length) names.push(axisName("y", plot));
+    if (onRight.length) names.push(axisName("y2", plot));
+  }
+  return names;
+}
+
+/**
+ * Choose something for a trace.
+ * @param {import("./state.js").State} state
+ * @param {string} field
+ * @param {Partial<Chosen>} changes
+ */
+export function choose(state, field, changes) {
+  const { traces } = state.values;
+  state.set({ traces: new Map([...traces, [field, { ...chosenOf({ traces }, field), ...changes }]]) });
+}
+
+// --- What becomes of it ----------------------------------------------------------------------
+
+/** The name of the difference of two traces. */
+export const differenceOf = (field, less) => `${field}-${less}`;
+
+/** Whether a name is that of a difference. */
+export const isDifference = (field) => field.includes("-/");
+
+const COUNTED = /^(bool|byte|char|u?int\d+)$/;
+const typesOf = new WeakMap(); // list of fields -> types by field
+
+/** Type of a field, as far as it is listed; of all elements of an array it is that of the first. */
+function typeOf({ available }, field) {
+  if (!typesOf.has(available)) {
+    typesOf.set(available, new Map(available.map(({ field: name, datatype }) => [name, datatype])));
+  }
+  return typesOf.get(available).get(field.replace(/[.@].*/, "").replace(/\[\d+\]/g, "[0]"));
+}
+
+/** Whether the value of a trace holds until the next one: by itself where nothing lies between two. */
+export function isStepped(values, field) {
+  const { drawn } = chosenOf(values, field);
+  const isValue = !isDifference(field) && !/\.(derivative|unwrap|yaw)/.test(field);
+  return drawn ? drawn === "steps" : isValue && COUNTED.test(typeOf(values, field) || "");
+}
+
+/**
+ * Say how the server is to make the traces.
+ * @param {Object} values of the state
+ * @returns {Object} the request
+ */
+export function looksOf(values) {
+  const looks = values.fields.map((field) => {
+    const { gain, offset } = chosenOf(values, field);
+    return [field, { gain, offset, steps: isStepped(values, field) }];
+  });
+  const isOwn = ([, { gain, offset, steps }]) => gain !== 1 || offset !== 0 || steps;
+  return { type: "looks", traces: Object.fromEntries(looks.filter(isOwn)) };
+}
+
+/**
+ * Say that a trace is scaled.
+ * @param {Object} values of the state
+ * @param {string} field
+ * @returns {string} empty where it is not
+ */
+export function scaledText(values, field) {
+  const { gain, offset } = chosenOf(values, field);
+  const times = gain === 1 ? "" : ` × ${typed(gain, 6)}`;
+  const plus = offset === 0 ? "" : ` ${offset < 0 ? "−" : "+"} ${typed(Math.abs(offset), 6)}`;
+  return times || plus ? `scaled${times}${plus}`.replace("-", "−") : "";
+}
+
+/** The name of a trace, with what it is scaled by. */
+export const labelOf = (values, field) => [field, scaledText(values, field)].filter(Boolean).join(" ");
+
+/** What is chosen for a trace that is new: the plot of the topic or part which stood for it before. */
+function inherited(traces, field) {
+  const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));
+  return whole ? { ...USUAL, plot: whole[1].plot } : USUAL;
+}
+
+/** Give each trace the slot that it has, or the first one that is free. */
+function withSlots(known) {
+  const taken = new Set([...known.values()].map(({ slot }) => slot));
+  return new Map([...known].map(([field, one]) => {
+    let slot = one.slot ?? 0;
+    if (one.slot === null) while (taken.has(slot)) slot += 1;
+    taken.add(slot);
+    return [field, { ...one, slot }];
+  }));
+}
+
+/**
+ * Leave no plot empty and no trace without a look, and forget traces that are gone; an axis stays
+ * with its plot.
+ * @param {Object} values of the state
+ * @returns {{traces: Map<string, Chosen>, axes: Object}} the values in their place
+ */
+export function arranged({ fields, traces, axes }) {
+  const known = new Map(fields.map((field) => [field, traces.get(field) || inherited(traces, field)]));
+  const used = [...new Set([...known.values()].map(({ plot }) => plot))].sort((a, b) => a - b);
+  if (!used.length) return { traces, axes }; // nothing to go by yet
+  const moved = { x: axes.x };
+  used.forEach((before, index) => {
+    for (const side of ["y", "y2"]) {
+      const axis = axes[axisName(side, before)];
+      if (axis || !index) moved[axisName(side, index + 1)] = axis || FREE;
+    }
+  });
+  const place = (one) => ({ ...one, plot: used.indexOf(one.plot) + 1 });
+  const traceOf = ([field, one]) => [field, place(one)];
+  return { traces: new Map([...withSlots(known)].map(traceOf)), axes: moved };
+}
+
+/**
+ * Keep the plots in order, whatever is chosen.
+ * @param {import("./state.js").State} state made anew: what hears of changes later sees them in order
+ */
+export function keepArranged(state) {
+  let isBusy = false;
+  state.on(["fields", "traces"], (values) => {
+    if (isBusy) return;
+    isBusy = true;
+    state.set(arranged(values));
+    isBusy = false;
+  });
+}
+
+// --- In a set-up -----------------------------------------------------------------------------
+
+const isScale = (value) => Number.isFinite(value) && Math.abs(value) <= LARGEST;
+const isWhole = (value, low, high) => Number.isInteger(value) && value >= low && value <= high;
+
+const CHECKS = {
+  plot: (value) => isWhole(value, 1, PLOTS),
+  slot: (value) => isWhole(value, 0, 1000),
+  dash: (value) => value === "" || DASHES.has(value),
+  drawn: (value) => DRAWN.includes(value),
+  gain: isScale,
+  offset: isScale,
+};
+
+/** Tell whether what a set-up says of traces makes sense. */
+export const isTraces = (object) => Object.values(object).every((chosen) =>
+  Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
+
+/** Write what is chosen for traces, as far as it is not what it would be by itself. */
+export function writeTraces(traces) {
+  const isPlain = [...traces.values()].every(({ slot }, index) => slot === index);
+  const unusual = (chosen) => Object.fromEntries(Object.entries(chosen).filter(([name, value]) =>
+    value !== USUAL[name] && !(isPlain && name === "slot")));
+  return Object.fromEntries([...traces].map(([field, chosen]) => [field, unusual(chosen)])
+    .filter(([, chosen]) => Object.keys(chosen).length));
+}
+
+/** Read what {@link writeTraces} has written. */
+export const readTraces = (object) => new Map(
+  Object.entries(object).map(([field, chosen]) => [field, { ...USUAL, ...chosen }]));

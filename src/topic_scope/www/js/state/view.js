@@ -1,0 +1,113 @@
+/** Run, pause, zoom and pan: what the wheel, the keys and the buttons do to the view. */
+
+import { after } from "./sweep.js";
+
+const SHORTEST_S = 0.002;
+
+/** Changes the view; knows what is shown, so that nothing jumps. */
+export class View {
+  /**
+   * @param {import("./state.js").State} state
+   * @param {import("./sweep.js").Sweep} sweep
+   * @param {import("../plot/plots.js").Plots} plot
+   */
+  constructor(state, sweep, plot) {
+    this.state = state;
+    this.sweep = sweep;
+    this.plot = plot;
+    this.kept = Infinity; // where what was shown since it stands still begins: the scope keeps that, s
+    state.on(["window", "end"], ({ window, end }) => {
+      this.kept = end === null ? Infinity : Math.min(this.kept, end - window);
+    });
+  }
+
+  /** Let what is shown stand still. */
+  pause() {
+    if (this.state.values.end !== null) return;
+    const { to, reference } = this.sweep.shown;
+    this.state.set({ end: to, reference });
+  }
+
+  /** Go on; a single trigger is armed again. */
+  run() {
+    this.sweep.release();
+    this.state.set({ end: null, reference: null });
+    if (this.state.values.trigger.mode === "single") this.state.setTrigger({});
+  }
+
+  /** Pause or go on. */
+  toggle() {
+    if (this.state.isRunning) this.pause();
+    else this.run();
+  }
+
+  /**
+   * Choose the length of the time axis.
+   * @param {number} window s
+   */
+  choose(window) {
+    this.state.set({ baseWindow: window, window });
+  }
+
+  /**
+   * Zoom the time axis around one of its places.
+   * @param {number} factor below 1: closer
+   * @param {number} at 0 at the left edge, 1 at the right one
+   */
+  zoomX(factor, at) {
+    const { window, end, history } = this.state.values;
+    const next = Math.min(Math.max(window * factor, SHORTEST_S), history);
+    const change = { window: next };
+    if (end !== null) change.end = end + (next - window) * (1 - at);
+    this.state.set(change);
+  }
+
+  /**
+   * Move the time axis; pauses.
+   * @param {number} part of its length, positive shows what is later
+   */
+  panX(part) {
+    this.pause();
+    const { window, end, history } = this.state.values;
+    const latest = this.sweep.now + window / 2;
+    const earliest = Math.min(this.sweep.now - history, this.kept + window);
+    this.state.set({ end: Math.min(Math.max(end + part * window, earliest), latest) });
+  }
+
+  /**
+   * Zoom a vertical axis around one of its places.
+   * @param {string} axis its name, see traces.js
+   * @param {number} factor below 1: closer
+   * @param {number} at 0 at the lower edge, 1 at the upper one
+   */
+  zoomY(axis, factor, at) {
+    const [low, high] = this.plot.range(axis);
+    const place = low + at * (high - low);
+    this.state.setAxis(axis, {
+      low: place - (place - low) * factor,
+      high: place + (high - place) * factor,
+    });
+  }
+
+  /**
+   * Move a vertical axis.
+   * @param {string} axis its name, see traces.js
+   * @param {number} part of its length, positive shows what is higher
+   */
+  panY(axis, part) {
+    const [low, high] = this.plot.range(axis);
+    const shift = part * (high - low);
+    this.state.setAxis(axis, { low: low + shift, high: high + shift });
+  }
+
+  /** The window as selected, vertical axes by themselves, a paused view where it was paused. */
+  reset() {
+    const { baseWindow, end, reference, trigger } = this.state.values;
+    const centred = end !== null && trigger.mode !== "off" && this.sweep.held;
+    const axes = { ...this.state.values.axes };
+    for (const name of Object.keys(axes)) if (name !== "x") axes[name] = { ...axes[name], low: null, high: null };
+    const change = { window: baseWindow, axes };
+    if (end !== null) change.end = centred ? reference + baseWindow * after(trigger) : reference;
+    this.state.set(change);
+  }
+}

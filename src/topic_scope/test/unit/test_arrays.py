@@ -23,7 +23,7 @@ def with_joints(*names: str) -> bytes:
 def heard(*names: str) -> Arrays:
     """Return what is known after a message with these joints."""
     arrays = Arrays()
-    arrays.look(LAYOUT, with_joints(*names))
+    arrays.add_message(LAYOUT, with_joints(*names))
     return arrays
 
 
@@ -48,7 +48,7 @@ def test_what_has_got_a_name_keeps_it_whoever_publishes_next() -> None:
     assert arrays.remembered(("position", 0)) == [("position", 0)]
     expected = []
     for names in (("arm", "leg"), ("left", "right"), ("arm", "leg")):
-        arrays.look(LAYOUT, with_joints(*names))
+        arrays.add_message(LAYOUT, with_joints(*names))
         expected += [name for name in names[:1] if name not in expected]
         found = [to_text(path) for path in arrays.remembered(("position", 0))]
         assert found == [f"position[{name}]" for name in expected]
@@ -56,22 +56,22 @@ def test_what_has_got_a_name_keeps_it_whoever_publishes_next() -> None:
 
 def test_what_was_heard_long_ago_counts_no_longer() -> None:
     arrays = heard("arm")
-    arrays.look(LAYOUT, with_joints("leg"), 20.0)
+    arrays.add_message(LAYOUT, with_joints("leg"), 20.0)
     arrays.check(LAYOUT, to_path("position[arm]"))
     assert named(arrays, 1) == ["position[arm]", "position[leg]"]
-    arrays.look(LAYOUT, with_joints("leg"), 40.0)
+    arrays.add_message(LAYOUT, with_joints("leg"), 40.0)
     assert named(arrays, 1) == ["position[leg]"]
     with pytest.raises(FieldError, match="none of position is called arm now, but leg"):
         arrays.check(LAYOUT, to_path("position[arm]"))
     for number in range(1000):
-        arrays.look(LAYOUT, with_joints(f"n{number}"), 40.0)
+        arrays.add_message(LAYOUT, with_joints(f"n{number}"), 40.0)
     assert len(named(arrays, 1)) < 20
 
 
 def test_an_array_is_as_long_as_it_has_ever_been() -> None:
     arrays = heard("a", "b", "c")
     assert arrays(("position",)) == 3
-    arrays.look(LAYOUT, b"", 100.0)
+    arrays.add_message(LAYOUT, b"", 100.0)
     assert arrays(("position",)) == 3
     assert arrays(("nothing",)) == 1
 
@@ -95,5 +95,5 @@ def test_the_number_of_arrays_whose_lengths_are_remembered_is_limited(
     monkeypatch.setattr("topic_scope.messages.arrays._ARRAYS", 1)
     known = heard("a", "b", "c")
     assert [known(to_path(name)) for name in ("position", "name")] == [3, 3]
-    known.look(LAYOUT, b"", 100.0)
+    known.add_message(LAYOUT, b"", 100.0)
     assert [known(to_path(name)) for name in ("position", "name")] == [3, 0]

@@ -53,8 +53,8 @@ def playing(bag: BagChunks, clock: Clock, *topics: str, history: float = 3.0) ->
 def taken(player: BagPlayer) -> Dict[str, List[int]]:
     """Return what has come out, by topic, and check that its times are those of the record."""
     found: Dict[str, List[int]] = {}
-    for topic, outlet in player.open().items():
-        for batch in outlet.take():
+    for topic, outlet in player.outlets().items():
+        for batch in outlet.drain():
             assert batch.header["type"] == "std_msgs/Int32"
             values = [int.from_bytes(message, "little") for message in batch.messages]
             assert batch.times == pytest.approx([START + value / 1e3 for value in values], abs=1e-6)
@@ -228,7 +228,7 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path)
     player.seek(START + 8.05)
     loaded(player)
     assert taken(player) == {"/a": list(range(7100, 8001, 100))}
-    besides = list(player.aside.open()["/rare"].take())
+    besides = list(player.aside.outlets()["/rare"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values == [1000] and besides[-1].times[-1] == pytest.approx(START + 1.0)
     # Of others the last seconds, and then what the clock passes.
@@ -236,11 +236,11 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path)
     longer.aside.want(["/a"])
     longer.seek(START + 8.05)
     loaded(longer)
-    besides = list(longer.aside.open()["/a"].take())
+    besides = list(longer.aside.outlets()["/a"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values[-50:] == list(range(3100, 8001, 100)) and len(values) < 80
     # Who wants them no longer has them no longer, and may want them again.
     player.aside.want([])
-    assert (player.aside.open(), player.lacks_past) == ({}, False)
+    assert (player.aside.outlets(), player.lacks_past) == ({}, False)
     player.aside.want(["/rare"])
     assert player.lacks_past

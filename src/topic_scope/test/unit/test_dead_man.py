@@ -12,7 +12,7 @@ AHEAD = Velocity(0.2, 0.0)
 def test_one_zero_and_then_silence_when_nothing_comes_any_more() -> None:
     switch = DeadMan()
     assert switch.until is None and switch.expire(0.0) is None
-    assert switch.take(AHEAD, 100.0, 1.0) == AHEAD
+    assert switch.accept(AHEAD, 100.0, 1.0) == AHEAD
     assert switch.expire(1.0 + HOLD_S - 1e-6) is None
     assert switch.expire(switch.until or 0.0) == STOP
     assert switch.until is None
@@ -21,10 +21,10 @@ def test_one_zero_and_then_silence_when_nothing_comes_any_more() -> None:
 
 def test_who_releases_stops_at_once_and_only_once() -> None:
     switch = DeadMan()
-    switch.take(AHEAD, 100.0, 1.0)
-    assert switch.take(STOP, 100.1, 1.1) == STOP
+    switch.accept(AHEAD, 100.0, 1.0)
+    assert switch.accept(STOP, 100.1, 1.1) == STOP
     assert switch.expire(9.0) is None and switch.stop() is None
-    switch.take(AHEAD, 102.0, 3.0)
+    switch.accept(AHEAD, 102.0, 3.0)
     assert switch.stop() == STOP and switch.stop() is None and switch.expire(9.0) is None
 
 
@@ -35,22 +35,22 @@ def test_the_hold_time_leaves_room_within_what_is_promised() -> None:
 def test_commands_that_a_link_has_held_up_are_left_out() -> None:
     switch = DeadMan()
     for n in range(20):
-        assert switch.take(AHEAD, 100.0 + 0.05 * n, 1.0 + 0.05 * n) == AHEAD
+        assert switch.accept(AHEAD, 100.0 + 0.05 * n, 1.0 + 0.05 * n) == AHEAD
     # The link stalls for 2 s; then all comes at once.
     assert switch.expire(3.9) == STOP
-    late = [switch.take(AHEAD, 101.0 + 0.05 * n, 4.0) for n in range(40)]
+    late = [switch.accept(AHEAD, 101.0 + 0.05 * n, 4.0) for n in range(40)]
     assert late[:36] == [None] * 36 and late[-1] == AHEAD
     # A link on which all comes half a second late is none to drive over.
     assert switch.expire(5.0) == STOP
-    assert {switch.take(AHEAD, 103.0 + 0.05 * n, 6.5 + 0.05 * n) for n in range(40)} == {None}
-    assert switch.take(STOP, 105.0, 8.5) is None
+    assert {switch.accept(AHEAD, 103.0 + 0.05 * n, 6.5 + 0.05 * n) for n in range(40)} == {None}
+    assert switch.accept(STOP, 105.0, 8.5) is None
 
 
 def test_a_late_zero_stops_what_moves() -> None:
     switch = DeadMan()
-    switch.take(AHEAD, 100.0, 1.0)
-    switch.take(AHEAD, 101.0, 2.0)
-    assert switch.take(STOP, 100.5, 2.1) == STOP
+    switch.accept(AHEAD, 100.0, 1.0)
+    switch.accept(AHEAD, 101.0, 2.0)
+    assert switch.accept(STOP, 100.5, 2.1) == STOP
 
 
 @pytest.mark.parametrize("drift", (-1e-4, 1e-4))
@@ -58,7 +58,7 @@ def test_clocks_that_drift_apart_do_not_count(drift: float) -> None:
     switch = DeadMan()
     for minute in range(600):
         now = 60.0 * minute
-        assert switch.take(AHEAD, now * (1.0 + drift), now) == AHEAD
+        assert switch.accept(AHEAD, now * (1.0 + drift), now) == AHEAD
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), max_size=50))
@@ -72,6 +72,6 @@ def test_whatever_comes_a_robot_never_moves_on_for_longer(steps: list) -> None:
             assert switch.expire(due) == STOP
             moving_since = None
         now += pause
-        told = switch.take(STOP if is_stop else AHEAD, now, now)
+        told = switch.accept(STOP if is_stop else AHEAD, now, now)
         moving_since = now if told == AHEAD else None
         assert (switch.until is None) == (moving_since is None)

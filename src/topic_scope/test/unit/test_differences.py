@@ -9,36 +9,37 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64
-from test_recorder import FakeTap, FakeTaps, header
+from test_recorder import FakeOutlet, FakeSource, header
 
-from topic_scope.messages.fields import FieldError
+from topic_scope.messages.derived import terms
+from topic_scope.messages.fields import FieldError, expand
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import RequestError, fields_of
 from topic_scope.protocol.protocol import View
-from topic_scope.record.differences import DifferenceRecorder, expand, terms
-from topic_scope.record.taps import Batch
+from topic_scope.record.differences import DifferenceRecorder
+from topic_scope.record.message_source import Batch
 
 TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
 NAME = "/a/data-/b/data"
 
 
-class Taps(FakeTaps):
+class TimedSource(FakeSource):
     """Topics of this test; what is sent was received at given times."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.taps = {topic: FakeTap() for topic in TYPES}
+        self.topics = {topic: FakeOutlet() for topic in TYPES}
 
     def receive(self, topic: str, times: Sequence[float], values: Sequence[float]) -> None:
         data = [struct.pack("<d", value) for value in values]
-        self.taps[topic].batches.append(Batch(header(Float64), list(times), data))
+        self.topics[topic].batches.append(Batch(header(Float64), list(times), data))
 
 
-def recording(taps: Taps, *names: str) -> DifferenceRecorder:
-    made = DifferenceRecorder(taps, Layouts(), 60.0)
+def recording(source: TimedSource, *names: str) -> DifferenceRecorder:
+    made = DifferenceRecorder(source, Layouts(), 60.0)
     made.set_topics(TYPES)
-    made.want(names, taps.time)
+    made.want(names, source.time)
     return made
 
 
@@ -56,7 +57,7 @@ def test_names() -> None:
 
 
 def test_each_name_is_one_field() -> None:
-    made = recording(Taps(), NAME)
+    made = recording(TimedSource(), NAME)
     assert made.expand(NAME) == [NAME]
     assert made.expand("/s/signal_y@time_x-/a") == ["/s/signal_y@time_x-/a/data"]
     assert made.expand("/later/x-/a/data") == ["/later/x-/a/data"]
@@ -70,13 +71,13 @@ def test_each_name_is_one_field() -> None:
 
 
 def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
-    taps = Taps()
-    made = recording(taps, NAME)
-    assert taps.wanted == ["/a", "/b"]
+    source = TimedSource()
+    made = recording(source, NAME)
+    assert source.wanted == ["/a", "/b"]
     assert made.trace(NAME) is not None and made.samples(NAME, 0.0, 1e9)[0].tolist() == []
-    taps.receive("/a", [999.0, 999.5, 1000.0, 1000.1, 1000.2, 1000.3], [1, 2, 3, 4, 5, 6])
-    taps.receive("/b", [999.4, 999.6, 999.8, 1000.0, 1000.2], [0, 10, 20, 30, 40])
-    taps.time = 1001.0
+    source.receive("/a", [999.0, 999.5, 1000.0, 1000.1, 1000.2, 1000.3], [1, 2, 3, 4, 5, 6])
+    source.receive("/b", [999.4, 999.6, 999.8, 1000.0, 1000.2], [0, 10, 20, 30, 40])
+    source.time = 1001.0
     made.update()
     times, values = made.samples(NAME, 999.2, 1e9)
     assert times.tolist() == [999.5, 1000.0, 1000.1, 1000.2]
@@ -91,20 +92,20 @@ def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
 
 
 def test_what_it_is_made_of_is_kept_while_a_page_stands_still() -> None:
-    taps = Taps()
-    made = recording(taps, NAME, "/b/data")
+    source = TimedSource()
+    made = recording(source, NAME, "/b/data")
     times = [1000.0 + 0.1 * index for index in range(100)]
-    taps.receive("/a", times, times)
-    taps.receive("/b", [time + 0.05 for time in times], [0.0] * 100)
-    taps.time = 1010.0
+    source.receive("/a", times, times)
+    source.receive("/b", [time + 0.05 for time in times], [0.0] * 100)
+    source.time = 1010.0
     made.update()
     expected = [part.tolist() for part in made.samples(NAME, 1002.0, 1003.0)]
     assert len(expected[0]) > 8 and not math.isnan(sum(expected[1]))
     made.pin({NAME: (1002.0, 1003.0), "/b/data": (1002.5, 1004.0)})
     late = [time + 100.0 for time in times]
     for topic in ("/a", "/b"):
-        taps.receive(topic, late, late)
-    taps.time = 1110.0
+        source.receive(topic, late, late)
+    source.time = 1110.0
     made.update()
     assert [part.tolist() for part in made.samples(NAME, 1002.0, 1003.0)] == expected
     assert len(made.samples("/b/data", 1003.5, 1004.0)[0]) > 3
@@ -123,21 +124,21 @@ regular = st.tuples(st.floats(0.0, 1.0), st.floats(0.02, 0.5)).map(
 def test_frames_add_up_whichever_comes_late(
     first: List[float], second: List[float], looks: List[float], is_forgotten: bool
 ) -> None:
-    taps, times = Taps(), {"/a": first, "/b": second}
-    made = recording(taps, NAME)
+    source, times = TimedSource(), {"/a": first, "/b": second}
+    made = recording(source, NAME)
     view, bins = LiveView(View(4.0, 100, None)), {}  # type: ignore[var-annotated]
     view.select([NAME])
     sent: Dict[str, int] = {"/a": 0, "/b": 0}
     for moment in sorted({*looks, 4.0}):
-        taps.time = 1000.0 + moment
+        source.time = 1000.0 + moment
         for topic, delay in (("/a", 0.0), ("/b", 0.7)):
             there = sum(time + delay <= moment for time in times[topic])
             new = times[topic][sent[topic] : there]
             if new:
-                taps.receive(topic, [1000.0 + time for time in new], [3.0 * time for time in new])
+                source.receive(topic, [1000.0 + time for time in new], [3.0 * time for time in new])
             sent[topic] = there
         made.update()
-        frame = view.frame(taps.time, made.samples, made.changed_since)
+        frame = view.frame(source.time, made.samples, made.changed_since)
         if frame is None:
             continue
         if frame["reset"]:
@@ -147,7 +148,7 @@ def test_frames_add_up_whichever_comes_late(
             bins[frame["first"] + index] = values[2 * index : 2 * index + 2]
     whole = LiveView(View(4.0, 100, None))
     whole.select([NAME])
-    last = whole.frame(taps.time, made.samples, made.changed_since)
+    last = whole.frame(source.time, made.samples, made.changed_since)
     assert last is not None
     for index in range(len(last["traces"][NAME]) // 2):
         expected = last["traces"][NAME][2 * index : 2 * index + 2]

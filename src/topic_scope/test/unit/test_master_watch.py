@@ -14,7 +14,9 @@ from topic_scope.messages.layouts import Layouts
 def test_an_exception_does_not_end_it() -> None:
     states: List[GraphState] = []
     over = threading.Event()
-    taps = mock.Mock(**{"adjust.side_effect": [ValueError("a name that is none"), None, None]})
+    subscriptions = mock.Mock(
+        **{"adjust.side_effect": [ValueError("a name that is none"), None, None]}
+    )
     master = mock.Mock()
     master.system_state.return_value = SystemState([("/a", ["/node"])], [], [])
     master.topic_types.return_value = {"/a": "std_msgs/Float32"}
@@ -24,7 +26,7 @@ def test_an_exception_does_not_end_it() -> None:
         mock.patch("rospy.logerr_throttle"),
     )
     with patches[0], patches[1], patches[2] as log:
-        watch = MasterWatch(taps, Layouts())
+        watch = MasterWatch(subscriptions, Layouts())
         watch.start(states.append, mock.Mock())
         watch.ring()
         wait_until(lambda: states, lambda: "no state")

@@ -9,20 +9,20 @@ def test_news_replaces_what_was_not_read() -> None:
         page.put({"type": "value", "value": index}, "/node", "a")
         page.put({"type": "value", "value": -index}, "/node", "b")
         page.put({"type": "stats", "index": index})
-    assert page.take() == [
+    assert page.pop_messages() == [
         {"type": "value", "value": 999},
         {"type": "value", "value": -999},
         {"type": "stats", "index": 999},
     ]
-    assert page.take() == []
+    assert page.pop_messages() == []
 
 
 def test_what_is_said_once_comes_first_and_is_limited() -> None:
     page = Page(10.0)
     page.put({"type": "value"})
     for index in range(1000):
-        page.note({"type": "error", "text": str(index)})
-    messages = page.take()
+        page.put_once({"type": "error", "text": str(index)})
+    messages = page.pop_messages()
     assert messages[-1] == {"type": "value"}
     assert [message["text"] for message in messages[:-1]] == [str(n) for n in range(950, 1000)]
 
@@ -31,7 +31,7 @@ def test_a_bad_request_is_answered_and_not_handled() -> None:
     page = Page(10.0)
     handled = []
     page.obey("{", lambda *request: handled.append(request))
-    assert handled == [] and page.take()[0]["type"] == "error"
+    assert handled == [] and page.pop_messages()[0]["type"] == "error"
 
 
 def test_a_page_whose_frames_take_long_gets_them_less_often() -> None:

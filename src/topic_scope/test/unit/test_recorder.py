@@ -1,4 +1,4 @@
-"""What is recorded, and for how long; messages come from taps that a test fills."""
+"""What is recorded, and for how long; messages come from a source that a test fills."""
 
 import io
 import math
@@ -17,9 +17,9 @@ from basic_comms.msg import signal_msg
 from topic_scope.messages.definitions import layout_of
 from topic_scope.messages.layouts import Layouts
 from topic_scope.record import recorder
+from topic_scope.record.message_source import Batch
 from topic_scope.record.recorder import Recorder
 from topic_scope.record.streams import Stream
-from topic_scope.record.taps import Batch
 
 TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "nowhere/Thing"}
 
@@ -33,27 +33,27 @@ def header(message_class: type) -> Dict[str, str]:
     }
 
 
-class FakeTap:
+class FakeOutlet:
     """One topic."""
 
     def __init__(self) -> None:
         self.batches: List[Batch] = []
 
-    def take(self) -> Iterator[Batch]:
+    def drain(self) -> Iterator[Batch]:
         batches, self.batches = self.batches, []
         return iter(batches)
 
 
-class FakeTaps:
+class FakeSource:
     """All topics, and the clock."""
 
     def __init__(self) -> None:
         self.time = 1000.0
         self.wanted: List[str] = []
-        self.taps = {topic: FakeTap() for topic in TYPES}
+        self.topics = {topic: FakeOutlet() for topic in TYPES}
 
     @property
-    def clock(self) -> "FakeTaps":
+    def clock(self) -> "FakeSource":
         return self
 
     def now(self) -> float:
@@ -62,21 +62,21 @@ class FakeTaps:
     def want(self, topics: Collection[str], is_more: bool) -> None:
         self.wanted, self.is_more = sorted(topics), is_more
 
-    def open(self) -> Dict[str, FakeTap]:
-        return self.taps
+    def outlets(self) -> Dict[str, FakeOutlet]:
+        return self.topics
 
     def send(self, message_class: type, *values: float) -> None:
         code = "<f" if message_class is Float32 else "<d"
         times = [self.time + 0.01 * index for index in range(len(values))]
         data = [struct.pack(code, value) for value in values]
-        self.taps["/a"].batches.append(Batch(header(message_class), times, data))
+        self.topics["/a"].batches.append(Batch(header(message_class), times, data))
         self.time += 1.0
 
 
-def recording(taps: FakeTaps, *names: str) -> Recorder:
-    made = Recorder(taps, Layouts(), 10.0)  # type: ignore[arg-type]
+def recording(source: FakeSource, *names: str) -> Recorder:
+    made = Recorder(source, Layouts(), 10.0)  # type: ignore[arg-type]
     made.set_topics(TYPES)
-    made.want(names, taps.time)
+    made.want(names, source.time)
     return made
 
 
@@ -85,12 +85,12 @@ def values(made: Recorder, name: str = "/a/data") -> List[float]:
 
 
 def test_records_what_is_wanted_and_listens_to_no_more() -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/data", "/d/later")
-    assert taps.wanted == ["/a", "/c"] and taps.is_more  # the latter to learn its type
-    made.want(["/a/data", "/d/later"], taps.time)
-    assert not taps.is_more
-    taps.send(Float32, 1.0, 2.0)
+    source = FakeSource()
+    made = recording(source, "/a/data", "/d/later")
+    assert source.wanted == ["/a", "/c"] and source.is_more  # the latter to learn its type
+    made.want(["/a/data", "/d/later"], source.time)
+    assert not source.is_more
+    source.send(Float32, 1.0, 2.0)
     assert made.update() == 1001.0
     assert values(made) == [1.0, 2.0]
     assert values(made, "/d/later") == [] and made.trace("/d/later") is None
@@ -98,64 +98,64 @@ def test_records_what_is_wanted_and_listens_to_no_more() -> None:
 
 
 def test_a_type_that_changes_is_read_by_its_own_definition() -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/data")
-    taps.send(Float32, 1.0)
-    taps.send(Float64, 0.1)
-    taps.send(Float32, 3.0)
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0)
+    source.send(Float64, 0.1)
+    source.send(Float32, 3.0)
     made.update()
     assert values(made) == [1.0, 0.1, 3.0]
 
 
 def test_what_nobody_wants_any_more_is_kept_for_the_history() -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/data")
-    taps.send(Float32, 1.0)
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0)
     made.update()
     made.want([], 1009.0)
     assert values(made) == [1.0]
     made.want([], 1011.0)
-    assert values(made) == [] and taps.wanted == ["/c"]
+    assert values(made) == [] and source.wanted == ["/c"]
 
 
 def test_what_is_forgotten_is_wanted_all_the_same() -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/data")
-    taps.send(Float32, 1.0, 2.0)
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0, 2.0)
     made.update()
     made.forget()
-    taps.time -= 500.0  # earlier than all that was there
-    taps.send(Float32, 3.0)
-    taps.time += 1.0
+    source.time -= 500.0  # earlier than all that was there
+    source.send(Float32, 3.0)
+    source.time += 1.0
     before = made.update()
     assert values(made) == [3.0]
-    taps.send(Float32, 4.0)
+    source.send(Float32, 4.0)
     made.update()
     assert made.changed_since(before) == before
 
 
 def test_the_number_of_traces_is_limited() -> None:
-    taps = FakeTaps()
-    made = recording(taps)
+    source = FakeSource()
+    made = recording(source)
     for index in range(recorder.TRACES + 100):
-        made.want(["/a/data", f"/b/data[{index}]"], taps.time + index * 1e-3)
+        made.want(["/a/data", f"/b/data[{index}]"], source.time + index * 1e-3)
     assert len(made._traces) == recorder.TRACES
     assert made.trace("/a/data") and made.trace(f"/b/data[{recorder.TRACES + 99}]")
     assert not made.trace("/b/data[0]")
 
 
 def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
-    taps = FakeTaps()
-    made = recording(taps)
+    source = FakeSource()
+    made = recording(source)
     names = [f"/b/data[{index}]" for index in range(recorder.TRACES)]
-    made.want(names, taps.time)
-    made.want(["/a/data"] + names[1:], taps.time + 1.0)
+    made.want(names, source.time)
+    made.want(["/a/data"] + names[1:], source.time + 1.0)
     assert len(made._traces) == recorder.TRACES
     assert made.trace("/a/data") and made.trace(names[1]) and not made.trace(names[0])
 
 
 def test_the_number_of_fields_that_are_listed_is_limited() -> None:
-    made = recording(FakeTaps())
+    made = recording(FakeSource())
     count = recorder.LISTED + 10
     made.set_topics({f"/n{number:05}": "std_msgs/Float32" for number in range(count)})
     listed = made.choices()
@@ -167,65 +167,69 @@ def test_the_number_of_fields_that_are_listed_is_limited() -> None:
 
 
 def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() -> None:
-    taps = FakeTaps()
-    made = recording(taps)
+    source = FakeSource()
+    made = recording(source)
     made.set_topics({f"/n{number}": "nowhere/Thing" for number in range(100)})
-    made.want(["/n99/x"], taps.time)
-    assert len(taps.wanted) == recorder.UNKNOWN + 1 == 51
-    assert "/n99" in taps.wanted
+    made.want(["/n99/x"], source.time)
+    assert len(source.wanted) == recorder.UNKNOWN + 1 == 51
+    assert "/n99" in source.wanted
 
 
 def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
-    taps = FakeTaps()
-    made = recording(taps)
+    source = FakeSource()
+    made = recording(source)
     made.set_topics({"/j": "sensor_msgs/JointState"})
-    made.want([], taps.time)
-    assert taps.wanted == ["/j"]
+    made.want([], source.time)
+    assert source.wanted == ["/j"]
     before = [choice.field for choice in made.choices()]
     assert "/j/position[0]" in before and "/j/position[arm]" not in before
     buffer = io.BytesIO()
     JointState(name=["leg", "arm"], position=[1.0, 2.0]).serialize(buffer)
-    taps.taps["/j"] = FakeTap()
-    taps.taps["/j"].batches.append(Batch(header(JointState), [taps.time], [buffer.getvalue()]))
+    source.topics["/j"] = FakeOutlet()
+    source.topics["/j"].batches.append(
+        Batch(header(JointState), [source.time], [buffer.getvalue()])
+    )
     made.update()
     after = {choice.field: choice.topic for choice in made.choices()}
     assert after["/j/position[leg]"] == after["/j/position[arm]"] == "/j"
-    made.want([], taps.time)
-    assert taps.wanted == []
+    made.want([], source.time)
+    assert source.wanted == []
     # What stands for several has these names, too; what is named by its index stays so.
     assert made.expand("/j/position") == ["/j/position[leg]", "/j/position[arm]"]
     assert made.expand("/j/position[1]@stamp") == ["/j/position[1]@stamp"]
     # It is recorded under the name that is listed, and begins with what has come: where that is
     # latched nothing else may.
-    made.want(["/j/position[arm]"], taps.time)
+    made.want(["/j/position[arm]"], source.time)
     assert values(made, "/j/position[arm]") == [2.0]
-    made.want(["/j/position[leg]"], taps.time)
+    made.want(["/j/position[leg]"], source.time)
     assert values(made, "/j/position[leg]") == [1.0]
-    taps.taps["/j"].batches.append(Batch(header(JointState), [taps.time + 1], [buffer.getvalue()]))
+    source.topics["/j"].batches.append(
+        Batch(header(JointState), [source.time + 1], [buffer.getvalue()])
+    )
     made.update()
     assert values(made, "/j/position[arm]") == [2.0, 2.0]
 
 
 def test_joints_of_two_publishers_have_whole_lines() -> None:
     """Each message has the joints of its publisher alone, in an order of its own."""
-    taps = FakeTaps()
-    taps.taps["/j"] = FakeTap()
-    made = recording(taps)
+    source = FakeSource()
+    source.topics["/j"] = FakeOutlet()
+    made = recording(source)
     made.set_topics({"/j": "sensor_msgs/JointState"})
 
     def publish(index: int, **positions: float) -> None:
         buffer = io.BytesIO()
         message = JointState(name=list(positions), position=list(positions.values()))
         message.serialize(buffer)
-        times = [taps.time + 0.01 * index]
-        taps.taps["/j"].batches.append(Batch(header(JointState), times, [buffer.getvalue()]))
+        times = [source.time + 0.01 * index]
+        source.topics["/j"].batches.append(Batch(header(JointState), times, [buffer.getvalue()]))
 
     publish(0, arm=0.0, both=-1.0)
     publish(1, both=-1.0, leg=0.0)
     made.update()
     names = [f"/j/position[{name}]" for name in ("arm", "both", "leg")]
     assert sorted(made.expand("/j/position")) == names
-    made.want(names, taps.time)
+    made.want(names, source.time)
     for index in range(2, 40, 2):
         publish(index, arm=float(index), both=-1.0)
         publish(index + 1, both=-1.0, leg=math.nan if index == 30 else float(index))
@@ -242,12 +246,12 @@ def test_joints_of_two_publishers_have_whole_lines() -> None:
 
 
 def test_says_in_words_what_is_wrong_with_a_field() -> None:
-    taps = FakeTaps()
+    source = FakeSource()
     names = ["/a/data", "/a/nothing", "/b/data[2]", "/b/data[3]", "/d/later", "/a/data.yaw"]
-    made, buffer = recording(taps, *names), io.BytesIO()
+    made, buffer = recording(source, *names), io.BytesIO()
     Float64MultiArray(data=[1.0, 2.0, 3.0]).serialize(buffer)
-    batch = Batch(header(Float64MultiArray), [taps.time], [buffer.getvalue()])
-    taps.taps["/b"].batches.append(batch)
+    batch = Batch(header(Float64MultiArray), [source.time], [buffer.getvalue()])
+    source.topics["/b"].batches.append(batch)
     made.update()
     assert {name: made.problem(name) for name in names} == {
         "/a/data": None,
@@ -264,7 +268,7 @@ def test_says_in_words_what_is_wrong_with_a_field() -> None:
 
 
 def test_names_are_expanded_as_far_as_they_are_known() -> None:
-    made = recording(FakeTaps())
+    made = recording(FakeSource())
     assert made.expand("/a") == ["/a/data"]
     assert made.expand("/d/later") == ["/d/later"]
     assert made.expand("/c/x") == ["/c/x"]
@@ -298,9 +302,9 @@ def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -
         stream.add(layout_of(PointStamped), Batch(header(PointStamped), received, data))
 
     add(0, 50, 0)
-    assert (stream.base, trace.longest_step) == ("received", 0.25)
+    assert (stream.timestamp, trace.longest_step) == ("received", 0.25)
     add(50, 99, 7)
-    assert stream.base == "stamp" and abs(trace.longest_step - 0.05) < 1e-6
+    assert stream.timestamp == "stamp" and abs(trace.longest_step - 0.05) < 1e-6
     times, found = trace.samples(0.0, 2e9)
     assert len(times) == 100 and numpy.isnan(found[50])
     numpy.testing.assert_allclose(numpy.delete(found, 50), numpy.arange(99))
@@ -313,22 +317,22 @@ def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -
 def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
     speed: float,
 ) -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/signal_y")
+    source = FakeSource()
+    made = recording(source, "/a/signal_y")
 
     def go_on(seconds: int, begin: float = 0.0) -> None:
         for first in range(0, 100 * seconds, 10):
-            times = [taps.time + 0.01 * index for index in range(10)]
+            times = [source.time + 0.01 * index for index in range(10)]
             data = [
                 struct.pack("<ffdf", 2.0, 1.0, begin + speed * (time - 1000.0), time - 1000.0)
                 for time in times
             ]
-            taps.taps["/a"].batches.append(Batch(header(signal_msg), times, data))
-            taps.time += 0.1
+            source.topics["/a"].batches.append(Batch(header(signal_msg), times, data))
+            source.time += 0.1
             made.update()
 
     go_on(15)
-    end = taps.time
+    end = source.time
     shown = values_in(made, end - 4.0, end)
     assert len(shown) > 100
     made.pin({"/a/signal_y": (end - 4.0, end + 1.0)})
@@ -342,7 +346,7 @@ def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
     trace = made.trace("/a/signal_y")
     assert trace is not None and trace.span is not None and trace.span[0] <= end - 3.9
     made.pin({})
-    latest = values_in(made, taps.time - 1.5, taps.time)
+    latest = values_in(made, source.time - 1.5, source.time)
     assert min(latest) > 30.0
 
 
@@ -368,12 +372,12 @@ def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
 
 
 def test_the_arrays_of_topics_that_are_gone_are_forgotten() -> None:
-    taps = FakeTaps()
-    made = recording(taps, "/a/data")
-    taps.send(Float32, 1.0)
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0)
     made.update()
     made.set_topics({})
     assert list(made._arrays) == ["/a"]  # it is recorded, and may come again
-    made.want([], taps.time + 100.0)
+    made.want([], source.time + 100.0)
     made.set_topics({})
     assert not made._arrays

@@ -9,12 +9,12 @@ import pytest
 from geometry_msgs.msg import Point, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import LaserScan
-from test_whole import serialized
+from test_message_reader import serialized
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from topic_scope.messages.definitions import layout_of, parse
-from topic_scope.messages.whole import WholeReader
+from topic_scope.messages.message_reader import MessageReader
 from topic_scope.robots import scene
 from topic_scope.robots.scene import Scene
 
@@ -45,8 +45,8 @@ def transforms(parent: str, child: str, x: float) -> TFMessage:
 
 
 def take(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
-    read = WholeReader(layout_of(type(message))).read(serialized(message))
-    shown.take(topic, message._type, read, now)
+    read = MessageReader(layout_of(type(message))).read(serialized(message))
+    shown.add_message(topic, message._type, read, now)
 
 
 def told(message: Dict[str, Any]) -> Dict[str, Any]:
@@ -139,7 +139,7 @@ def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
     for topic, name in (("/a", "zoe"), ("/b", "al")):
         readings = numpy.array([11.10000038, math.nan])
         message = {"robot_name": name, "mode": 1, "sensor_readings": readings}
-        shown.take(topic, "x/RobotStatus", message, 0.0)
+        shown.add_message(topic, "x/RobotStatus", message, 0.0)
     first, second = told(shown.fleet(0.5))["robots"]
     assert first == {"topic": "/b", "name": "al", "mode": 1, "readings": [11.1, None], "age": None}
     assert second["name"] == "zoe" and shown.fleet(3.25)["robots"][0]["age"] == 3.2
@@ -148,4 +148,4 @@ def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
 def test_what_is_not_as_its_type_says_is_refused() -> None:
     for datatype in scene.TYPES:
         with pytest.raises((LookupError, TypeError, ValueError)):
-            Scene().take("/x", datatype, {"data": 1.0}, 0.0)
+            Scene().add_message("/x", datatype, {"data": 1.0}, 0.0)

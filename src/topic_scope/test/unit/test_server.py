@@ -18,7 +18,7 @@ class Origin:
     """A graph without topics, of which nothing is known at first."""
 
     def __init__(self) -> None:
-        self.source = mock.Mock(**{"clock.now.return_value": 1.7e9, "open.return_value": {}})
+        self.source = mock.Mock(**{"clock.now.return_value": 1.7e9, "outlets.return_value": {}})
         self.layouts = Layouts()
         self.start = self.ring = self.leave = mock.Mock()
 

@@ -12,7 +12,7 @@ from topic_scope.messages.fields import (
     Key,
     Path,
     ending,
-    expand,
+    expand_term,
     names_of,
     numeric_fields,
     parted,
@@ -21,7 +21,7 @@ from topic_scope.messages.fields import (
     to_path,
     to_text,
 )
-from topic_scope.messages.time_base import path_of
+from topic_scope.messages.timestamp_source import path_of
 from topic_scope.messages.values import lengths_in, value_at
 
 #: How alike a name has to be to be named, from 0 to 1; and how many are.
@@ -33,20 +33,20 @@ class Column(NamedTuple):
 
     :param topic: global name of the topic
     :param path: where the number stands in a message
-    :param base: name of the time to plot it over; see :func:`.time_base.path_of`
+    :param timestamp: name of the time to plot it over; see :func:`.timestamp_source.path_of`
     :param function: name of what is computed of it; see :mod:`.derived`
     """
 
     topic: str
     path: Path
-    base: str = ""
+    timestamp: str = ""
     function: str = ""
 
     @property
     def name(self) -> str:
         """The name of the field, e.g. ``/signal/signal_y``."""
         field = f"{self.topic}/{to_text(self.path)}" if self.path else self.topic
-        return field + ending(self.function, self.base)
+        return field + ending(self.function, self.timestamp)
 
 
 class Elements:
@@ -105,7 +105,7 @@ def choose(expressions: List[str], first_messages: Mapping[str, Any]) -> List[Co
     """
     columns: List[Column] = []
     for expression in expressions:
-        for name in expand(expression):
+        for name in expand_term(expression):
             columns += _columns(name, first_messages)
     return list(dict.fromkeys(columns))
 
@@ -144,7 +144,7 @@ def all_columns(first_messages: Mapping[str, Any]) -> List[Column]:
 
 
 def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
-    bare, function, base = parted(name)
+    bare, function, timestamp = parted(name)
     parts = split(bare, first_messages)
     try:
         if parts is None:
@@ -152,14 +152,14 @@ def _columns(name: str, first_messages: Mapping[str, Any]) -> List[Column]:
         topic, rest = parts
         message = first_messages[topic]
         layout = layout_of(type(message))
-        path_of(base, layout)
+        path_of(timestamp, layout)
         found = [field.path for field in resolve(layout, rest, lengths_in(message), function)]
         if found != [to_path(rest)]:  # of what stands for a part, elements have their names
             found = [with_names(path, partial(_names_at, layout, message)) for path in found]
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         raise FieldError(f"{name}: {error}; {_hint(bare, known, first_messages)}") from error
-    return [Column(topic, path, base, function) for path in found]
+    return [Column(topic, path, timestamp, function) for path in found]
 
 
 def _names_at(layout: Record, message: Any, array: Path) -> List[str]:

@@ -9,7 +9,7 @@ from topic_scope.bag.bag_columns import Column
 from topic_scope.bag.bag_reading import Sample
 from topic_scope.messages.definitions import layout_of
 from topic_scope.messages.derived import make, parts
-from topic_scope.messages.time_base import path_of
+from topic_scope.messages.timestamp_source import path_of
 from topic_scope.messages.values import getter, value_at
 
 
@@ -53,7 +53,7 @@ class _Computed:
     def __call__(self, column: Column, sample: Sample) -> str:
         if column.topic != sample.topic:
             return ""
-        time = path_of(column.base, layout_of(type(sample.message)))
+        time = path_of(column.timestamp, layout_of(type(sample.message)))
         moment = getter(time)(sample.message) if time else sample.time / 1e9
         row = numpy.array([[get(sample.message)] for get in self._getters])
         values = self._function(numpy.array([moment]), row).tolist()

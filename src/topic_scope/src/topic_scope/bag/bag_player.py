@@ -14,7 +14,7 @@ import numpy
 
 from topic_scope.bag.bag_chunks import BagChunks, Part
 from topic_scope.bag.bag_reading import BagError
-from topic_scope.record.taps import Batch
+from topic_scope.record.message_source import Batch
 
 #: How long one call may read, s: while pages are shown, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
@@ -29,14 +29,14 @@ class Outlet:
     def __init__(self) -> None:
         self.batches: List[Batch] = []
 
-    def take(self) -> Iterator[Batch]:
+    def drain(self) -> Iterator[Batch]:
         """Return what has come since the last call, oldest first."""
         batches, self.batches = self.batches, []
         return iter(batches)
 
 
 class Aside:
-    """What is taken of a bag that is played besides; a :class:`.Source`.
+    """What is taken of a bag that is played besides; a :class:`.MessageSource`.
 
     Of what came before a place it has the last seconds, and of each publisher the latest message at
     least, however long ago that was: who wants the present has no use for more.
@@ -46,23 +46,25 @@ class Aside:
 
     def __init__(self, player: "BagPlayer") -> None:
         self.clock = player
-        self.outlets: Dict[str, Outlet] = {}
+        self.open_outlets: Dict[str, Outlet] = {}
         self.wanted: Set[str] = set()
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Have the messages of these topics after the next :meth:`BagPlayer.seek`."""
         self.wanted = set(topics)
-        self.outlets = {topic: one for topic, one in self.outlets.items() if topic in self.wanted}
-        if is_more or self.wanted - set(self.outlets):
+        self.open_outlets = {
+            topic: one for topic, one in self.open_outlets.items() if topic in self.wanted
+        }
+        if is_more or self.wanted - set(self.open_outlets):
             self.clock.lacks_past = True
 
-    def open(self) -> Mapping[str, Outlet]:
+    def outlets(self) -> Mapping[str, Outlet]:
         """Return what the messages come out of, by topic."""
-        return self.outlets
+        return self.open_outlets
 
 
 class BagPlayer:
-    """Plays a bag; a :class:`.Source`.
+    """Plays a bag; a :class:`.MessageSource`.
 
     :param bag: the bag
     :param history: how much it reads of what came before the place where it begins, s
@@ -142,7 +144,7 @@ class BagPlayer:
         self._at = self._start = max(self._goal - self._history, self._bag.begin) - 1
         self._recent = self._goal - ASIDE_NS
         self._outlets, wanted = self._outlets_of(self._wanted)
-        self.aside.outlets, besides = self._outlets_of(self.aside.wanted)
+        self.aside.open_outlets, besides = self._outlets_of(self.aside.wanted)
         self._connections = {*wanted, *besides}
         self._chunks = deque(zip(*self._bag.chunks_after(self._at, besides)))
         self._parts = []
@@ -161,11 +163,11 @@ class BagPlayer:
         return self
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Have the messages of these topics after the next :meth:`seek`; see :class:`.Source`."""
+        """Have the messages of these topics after the next :meth:`seek`."""
         self._wanted = set(topics)
         self.lacks_past = self.lacks_past or is_more
 
-    def open(self) -> Mapping[str, Outlet]:
+    def outlets(self) -> Mapping[str, Outlet]:
         """Return what the messages come out of, by topic."""
         return self._outlets
 
@@ -225,7 +227,7 @@ class BagPlayer:
             first, recent, last = numpy.searchsorted(times, ends, "right").tolist()
             recent = max(0, min(recent, last - 1))
             topic, header = self._bag.connections[connection]
-            for outlets, begin in ((self._outlets, first), (self.aside.outlets, recent)):
+            for outlets, begin in ((self._outlets, first), (self.aside.open_outlets, recent)):
                 if topic in outlets and begin < last:
                     moments = (times[begin:last] / _NS).tolist()
                     outlets[topic].batches.append(Batch(header, moments, messages[begin:last]))

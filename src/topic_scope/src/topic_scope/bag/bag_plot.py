@@ -18,7 +18,7 @@ from topic_scope.bag.bag_reading import Sample
 from topic_scope.messages.definitions import layout_of
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import Key, Path
-from topic_scope.messages.time_base import longest_step, path_of, placed, said_in
+from topic_scope.messages.timestamp_source import longest_step, path_of, placed, said_in
 from topic_scope.messages.values import getter, value_at
 
 #: Beyond this a plot of several such values would overflow.
@@ -71,7 +71,7 @@ class _Recorded:
         if self._is_named and value_at(sample.message, self._column.path) is None:
             return
         if not self._received:
-            self._path = path_of(self._column.base, layout_of(type(sample.message)))
+            self._path = path_of(self._column.timestamp, layout_of(type(sample.message)))
         self._received.append(sample.time / 1e9)
         self._own.append(getter(self._path)(sample.message) if self._path else math.nan)
         for row, value in zip(self._rows, self._getters):

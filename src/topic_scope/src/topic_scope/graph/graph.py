@@ -17,7 +17,7 @@ class Rates:
         self._counts: Dict[str, Dict[Tuple[str, Any], Tuple[float, int]]] = {}
         self._rates: Dict[str, Dict[str, float]] = {}
 
-    def note(self, node: str, statistics: Any, now: float) -> None:
+    def add_counts(self, node: str, statistics: Any, now: float) -> None:
         """Take note of a node's counts.
 
         :param node: its name

@@ -45,7 +45,7 @@ class GraphFeed:
         if not isinstance(answers, Exception):
             self._rates.keep(set(answers))
             for node, (when, statistics) in answers.items():
-                self._rates.note(node, statistics, when)
+                self._rates.add_counts(node, statistics, when)
         graph = self.message()
         if graph is not None:
             self._tell(graph)

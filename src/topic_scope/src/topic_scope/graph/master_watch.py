@@ -9,7 +9,7 @@ import rospy
 
 from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record.taps import Taps
+from topic_scope.record.raw_subscriptions import RawSubscriptions
 
 #: Time between two looks at the graph, s.
 PERIOD_S = 1.0
@@ -39,14 +39,14 @@ class GraphState(NamedTuple):
 
 
 class MasterWatch:
-    """Asks the master once a second, and opens the taps that are wanted.
+    """Asks the master once a second, and opens the subscriptions that are wanted.
 
-    :param taps: the taps
+    :param subscriptions: those to the topics that are looked at
     :param layouts: looked up here, where it may take its time
     """
 
-    def __init__(self, taps: Taps, layouts: Layouts) -> None:
-        self._taps = taps
+    def __init__(self, subscriptions: RawSubscriptions, layouts: Layouts) -> None:
+        self._subscriptions = subscriptions
         self._layouts = layouts
         self._master = MasterClient(
             rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
@@ -71,7 +71,7 @@ class MasterWatch:
     def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:
         while not rospy.is_shutdown():
             try:
-                self._taps.adjust()
+                self._subscriptions.adjust()
                 publishers, subscribers, services = self._master.system_state()
                 types = self._master.topic_types()
                 for datatype in set(types.values()):

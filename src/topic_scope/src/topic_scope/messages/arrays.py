@@ -115,8 +115,8 @@ class Arrays:
         #: By the names in it, a message and when it came, s: each publisher may have its own ones.
         self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
-    def look(self, layout: Record, message: bytes, time: float = 0.0) -> None:
-        """Take note of the latest message.
+    def add_message(self, layout: Record, message: bytes, time: float = 0.0) -> None:
+        """Add the latest message.
 
         :param layout: its layout
         :param message: the message

@@ -6,7 +6,7 @@ names, these will do: ``/joint_states/position[arm]`` is what stands at the plac
 ``string[] name`` beside the array. A time or a duration is a number too, in s, and a truth value is
 0 or 1. ``.`` and the name of what is computed of it may follow, see
 :mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and the name of a time,
-see :mod:`topic_scope.messages.time_base`: ``/topic/field@stamp``.
+see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
 """
 
 import itertools
@@ -14,7 +14,7 @@ import re
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
-from topic_scope.messages.derived import FUNCTIONS, QUATERNION
+from topic_scope.messages.derived import FUNCTIONS, QUATERNION, terms
 
 
 class Key(str):
@@ -66,9 +66,33 @@ def one_element(_path: Path) -> int:
 def expand(expression: str) -> List[str]:
     """Return the names that an argument stands for.
 
+    :param expression: as for :func:`expand_term`, or two such with ``-`` between for a difference
+    :returns: global names; a difference is one
+    :raises FieldError: if it is not a name, or a difference is not of one field and another
+    """
+    parts = terms(expression)
+    if len(parts) == 1:
+        return expand_term(expression)
+    return [difference_of([expand_term(part) for part in parts])]
+
+
+def difference_of(parts: List[List[str]]) -> str:
+    """Return the name of a difference.
+
+    :param parts: the names that each of its terms stands for
+    :raises FieldError: if one of these is not a single field
+    """
+    if any(len(names) != 1 for names in parts):
+        raise FieldError("a difference is of two fields, and one of these names stands for several")
+    return "-".join(name for names in parts for name in names)
+
+
+def expand_term(expression: str) -> List[str]:
+    """Return the names that an argument without a difference stands for.
+
     :param expression: e.g. ``/pose/x:y``, which stands for ``/pose/x`` and ``/pose/y``
     :returns: global names, one for each part between colons
-    :raises FieldError: if it is no name
+    :raises FieldError: if it is not a name
     """
     match = _EXPRESSION.match(expression) if len(expression) <= _LONGEST else None
     if not match:
@@ -88,14 +112,14 @@ def parted(name: str) -> Tuple[str, str, str]:
     :param name: one that :func:`expand` returned
     :returns: the name without them, and both, each empty where none was given
     """
-    names, _, base = name.partition("@")
+    names, _, timestamp = name.partition("@")
     field, _, function = names.partition(".")
-    return field, function, base
+    return field, function, timestamp
 
 
-def ending(function: str, base: str) -> str:
+def ending(function: str, timestamp: str) -> str:
     """Return what stands behind a name for what :func:`parted` has taken off."""
-    return (function and f".{function}") + (base and f"@{base}")
+    return (function and f".{function}") + (timestamp and f"@{timestamp}")
 
 
 def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:

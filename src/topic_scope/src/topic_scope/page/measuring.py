@@ -69,7 +69,7 @@ def _measured(
     if trace is None:
         return told
     samples = source(name, *span)
-    told.update({"topic": trace.stream.topic, "time": trace.stream.base})
+    told.update({"topic": trace.stream.topic, "time": trace.stream.timestamp})
     told.update(measure(*samples, trace.longest_step))
     if wish.shapes:
         told.update(measurements.figures(*samples, trace.longest_step))

@@ -88,7 +88,7 @@ class Page:
         if chart is not None:
             self.put(chart)
         frame = self.view.frame(now, samples, recorder.changed_since, longest)
-        return self.take() + ([frame] if frame is not None else [])
+        return self.pop_messages() + ([frame] if frame is not None else [])
 
     def is_due(self, now: float) -> bool:
         """Tell whether it is the page's turn to get a frame.
@@ -111,11 +111,11 @@ class Page:
         self._latest.pop(place, None)  # newer than what else is waiting
         self._latest[place] = message
 
-    def note(self, message: Dict[str, Any]) -> None:
+    def put_once(self, message: Dict[str, Any]) -> None:
         """Send a message that says something once."""
         self._notes.append(message)
 
-    def take(self) -> List[Dict[str, Any]]:
+    def pop_messages(self) -> List[Dict[str, Any]]:
         """Return what is to be sent now."""
         messages = list(self._notes) + list(self._latest.values())
         self._latest.clear()
@@ -131,4 +131,4 @@ class Page:
         try:
             handle(self, protocol.parse(text))
         except RequestError as error:
-            self.note({"type": "error", "text": str(error)})
+            self.put_once({"type": "error", "text": str(error)})

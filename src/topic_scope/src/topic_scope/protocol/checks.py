@@ -3,8 +3,7 @@
 import math
 from typing import Any, Dict, List, Tuple
 
-from topic_scope.messages.fields import FieldError
-from topic_scope.record.differences import expand
+from topic_scope.messages.fields import FieldError, expand
 
 #: Most traces of a page.
 TRACES = 32

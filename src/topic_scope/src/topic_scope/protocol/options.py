@@ -12,9 +12,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from rosgraph.names import get_ros_namespace, ns_join
 
-from topic_scope.messages.fields import FieldError
+from topic_scope.messages.fields import FieldError, expand
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
-from topic_scope.record.differences import expand
 
 #: Addresses that stand for all of a machine's.
 _ALL = ("", "0.0.0.0", "::")

@@ -13,28 +13,10 @@ from topic_scope.analysis.ring import Samples
 from topic_scope.analysis.xy import paired
 from topic_scope.messages import fields
 from topic_scope.messages.derived import terms
-from topic_scope.messages.fields import FieldError
 from topic_scope.record.recorder import Recorder
 from topic_scope.record.traces import Recorded, Timed
 
 Span = Tuple[float, float]
-
-
-def expand(expression: str) -> List[str]:
-    """Return the names that an argument stands for, as :func:`.fields.expand`; a difference is one.
-
-    :raises FieldError: if it is no name
-    """
-    parts = terms(expression)
-    if len(parts) == 1:
-        return fields.expand(expression)
-    return [_joined([fields.expand(part) for part in parts])]
-
-
-def _joined(parts: List[List[str]]) -> str:
-    if any(len(names) != 1 for names in parts):
-        raise FieldError("a difference is of two fields, and one of these names stands for several")
-    return "-".join(name for names in parts for name in names)
 
 
 class Difference:
@@ -103,7 +85,9 @@ class DifferenceRecorder(Recorder):
         parts = terms(name)
         if len(parts) == 1:
             return super().expand(name)
-        return [_joined([super(DifferenceRecorder, self).expand(part) for part in parts])]
+        return [
+            fields.difference_of([super(DifferenceRecorder, self).expand(part) for part in parts])
+        ]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields, and those that differences are of."""

@@ -8,13 +8,12 @@ from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional,
 import numpy
 
 from topic_scope.analysis.ring import Samples
-from topic_scope.messages import fields, time_base
+from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record.source import Source
+from topic_scope.record.message_source import Batch, MessageSource
 from topic_scope.record.streams import Stream
-from topic_scope.record.taps import Batch
 from topic_scope.record.traces import Recorded, Trace
 
 #: Most fields that are listed, and most topics that are listened to for their first message alone.
@@ -52,7 +51,7 @@ class Recorder:
     :param history: how long samples are kept, and a field that nobody looks at any more, s
     """
 
-    def __init__(self, source: Source, layouts: Layouts, history: float) -> None:
+    def __init__(self, source: MessageSource, layouts: Layouts, history: float) -> None:
         self.history = history
         self._source = source
         self._layouts = layouts
@@ -114,13 +113,13 @@ class Recorder:
         :returns: the name itself, as long as its topic is not known
         :raises FieldError: if its topic has no such field
         """
-        bare, function, base = fields.parted(name)
+        bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
         layout = self._layouts.installed(self._types[place[0]]) if place else None
         if place is None or layout is None:
             return [name]
         topic, text = place
-        time_base.path_of(base, layout)
+        timestamp_source.path_of(timestamp, layout)
         arrays = self._arrays.get(topic, Arrays())
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
         if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
@@ -164,11 +163,11 @@ class Recorder:
             trace.pin(*spans.get(name, _NEVER))
 
     def _record(self, name: str) -> None:
-        bare, function, base = fields.parted(name)
+        bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
         if place is None or not (place[1] or function):
             return  # its topic is not there yet
-        stream = self._streams.setdefault((place[0], base), Stream(place[0], base))
+        stream = self._streams.setdefault((place[0], timestamp), Stream(place[0], timestamp))
         self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
         if len(stream.traces) == 1 and place[0] in self._latest:
             stream.add(*self._latest[place[0]])
@@ -180,18 +179,18 @@ class Recorder:
         """
         now = self._source.clock.now()
         earliest = now
-        taps = self._source.open()
-        self._latest = {topic: one for topic, one in self._latest.items() if topic in taps}
+        outlets = self._source.outlets()
+        self._latest = {topic: one for topic, one in self._latest.items() if topic in outlets}
         streams: Dict[str, List[Stream]] = {}
         for stream in self._streams.values():
             streams.setdefault(stream.topic, []).append(stream)
-        for topic, tap in taps.items():
-            for batch in tap.take():
+        for topic, outlet in outlets.items():
+            for batch in outlet.drain():
                 layout = self._layouts.received(batch.header)
                 if layout is None:
                     continue
                 arrays = self._arrays.setdefault(topic, Arrays())
-                arrays.look(layout, batch.messages[-1], batch.times[-1])
+                arrays.add_message(layout, batch.messages[-1], batch.times[-1])
                 latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
                 self._latest[topic] = (layout, latest)
                 for stream in streams.get(topic, []):

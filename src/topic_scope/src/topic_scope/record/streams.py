@@ -4,10 +4,10 @@ from typing import List, Optional, Tuple
 
 import numpy
 
-from topic_scope.messages import fields, time_base
+from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
-from topic_scope.record.taps import Batch
+from topic_scope.record.message_source import Batch
 from topic_scope.record.traces import Trace, decoder_of
 
 
@@ -15,20 +15,20 @@ class Stream:
     """Traces of one topic that go by one time.
 
     :param topic: the topic
-    :param base: name of the time; see :func:`.time_base.path_of`
+    :param timestamp: name of the time; see :func:`.timestamp_source.path_of`
 
     :ivar traces: those that are recorded
     """
 
-    def __init__(self, topic: str, base: str) -> None:
+    def __init__(self, topic: str, timestamp: str) -> None:
         self.topic = topic
         self.traces: List[Trace] = []
-        self._base = base
+        self._timestamp = timestamp
         self._layout: Optional[Record] = None
         self._path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
         self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
-        self._time = time_base.OwnTime(None)
+        self._time = timestamp_source.OwnClock(None)
 
     @property
     def offset(self) -> float:
@@ -41,9 +41,9 @@ class Stream:
         return self._path if self._time.is_said else None
 
     @property
-    def base(self) -> str:
+    def timestamp(self) -> str:
         """The name of the time that is in use."""
-        return time_base.name_of(self.path)
+        return timestamp_source.name_of(self.path)
 
     def record(self, path: fields.Path, history: float, function: str = "") -> Trace:
         """Record one more field; see :class:`Trace`."""
@@ -68,7 +68,7 @@ class Stream:
             return self._add(batch, None)
         own = self._decoder.decode(batch.messages)
         # A part for each time that the clock was set back: of a bag much comes at once.
-        ends = ((own[1:] - own[:-1] < -time_base.BACK_S).nonzero()[0] + 1).tolist()
+        ends = ((own[1:] - own[:-1] < -timestamp_source.BACK_S).nonzero()[0] + 1).tolist()
         if not ends:
             return self._add(batch, own)
         return min(
@@ -80,7 +80,7 @@ class Stream:
         times = received = numpy.array(batch.times)
         offset = self.offset
         if own is not None:
-            times, back = self._time.take(own, received)
+            times, back = self._time.convert(own, received)
             if back:
                 for trace in self.traces:
                     trace.move(back)
@@ -92,13 +92,13 @@ class Stream:
     def _read_as(self, layout: Record) -> None:
         self._layout, self._latest = layout, None
         try:
-            path = time_base.path_of(self._base, layout)
+            path = timestamp_source.path_of(self._timestamp, layout)
         except fields.FieldError:  # the topic has got another type
             path = None
         if path != self._path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
                 trace.move(self.offset)
-            self._time = time_base.OwnTime(path)
+            self._time = timestamp_source.OwnClock(path)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
         for trace in self.traces:

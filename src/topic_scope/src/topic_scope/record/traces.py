@@ -6,7 +6,7 @@ from typing import List, Optional, Protocol, Tuple
 import numpy
 
 from topic_scope.analysis.ring import Ring, Samples
-from topic_scope.messages import derived, fields, time_base
+from topic_scope.messages import derived, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
 
@@ -22,7 +22,7 @@ class Timed(Protocol):
     topic: str
 
     @property
-    def base(self) -> str:
+    def timestamp(self) -> str:
         ...
 
     @property
@@ -154,7 +154,7 @@ class Trace:
         """How far apart samples of one line may be, s: as the latest have told, or those before."""
         if self._longest_step is None:
             latest = self.ring.latest(_USUAL)
-            self._longest_step = time_base.longest_step(self.stream.path, latest)
+            self._longest_step = timestamp_source.longest_step(self.stream.path, latest)
         return self._longest_step
 
     def age(self, now: float) -> Optional[float]:

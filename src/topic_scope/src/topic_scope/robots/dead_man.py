@@ -41,7 +41,7 @@ class DeadMan:
         """When a zero is due, None while the robot is not told to move."""
         return self._until
 
-    def take(self, velocity: Velocity, sent: float, now: float) -> Optional[Velocity]:
+    def accept(self, velocity: Velocity, sent: float, now: float) -> Optional[Velocity]:
         """Take a command.
 
         :param velocity: what the robot is to do

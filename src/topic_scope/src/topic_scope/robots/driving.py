@@ -74,14 +74,14 @@ class Driving:
 
     def _on_wheel(self, page: Page, topic: str, made: Any) -> None:
         if isinstance(made, Exception):
-            page.note({"type": "error", "text": str(made)})
+            page.put_once({"type": "error", "text": str(made)})
         elif self._wanted.pop(page, "") != topic:  # it has gone, or wants another one by now
             made.close()
         else:
             former, _ = self._wheels.get(topic, (page, None))
             self.leave(former)
             if former is not page:
-                former.note({"type": "error", "text": f"another page drives on {topic} now"})
+                former.put_once({"type": "error", "text": f"another page drives on {topic} now"})
             self._wheels[topic] = (page, made)
             page.put(_steering(topic, made.datatype))
 
@@ -175,6 +175,6 @@ def _steering(topic: str, datatype: str) -> Dict[str, Any]:
 
 def _on_sent(page: Page, request: Goal, result: Any) -> None:
     if isinstance(result, Exception):
-        page.note({"type": "error", "text": str(result)})
+        page.put_once({"type": "error", "text": str(result)})
     else:
         page.put({"type": "sent", "topic": request.topic})

@@ -85,13 +85,13 @@ class Frames:
         self._parents: Dict[str, Tuple[str, Transform]] = {}
         self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
 
-    def note(self, parent: str, child: str, transform: Transform) -> None:
+    def set_transform(self, parent: str, child: str, transform: Transform) -> None:
         """Take note of what ``/tf`` tells."""
         child = bare(child)
         if len(self._parents) < _FRAMES or child in self._parents:
             self._parents[child] = (bare(parent), transform)
 
-    def note_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
+    def set_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
         """Take note of what an odometry says; it counts where ``/tf`` says nothing of the child.
 
         :param source: its topic; where two tell of one robot, the first by name counts

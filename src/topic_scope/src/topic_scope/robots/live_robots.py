@@ -9,7 +9,7 @@ from topic_scope.graph.master_watch import GraphState
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
 from topic_scope.protocol.robot_requests import Drive, Goal, Robots, Steer
-from topic_scope.record.taps import Clock, Taps
+from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.robots import robot_view
 from topic_scope.robots.driving import Driving
 
@@ -27,10 +27,10 @@ class LiveRobots:
         self._name = name
         self._background = Background(deliver)
         self._driving = Driving(name, self._background)
-        self._taps = Taps(Clock())
-        self._view = robot_view.RobotView(self._taps, Layouts())
+        self._subscriptions = RawSubscriptions(SteadyClock())
+        self._view = robot_view.RobotView(self._subscriptions, Layouts())
         self._state: Optional[GraphState] = None
-        tornado.ioloop.PeriodicCallback(self._view.tick, robot_view.PERIOD_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._view.update, robot_view.PERIOD_S * 1e3).start()
 
     def on_state(self, state: GraphState) -> None:
         """Take note of what is on the graph."""
@@ -40,11 +40,11 @@ class LiveRobots:
         types = state.published_types
         self._view.set_topics({topic: types[topic] for topic in others & set(types)})
         if self._view.pages:
-            self._view.tell(self._driving.targets())
+            self._view.send_to_pages(self._driving.targets())
         else:
             self._driving.rest()
-        if self._taps.is_to_adjust:
-            self._background.run("taps", self._taps.adjust, lambda _: None)
+        if self._subscriptions.is_to_adjust:
+            self._background.run("subscriptions", self._subscriptions.adjust, lambda _: None)
 
     def handle(self, page: Page, request: Robots) -> None:
         """Begin or end to show robots on a page."""

@@ -30,8 +30,8 @@ class Markers:
     def __init__(self) -> None:
         self._items: Dict[Tuple[str, int], Item] = {}
 
-    def take(self, message: Dict[str, Any]) -> None:
-        """Take a message.
+    def add_message(self, message: Dict[str, Any]) -> None:
+        """Add a message.
 
         :param message: a MarkerArray, or a Marker
         """

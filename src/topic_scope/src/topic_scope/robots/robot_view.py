@@ -5,10 +5,9 @@ from typing import Any, Dict, Mapping, Optional, Set, Tuple
 import rospy
 
 from topic_scope.messages.layouts import Layouts
-from topic_scope.messages.whole import WholeReader
+from topic_scope.messages.message_reader import MessageReader
 from topic_scope.page.page import Page
-from topic_scope.record.source import Source
-from topic_scope.record.taps import Batch
+from topic_scope.record.message_source import Batch, MessageSource
 from topic_scope.robots import scene
 
 #: Time between two looks at what has come, s; and how many go by till things that stand are told.
@@ -27,10 +26,10 @@ class RobotView:
     :ivar pages: those that show it
     """
 
-    def __init__(self, source: Source, layouts: Layouts) -> None:
+    def __init__(self, source: MessageSource, layouts: Layouts) -> None:
         self._source = source
         self._layouts = layouts
-        self._readers: Dict[Tuple[str, str], Optional[WholeReader]] = {}
+        self._readers: Dict[Tuple[str, str], Optional[MessageReader]] = {}
         self._scene = scene.Scene()
         self._topics: Mapping[str, str] = {}
         self.pages: Set[Page] = set()
@@ -59,21 +58,21 @@ class RobotView:
             return True
         return scene.is_status(self._layouts.installed(datatype))
 
-    def tick(self) -> None:
+    def update(self) -> None:
         """Take what has come, and tell pages; to be called every PERIOD_S."""
         if not self.pages:
             return
         now = self._source.clock.now()
-        for topic, outlet in self._source.open().items():
-            for batch in outlet.take():
-                self._take(topic, batch)
-        self.tell(self._scene.moving(now))
+        for topic, outlet in self._source.outlets().items():
+            for batch in outlet.drain():
+                self._add_batch(topic, batch)
+        self.send_to_pages(self._scene.moving(now))
         self._ticks += 1
         if self._ticks % _SLOWLY == 0:
-            self.tell(self._scene.standing())
-            self.tell(self._scene.fleet(now))
+            self.send_to_pages(self._scene.standing())
+            self.send_to_pages(self._scene.fleet(now))
 
-    def _take(self, topic: str, batch: Batch) -> None:
+    def _add_batch(self, topic: str, batch: Batch) -> None:
         reader = self._reader(batch.header)
         datatype = batch.header.get("type", "")
         if reader is None or topic not in self._topics or not self._is_known(batch.header):
@@ -81,7 +80,7 @@ class RobotView:
         since = 0 if datatype in scene.CUMULATIVE else -1
         for data, when in zip(batch.messages[since:], batch.times[since:]):
             try:
-                self._scene.take(topic, datatype, reader.read(data), when)
+                self._scene.add_message(topic, datatype, reader.read(data), when)
             except (LookupError, TypeError, ValueError) as error:
                 text = (
                     f"{topic} is left out of the robot view: {datatype} is not as known: {error!r}"
@@ -91,16 +90,16 @@ class RobotView:
     def _is_known(self, header: Mapping[str, str]) -> bool:
         return header["type"] in scene.TYPES or scene.is_status(self._layouts.received(header))
 
-    def _reader(self, header: Mapping[str, str]) -> Optional[WholeReader]:
+    def _reader(self, header: Mapping[str, str]) -> Optional[MessageReader]:
         key = (header.get("type", ""), header.get("md5sum", ""))
         if key not in self._readers:
             layout = self._layouts.received(header)
-            self._readers[key] = WholeReader(layout) if layout is not None else None
+            self._readers[key] = MessageReader(layout) if layout is not None else None
         return self._readers[key]
 
     # --- Pages -------------------------------------------------------------------------------
 
-    def tell(self, message: Dict[str, Any]) -> None:
+    def send_to_pages(self, message: Dict[str, Any]) -> None:
         """Tell all pages that show robots, if there is anything new to tell."""
         if self._told.get(message["type"]) != message:
             self._told[message["type"]] = message

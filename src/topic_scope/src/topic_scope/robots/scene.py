@@ -74,31 +74,31 @@ class Scene:
             for topic in set(said) - set(topics):
                 del said[topic]
 
-    def take(self, topic: str, datatype: str, message: Message, now: float) -> None:
-        """Take a message.
+    def add_message(self, topic: str, datatype: str, message: Message, now: float) -> None:
+        """Add a message.
 
         :param topic: where it came
         :param datatype: its type; one that is not in TYPES says how a robot is
-        :param message: as :class:`.WholeReader` reads it
+        :param message: as :class:`.MessageReader` reads it
         :param now: when it came, s
         """
         if datatype == ODOMETRY:
-            self._take_odometry(topic, message, now)
+            self._add_odometry(topic, message, now)
         elif datatype == SCAN:
             seen = {"frame": message["header"]["frame_id"], "rays": _rays(message)}
             self._scans[topic] = _Said(seen, now)
         elif datatype == PATH:
             self._paths[topic] = _points(message)
         elif datatype == GOAL:
-            self._take_goal(topic, message)
+            self._add_goal(topic, message)
         elif datatype in MARKERS:
-            self._markers.setdefault(topic, Markers()).take(message)
+            self._markers.setdefault(topic, Markers()).add_message(message)
         elif datatype in TRANSFORMS:
-            self._take_transforms(message)
+            self._add_transforms(message)
         else:
             self._statuses[topic] = _Said(_status(message), now)
 
-    def _take_odometry(self, topic: str, message: Message, now: float) -> None:
+    def _add_odometry(self, topic: str, message: Message, now: float) -> None:
         pose, twist = message["pose"]["pose"], message["twist"]["twist"]
         transform = transform_of(pose["position"], pose["orientation"])
         if transform is None:
@@ -106,20 +106,22 @@ class Scene:
         frame = message["header"]["frame_id"]
         speeds = {"speed": finite(twist["linear"]["x"]), "turn": finite(twist["angular"]["z"])}
         self._odometry[topic] = _Said({"frame": frame, "transform": transform, **speeds}, now)
-        self._frames.note_odometry(topic, frame, message["child_frame_id"], transform)
+        self._frames.set_odometry(topic, frame, message["child_frame_id"], transform)
 
-    def _take_goal(self, topic: str, message: Message) -> None:
+    def _add_goal(self, topic: str, message: Message) -> None:
         transform = transform_of(message["pose"]["position"], message["pose"]["orientation"])
         if transform is not None:
             frame = message["header"]["frame_id"]
             self._goals[topic] = {"frame": frame, "transform": transform}
 
-    def _take_transforms(self, message: Message) -> None:
+    def _add_transforms(self, message: Message) -> None:
         for one in message["transforms"]:
             there = one["transform"]
             transform = transform_of(there["translation"], there["rotation"])
             if transform is not None:
-                self._frames.note(one["header"]["frame_id"], one["child_frame_id"], transform)
+                self._frames.set_transform(
+                    one["header"]["frame_id"], one["child_frame_id"], transform
+                )
 
     # --- For pages ---------------------------------------------------------------------------
 

@@ -41,7 +41,7 @@ class Wheel:
         :returns: whether it was told; False for a command that came too late
         """
         with self._bell:
-            told = self._dead_man.take(velocity, sent, time.monotonic())
+            told = self._dead_man.accept(velocity, sent, time.monotonic())
             self._publish(told)
             self._bell.notify()
         return told is not None

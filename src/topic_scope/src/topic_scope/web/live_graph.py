@@ -14,7 +14,7 @@ from topic_scope.page.page import Page
 from topic_scope.protocol import protocol
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.robot_requests import Drive, Goal, Robots, Steer
-from topic_scope.record.taps import Clock, Taps
+from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.robots.live_robots import LiveRobots
 from topic_scope.web.origin import Host
 from topic_scope.web.waiting import master_message
@@ -27,7 +27,7 @@ class LiveGraph:
     """
 
     def __init__(self, is_readonly: bool) -> None:
-        self.source = Taps(Clock())
+        self.source = RawSubscriptions(SteadyClock())
         self.layouts = Layouts()
         self._is_readonly = is_readonly
         self._watch = MasterWatch(self.source, self.layouts)
@@ -37,7 +37,7 @@ class LiveGraph:
         """Begin to follow the graph."""
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
         self._host = host
-        self._controls = Controls(deliver, host.tell)
+        self._controls = Controls(deliver, host.send_to_pages)
         self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._tell_graph)
         self._robots = LiveRobots(rospy.get_name(), deliver)
         self._watch.start(
@@ -105,7 +105,7 @@ class LiveGraph:
             if isinstance(request, (Steer, Drive, Goal)):
                 self._robots.control(page, request)
             else:
-                self._controls.obey(request, page.note)
+                self._controls.obey(request, page.put_once)
         except ValueError as error:
             raise RequestError(str(error)) from None
 

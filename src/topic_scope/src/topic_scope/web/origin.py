@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, Protocol
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
 from topic_scope.protocol import protocol
-from topic_scope.record.source import Source
+from topic_scope.record.message_source import MessageSource
 
 
 class Host(Protocol):
@@ -14,7 +14,7 @@ class Host(Protocol):
     def pages(self) -> List[Page]:
         """Return the pages that are open."""
 
-    def tell(self, message: Dict[str, Any], *about: str) -> None:
+    def send_to_pages(self, message: Dict[str, Any], *about: str) -> None:
         """Tell all pages; a later message of this type about the same replaces it."""
 
     def on_topics(self, types: Mapping[str, str]) -> None:
@@ -31,7 +31,7 @@ class Origin(Protocol):
     """Where messages come from, and what else there is; methods belong to the thread of the web."""
 
     @property
-    def source(self) -> Source:
+    def source(self) -> MessageSource:
         """The messages."""
 
     @property

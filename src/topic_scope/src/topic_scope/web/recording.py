@@ -72,7 +72,7 @@ class Recording:
 
     def _show_robots(self) -> None:
         if not self.source.is_loading:
-            self._robots.tick()
+            self._robots.update()
 
     def _look(self) -> None:
         """Tell pages how far it is."""
@@ -85,10 +85,10 @@ class Recording:
             text = self.source.problems.popleft()
             rospy.logwarn(text)
             for page in self._host.pages():
-                page.note({"type": "error", "text": text})
+                page.put_once({"type": "error", "text": text})
         if self._state() != self._told:
             self._told = self._state()
-            self._host.tell(self._told)
+            self._host.send_to_pages(self._told)
 
     def _state(self) -> Dict[str, Any]:
         return {

@@ -7,23 +7,23 @@ from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 import rospy
 import tornado.ioloop
 
-from topic_scope.protocol import protocol
-from topic_scope.page.charts import ChartFeed
-from topic_scope.protocol.checks import TRACES
-from topic_scope.page.export import parts
-from topic_scope.record.differences import DifferenceRecorder
 from topic_scope.messages.fields import FieldError
-from topic_scope.web.greeting import choices_message, hello
-from topic_scope.protocol.looks import Looks
+from topic_scope.page.charts import ChartFeed
+from topic_scope.page.export import parts
 from topic_scope.page.measuring import left_out, warn_of
-from topic_scope.protocol.options import Options
-from topic_scope.web.origin import Origin
 from topic_scope.page.page import Page
-from topic_scope.record.recorder import Choice
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import pinned
-from topic_scope.web.web import Socket
+from topic_scope.protocol import protocol
+from topic_scope.protocol.checks import TRACES
+from topic_scope.protocol.looks import Looks
+from topic_scope.protocol.options import Options
 from topic_scope.protocol.wishes import Chart, Measure
+from topic_scope.record.differences import DifferenceRecorder
+from topic_scope.record.recorder import Choice
+from topic_scope.web.greeting import choices_message, hello
+from topic_scope.web.origin import Origin
+from topic_scope.web.web import Socket
 
 #: Time between two frames, s.
 FRAME_S = 0.025
@@ -77,7 +77,7 @@ class Server:
         if choices != self._choices:
             self._choices = choices
             self._listed = choices_message(choices, types)
-            self.tell(self._listed)
+            self.send_to_pages(self._listed)
         self._record()
 
     def halt(self) -> None:
@@ -156,7 +156,7 @@ class Server:
         """Return the pages that are open."""
         return [connection.page for connection in self.sockets if connection.page is not None]
 
-    def tell(self, message: Dict[str, Any], *about: str) -> None:
+    def send_to_pages(self, message: Dict[str, Any], *about: str) -> None:
         """Tell all pages.
 
         :param message: the message
@@ -174,7 +174,7 @@ class Server:
         self._select(page)
         count = len(self._all_of(self._options.fields))
         if count > TRACES:
-            page.note({"type": "error", "text": left_out(count, TRACES)})
+            page.put_once({"type": "error", "text": left_out(count, TRACES)})
 
     def _hello(self) -> Dict[str, Any]:
         return {**hello(self._options, self._initial), **self._origin.hello()}
@@ -186,7 +186,7 @@ class Server:
         """Return the fields that names stand for, as far as a page shows them."""
         found = self._all_of(names, page)
         if page is not None and len(found) > TRACES:
-            page.note({"type": "error", "text": left_out(len(found), TRACES)})
+            page.put_once({"type": "error", "text": left_out(len(found), TRACES)})
         return found[:TRACES]
 
     def _all_of(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
@@ -198,7 +198,7 @@ class Server:
             except FieldError as error:
                 found += [name] if name not in found else []
                 if page is not None:
-                    page.note({"type": "error", "text": f"{name}: {error}"})
+                    page.put_once({"type": "error", "text": f"{name}: {error}"})
         return found
 
     def _select(self, page: Page) -> None:
@@ -229,7 +229,7 @@ class Server:
             try:
                 if self._is_halted or not self._knows_topics:
                     if connection.is_ready:
-                        connection.send(page.take())
+                        connection.send(page.pop_messages())
                 else:
                     self._send_frame(connection, page, now, measures)
             except Exception:  # of any kind: the other pages have theirs all the same

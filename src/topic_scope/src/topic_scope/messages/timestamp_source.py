@@ -35,21 +35,21 @@ _FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
 _LARGEST = 1e11
 
 
-def path_of(base: str, layout: Record) -> Optional[Path]:
+def path_of(timestamp: str, layout: Record) -> Optional[Path]:
     """Return where messages say when they were made.
 
-    :param base: ``received``, ``stamp``, the name of a field, or nothing for what fits best: a
+    :param timestamp: ``received``, ``stamp``, the name of a field, or nothing for what fits best: a
         header's stamp, else ``time_x``, else the time of receipt
     :param layout: layout of the messages
     :returns: where the time stands; None where the time of receipt counts
     :raises FieldError: if there is no such time in the messages
     """
-    if base == RECEIVED:
+    if timestamp == RECEIVED:
         return None
-    if not base:
+    if not timestamp:
         wanted = [path for path in (_STAMP_PATH, _FIELD_PATH) if _is_time(layout, path)]
         return wanted[0] if wanted else None
-    path = _STAMP_PATH if base == STAMP else to_path(base)
+    path = _STAMP_PATH if timestamp == STAMP else to_path(timestamp)
     if not _is_time(layout, path):
         raise FieldError(f"there is no time {to_text(path)} in {layout.datatype}")
     return path
@@ -86,8 +86,8 @@ def placed(
     ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
     times = []
     for said, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
-        time = OwnTime(path)
-        part, _ = time.take(said, came)
+        time = OwnClock(path)
+        part, _ = time.convert(said, came)
         times.append(part + time.offset)
     return times
 
@@ -115,7 +115,7 @@ def _is_time(layout: Record, path: Path) -> bool:
     return isinstance(leaf, Scalar) and leaf.datatype in ("time", "float64")
 
 
-class OwnTime:
+class OwnClock:
     """Tells the times of a topic's messages by their own clock, and how far that is from here.
 
     :param path: where the time stands in the messages
@@ -135,8 +135,8 @@ class OwnTime:
         self._settles_at = numpy.inf
         self._tolerance = TOLERANCE_S
 
-    def take(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
-        """Take the times of some messages.
+    def convert(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
+        """Convert the times of some messages, and take them into account for those that follow.
 
         :param own: what they say, s; no message's is changed here
         :param received: when they were received, s

@@ -14,7 +14,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from topic_scope.messages.definitions import layout_of, parse
-from topic_scope.messages.whole import CutOff, WholeReader
+from topic_scope.messages.message_reader import CutOff, MessageReader
 
 
 def serialized(message: Any) -> bytes:
@@ -46,13 +46,13 @@ def messages() -> Any:
 
 @pytest.mark.parametrize("message", messages(), ids=lambda message: type(message).__name__)
 def test_reads_what_was_written(message: Any) -> None:
-    read = WholeReader(layout_of(type(message))).read(serialized(message))
+    read = MessageReader(layout_of(type(message))).read(serialized(message))
     assert set(read) == set(message.__slots__) and same(read, message)
 
 
 @given(st.sampled_from(messages()), st.data())
 def test_what_is_cut_off_or_wrong_is_refused_and_costs_nothing(message: Any, data: Any) -> None:
-    reader, whole = WholeReader(layout_of(type(message))), serialized(message)
+    reader, whole = MessageReader(layout_of(type(message))), serialized(message)
     end = data.draw(st.integers(0, len(whole) - 1))
     with pytest.raises(CutOff):
         reader.read(whole[:end])
@@ -67,4 +67,4 @@ def test_any_number_of_elements_without_a_size_is_refused() -> None:
     separator = "\n" + "=" * 80 + "\n"
     layout = parse("a/B", f"Empty[] all{separator}MSG: a/Empty\n")
     with pytest.raises(CutOff):
-        WholeReader(layout).read(b"\xff\xff\xff\xff")
+        MessageReader(layout).read(b"\xff\xff\xff\xff")

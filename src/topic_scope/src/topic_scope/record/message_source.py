@@ -1,12 +1,23 @@
-"""What messages come out of: the subscriptions of a node, or a bag. What both have in common."""
+"""Where messages come from, a node's subscriptions or a bag: what both have in common."""
 
-from typing import Collection, Iterable, Mapping, Protocol
-
-from topic_scope.record.taps import Batch
+from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol
 
 
-class Times(Protocol):
-    """A clock."""
+class Batch(NamedTuple):
+    """Messages that came over one connection.
+
+    :param header: what the publisher has said of them
+    :param times: when they came, s
+    :param messages: as they came
+    """
+
+    header: Mapping[str, str]
+    times: MutableSequence[float]
+    messages: List[bytes]
+
+
+class Clock(Protocol):
+    """What the times of messages are by."""
 
     def now(self) -> float:
         """Return the time up to which all messages are there, s since the epoch."""
@@ -15,15 +26,15 @@ class Times(Protocol):
 class Outlet(Protocol):
     """Where the messages of one topic come out."""
 
-    def take(self) -> Iterable[Batch]:
+    def drain(self) -> Iterable[Batch]:
         """Return what has come since the last call, oldest first."""
 
 
-class Source(Protocol):
+class MessageSource(Protocol):
     """Where the messages of all topics come out."""
 
     @property
-    def clock(self) -> Times:
+    def clock(self) -> Clock:
         """What the messages' times are by."""
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
@@ -33,5 +44,5 @@ class Source(Protocol):
         :param is_more: whether more is read of them than before
         """
 
-    def open(self) -> Mapping[str, Outlet]:
+    def outlets(self) -> Mapping[str, Outlet]:
         """Return the outlets that are open now, by topic."""

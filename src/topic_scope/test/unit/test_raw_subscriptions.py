@@ -15,7 +15,7 @@ from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
 from topic_scope.controls.lamps import Lamps
-from topic_scope.record.taps import Clock, Tap, Taps
+from topic_scope.record.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
 
 TOPIC, OTHER = "/topic", "/other"
 
@@ -52,36 +52,42 @@ def stack() -> Iterator[contextlib.ExitStack]:
 
 
 @pytest.fixture
-def tap(stack: contextlib.ExitStack) -> Tap:
+def subscription(stack: contextlib.ExitStack) -> RawSubscription:
     return opened(stack)
 
 
-def opened(stack: contextlib.ExitStack) -> Tap:
-    tap = Tap(TOPIC, Clock())
-    stack.callback(tap.close)
-    return tap
+def opened(stack: contextlib.ExitStack) -> RawSubscription:
+    subscription = RawSubscription(TOPIC, SteadyClock())
+    stack.callback(subscription.close)
+    return subscription
 
 
-def test_messages_come_out_as_they_came_in(tap: Tap, stack: contextlib.ExitStack) -> None:
+def test_messages_come_out_as_they_came_in(
+    subscription: RawSubscription, stack: contextlib.ExitStack
+) -> None:
     connection = Connection(stack)
     connection.bring(1.0, 2.0)
     connection.bring(3.0)
-    (batch,) = tap.take()
+    (batch,) = subscription.drain()
     assert batch.header == {"type": "std_msgs/Float32"}
     assert batch.messages == [packet(number)[4:] for number in (1.0, 2.0, 3.0)]
     assert list(batch.times) == sorted(set(batch.times)), "no two at one time"
-    assert tap.take() == []
+    assert subscription.drain() == []
 
 
-def test_a_tap_that_comes_later_has_what_is_latched(tap: Tap, stack: contextlib.ExitStack) -> None:
+def test_a_subscription_that_comes_later_has_what_is_latched(
+    subscription: RawSubscription, stack: contextlib.ExitStack
+) -> None:
     connection = Connection(stack)
     connection.transport.is_latched = True
     connection.bring(1.0)
-    (batch,) = opened(stack).take()
+    (batch,) = opened(stack).drain()
     assert batch.messages == [packet(1.0)[4:]]
 
 
-def test_what_comes_takes_no_more_memory_than_it_has(tap: Tap, stack: contextlib.ExitStack) -> None:
+def test_what_comes_takes_no_more_memory_than_it_has(
+    subscription: RawSubscription, stack: contextlib.ExitStack
+) -> None:
     connection = Connection(stack)
     tracemalloc.start()
     try:
@@ -92,12 +98,14 @@ def test_what_comes_takes_no_more_memory_than_it_has(tap: Tap, stack: contextlib
     assert most < DEFAULT_BUFF_SIZE / 4
 
 
-def test_messages_of_two_publishers_are_told_apart(tap: Tap, stack: contextlib.ExitStack) -> None:
+def test_messages_of_two_publishers_are_told_apart(
+    subscription: RawSubscription, stack: contextlib.ExitStack
+) -> None:
     one, other = Connection(stack, "/one"), Connection(stack, "/other")
     one.bring(1.0)
     other.bring(2.0)
     one.bring(3.0, 4.0)
-    batches = tap.take()
+    batches = subscription.drain()
     assert [batch.header for batch in batches] == [
         connection.transport.header for connection in (one, other, one)
     ]
@@ -105,8 +113,8 @@ def test_messages_of_two_publishers_are_told_apart(tap: Tap, stack: contextlib.E
 
 
 @pytest.mark.parametrize("kind, heard", [("String", ["idle"]), ("Float32", [])])
-def test_what_a_node_says_of_itself_is_heard_beside_a_tap(
-    tap: Tap, stack: contextlib.ExitStack, kind: str, heard: List[str]
+def test_what_a_node_says_of_itself_is_heard_beside_a_raw_subscription(
+    subscription: RawSubscription, stack: contextlib.ExitStack, kind: str, heard: List[str]
 ) -> None:
     tell = mock.Mock()
     lamps = Lamps(mock.Mock(), lambda function: function(), tell)
@@ -117,11 +125,11 @@ def test_what_a_node_says_of_itself_is_heard_beside_a_tap(
     connection.transport.header = {"type": "std_msgs/" + kind}
     connection.receive(struct.pack("<II", 8, 4) + b"idle")
     assert [call[0][0]["nodes"]["/node"] for call in tell.call_args_list] == heard
-    assert len(tap.take()[0].messages) == 1
+    assert len(subscription.drain()[0].messages) == 1
 
 
 def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
-    tap: Tap, stack: contextlib.ExitStack
+    subscription: RawSubscription, stack: contextlib.ExitStack
 ) -> None:
     connection = Connection(stack)
     tracemalloc.start()
@@ -132,12 +140,12 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
     finally:
         tracemalloc.stop()
     assert most < 100 * 100 * 100
-    with mock.patch("topic_scope.record.taps.WAITING", most), mock.patch(
+    with mock.patch("topic_scope.record.raw_subscriptions.WAITING", most), mock.patch(
         "rospy.logwarn_throttle"
     ) as log:
         for _ in range(200):
             connection.bring(*range(100))
-    (batch,) = tap.take()
+    (batch,) = subscription.drain()
     assert 10000 < len(batch.messages) < 30000
     assert f"{TOPIC} comes too fast" in log.call_args[0][1]
 
@@ -145,15 +153,15 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
 def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(
     stack: contextlib.ExitStack,
 ) -> None:
-    taps = Taps(Clock())
-    stack.callback(taps.adjust)
-    stack.callback(taps.want, [])
+    subscriptions = RawSubscriptions(SteadyClock())
+    stack.callback(subscriptions.adjust)
+    stack.callback(subscriptions.want, [])
     rival = rospy.Subscriber(TOPIC, Float32)
-    taps.want([TOPIC, OTHER])
+    subscriptions.want([TOPIC, OTHER])
     with mock.patch("rospy.logwarn_throttle") as log:
-        taps.adjust()
-    assert set(taps.open()) == {OTHER}
+        subscriptions.adjust()
+    assert set(subscriptions.outlets()) == {OTHER}
     assert TOPIC in log.call_args[0][1]
     rival.unregister()
-    taps.adjust()
-    assert set(taps.open()) == {TOPIC, OTHER}
+    subscriptions.adjust()
+    assert set(subscriptions.outlets()) == {TOPIC, OTHER}

@@ -21,7 +21,7 @@ class CutOff(ValueError):
     """A message that is shorter than it says."""
 
 
-class WholeReader:
+class MessageReader:
     """Reads messages of one layout.
 
     :param layout: their layout

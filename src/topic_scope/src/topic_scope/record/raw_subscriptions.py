@@ -4,11 +4,12 @@ import sys
 import threading
 import time
 from array import array
-from typing import Any, Collection, Dict, List, Mapping, MutableSequence, NamedTuple
+from typing import Any, Collection, Dict, List, Mapping
 
 import rospy
 
 from nodekit.messaging.subscription import Subscription
+from topic_scope.record.message_source import Batch
 
 #: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
 #: lost, with a warning.
@@ -19,7 +20,7 @@ _REFUSED_EVERY_S = 60.0
 _TICK_S = 5e-7
 
 
-class Clock:
+class SteadyClock:
     """Seconds since the epoch that never step, whatever is done to the clock of the machine."""
 
     def __init__(self) -> None:
@@ -30,27 +31,14 @@ class Clock:
         return self._offset + time.monotonic()
 
 
-class Batch(NamedTuple):
-    """Messages that came over one connection.
-
-    :param header: what the publisher has said of them
-    :param times: when they came, s
-    :param messages: as they came
-    """
-
-    header: Mapping[str, str]
-    times: MutableSequence[float]
-    messages: List[bytes]
-
-
-class Tap:
-    """Takes the messages of one topic.
+class RawSubscription:
+    """Keeps the messages of one topic as they come, until they are read.
 
     :param topic: its name
     :param clock: tells when they come
     """
 
-    def __init__(self, topic: str, clock: Clock) -> None:
+    def __init__(self, topic: str, clock: SteadyClock) -> None:
         self.topic = topic
         self._clock = clock
         self._lock = threading.Lock()
@@ -60,10 +48,10 @@ class Tap:
         self._latest = 0.0
         self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
         self._subscription.open()
-        self._subscription.receive_latched()  # another tap may hear the topic already
+        self._subscription.receive_latched()  # another one may have the topic already
 
     def _on_messages(self, messages: List[Any], _may_wait: bool) -> None:
-        # The time is taken under the lock: what comes after take() is never older than that.
+        # The time is taken under the lock: what comes after drain() is never older than that.
         with self._lock:
             for message in messages:
                 if self._bytes > WAITING:
@@ -79,7 +67,7 @@ class Tap:
                 self._waiting[-1].messages.append(message._buff)
                 self._bytes += sys.getsizeof(message._buff)
 
-    def take(self) -> List[Batch]:
+    def drain(self) -> List[Batch]:
         """Return what has come since the last call, oldest first."""
         with self._lock:
             waiting, self._waiting, self._bytes = self._waiting, [], 0
@@ -90,40 +78,42 @@ class Tap:
         self._subscription.close()
 
 
-class Taps:
-    """The taps that are open.
+class RawSubscriptions:
+    """The subscriptions of a node whose messages are kept as they come; a MessageSource.
 
     :param clock: tells when messages come
     """
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: SteadyClock) -> None:
         self.clock = clock
         self._wanted: Collection[str] = ()
-        self._open: Dict[str, Tap] = {}
+        self._open: Dict[str, RawSubscription] = {}
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Have the messages of these topics taken, after the next :meth:`adjust`; see Source."""
+        """Subscribe to these topics with the next :meth:`adjust`; see :class:`.MessageSource`."""
         self._wanted = topics
 
     def adjust(self) -> None:
-        """Open and close taps; may wait for the master."""
+        """Subscribe and unsubscribe; may wait for the master."""
         wanted = set(self._wanted)
         for topic in wanted - set(self._open):
             try:
-                tap = Tap(topic, self.clock)
-            except rospy.ROSException as error:  # as of /clock, which rospy hears in simulated time
+                made = RawSubscription(topic, self.clock)
+            except (
+                rospy.ROSException
+            ) as error:  # as of /clock, to which rospy subscribes in simulated time
                 rospy.logwarn_throttle(_REFUSED_EVERY_S, f"no samples: {error}")
                 continue
-            self._open = {**self._open, topic: tap}
+            self._open = {**self._open, topic: made}
         for topic in set(self._open) - wanted:
             self._open[topic].close()
-            self._open = {key: tap for key, tap in self._open.items() if key != topic}
+            self._open = {key: one for key, one in self._open.items() if key != topic}
 
     @property
     def is_to_adjust(self) -> bool:
         """Whether others are open than are wanted."""
         return set(self._wanted) != set(self._open)
 
-    def open(self) -> Mapping[str, Tap]:
-        """Return the taps that are open now, by topic."""
+    def outlets(self) -> Mapping[str, RawSubscription]:
+        """Return the subscriptions that are open now, by topic."""
         return self._open

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Docks a robot, which takes its time, while a timer and an emergency stop go on."""
+"""Docks a robot, which is slow, while a timer and an emergency stop go on."""
 
 import time
 
@@ -16,7 +16,7 @@ class Dock:
         self.stopped = False
         node.service("dock", Trigger, self.dock, group=node.group())
         node.subscribe("stop", Empty, self.stop, group=node.group(urgent=True))
-        node.every(2.0, self.tell)
+        node.every(2.0, self.report)
 
     def dock(self, request: Trigger) -> TriggerResponse:
         for _ in range(30):
@@ -28,7 +28,7 @@ class Dock:
     def stop(self, message: Empty) -> None:
         self.stopped = True
 
-    def tell(self, elapsed: float) -> None:
+    def report(self, elapsed: float) -> None:
         rospy.loginfo("alive")
 
 

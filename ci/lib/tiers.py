@@ -57,6 +57,7 @@ def lint() -> List[Step]:
         + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
         + [*libraries, str(template / "src")],
         "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
+        "page_rules": [sys.executable, str(CI / "lib" / "page_rules.py")],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
         "debian_files": [sys.executable, str(CI / "lib" / "debian_files.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib"] + shell_scripts(),

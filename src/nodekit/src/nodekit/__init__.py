@@ -26,11 +26,11 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.server import CallError as CallError
     from nodekit.node.server import CallTimeout as CallTimeout
     from nodekit.parameter_server.live_parameters import LiveParameters as LiveParameters
-    from nodekit.parameters.bytes_kind import BytesParameter as BytesParameter
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
     from nodekit.parameters.declaration import rule as rule
     from nodekit.parameters.kinds import BoolParameter as BoolParameter
+    from nodekit.parameters.kinds import BytesParameter as BytesParameter
     from nodekit.parameters.kinds import EnumParameter as EnumParameter
     from nodekit.parameters.kinds import ListParameter as ListParameter
     from nodekit.parameters.kinds import Parameter as Parameter
@@ -65,7 +65,7 @@ _HOMES: Dict[str, str] = {
     "read_once": "parameters.declaration",
     "rule": "parameters.declaration",
     "BoolParameter": "parameters.kinds",
-    "BytesParameter": "parameters.bytes_kind",
+    "BytesParameter": "parameters.kinds",
     "EnumParameter": "parameters.kinds",
     "FloatParameter": "parameters.number_kinds",
     "IntParameter": "parameters.number_kinds",

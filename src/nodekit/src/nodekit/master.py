@@ -26,8 +26,8 @@ from typing import (
 )
 
 # What a reading holds is public as this module is.
-from nodekit.parameters.no_value import MISSING as MISSING
-from nodekit.parameters.no_value import UNREADABLE as UNREADABLE
+from nodekit.parameters.kinds import MISSING as MISSING
+from nodekit.parameters.kinds import UNREADABLE as UNREADABLE
 
 T = TypeVar("T")
 

@@ -21,7 +21,7 @@ from nodekit.parameter_server.followers import Follower
 from nodekit.parameter_server.following import Following
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
 from nodekit.parameter_server.watcher import Watcher
-from nodekit.parameters import budget, reconciler
+from nodekit.parameters import reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire
 from nodekit.parameters.reconciler import Seen
 from nodekit.rospy_internals.parameters import ROSOUT_PARAMETER
@@ -462,7 +462,7 @@ class Races(unittest.TestCase):
             self.user.set(self.level, float(position))
         self.assert_ends_with(live, level=199.0)
 
-    @mock.patch.object(budget, "BURST", 3)
+    @mock.patch.object(reconciler, "BURST", 3)
     def test_writer_that_insists_is_not_answered_in_a_quick_loop(self) -> None:
         live = self.start(level=2.0)
         begin, answers, end = time.monotonic(), [0], threading.Event()
@@ -484,7 +484,7 @@ class Races(unittest.TestCase):
             end.set()
             rival.join()
         # The first one is the rival's own, and so is one after the last put-back.
-        self.assertLessEqual(answers[0], budget.BURST + 1 + time.monotonic() - begin)
+        self.assertLessEqual(answers[0], reconciler.BURST + 1 + time.monotonic() - begin)
         self.assertLessEqual(len(self.warnings.texts), answers[0])
         self.assert_ends_with(live, level=2.0, title="through")
 

@@ -23,7 +23,7 @@ from nodekit.parameters.judging import (
     on_wire,
     unknown_names,
 )
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING
 
 
 class Gauge(ParameterSet):

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from nodekit.parameters.kinds import ParameterError
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING, ParameterError
 from nodekit.process.managed import as_wanted
 
 

@@ -16,7 +16,7 @@ from nodekit.master import MasterClient, MasterUnreachable
 from nodekit import master as client_of_master
 from nodekit.parameter_server.first_writes import write_missing
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
-from nodekit.parameters.no_value import MISSING, UNREADABLE
+from nodekit.parameters.kinds import MISSING, UNREADABLE
 from nodekit.testing import processes
 
 PAGE = b"<!DOCTYPE html><html><body><p>Please log in<br></body></html>"

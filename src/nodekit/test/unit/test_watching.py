@@ -8,7 +8,7 @@ import pytest
 from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
 from nodekit.parameter_server.followers import Follower, Followers
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING
 from nodekit.rospy_internals import parameters, registration, shutdown
 from nodekit.testing.waiting import wait_until
 

@@ -11,7 +11,7 @@ from nodekit import MasterUnreachable, Node
 from nodekit.master import MasterClient
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING
 from nodekit.rospy_internals.shutdown import before_shutdown
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1 import ros1_graph

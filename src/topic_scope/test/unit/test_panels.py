@@ -9,7 +9,6 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -19,7 +18,7 @@ from nodekit.parameters.declaration import (
     ParameterSet,
     StringParameter,
 )
-from nodekit.parameters.kinds import ParameterError
+from nodekit.parameters.kinds import BytesParameter, ParameterError
 from nodekit.parameters.schema import as_yaml, describe
 from topic_scope.controls.panels import DescriptionError, Panel
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, Mapping
 from nodekit.master import MasterClient
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.judging import on_wire
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING
 
 #: Fewer namespaces are subscribed first: then no value is lost that somebody sets just now.
 MANY = 100

@@ -18,7 +18,7 @@ from typing import (
 import rospy
 
 from nodekit.master import MasterClient, MasterUnreachable
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING
 from nodekit.parameters.reconciler import Seen
 from nodekit.rospy_internals.parameters import ROSOUT_PARAMETER
 

@@ -5,8 +5,7 @@ from typing import Any, Callable, Optional, Sequence
 
 from nodekit.parameter_server.followers import Follower, call_listener
 from nodekit.parameter_server.watcher import Watcher
-from nodekit.parameters.kinds import is_same
-from nodekit.parameters.no_value import MISSING, UNREADABLE, NoValue
+from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
 from nodekit.parameters.reconciler import Seen
 
 _UNKNOWN = NoValue("UNKNOWN")

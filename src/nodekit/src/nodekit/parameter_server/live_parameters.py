@@ -12,8 +12,7 @@ from nodekit.parameter_server.first_writes import MANY, write_missing
 from nodekit.parameter_server.followers import Follower, call_listener
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.declaration import Snapshot
-from nodekit.parameters.kinds import ParameterError, format_value
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING, ParameterError, format_value
 from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
 from nodekit.parameters.schema import AT_START
 

@@ -18,8 +18,7 @@ import rospy
 from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
 from nodekit.parameter_server.followers import Entry, Follower, Followers
 from nodekit.parameter_server.registrations import Registrations
-from nodekit.parameters.kinds import is_same
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING, is_same
 from nodekit.rospy_internals import parameters, shutdown
 
 #: Time between two reads where no notification arrives, s.

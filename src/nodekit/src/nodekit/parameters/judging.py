@@ -4,8 +4,7 @@ import difflib
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from nodekit.parameters.declaration import ParameterSet, Snapshot
-from nodekit.parameters.kinds import Parameter, ParameterError, to_wire
-from nodekit.parameters.no_value import MISSING
+from nodekit.parameters.kinds import MISSING, Parameter, ParameterError, to_wire
 from nodekit.parameters.refusals import RuleError
 
 

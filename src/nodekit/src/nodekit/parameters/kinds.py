@@ -139,6 +139,43 @@ class StringParameter(Parameter[str]):
         return raw
 
 
+class BytesParameter(Parameter[bytes]):
+    """Bytes, on the server as a list of numbers from 0 to 255.
+
+    ``!!binary`` in YAML and ``binfile=`` in a launch file are taken, too, and such a list is
+    written back: ``rosparam get`` and ``dump`` fail where there is anything binary.
+
+    :param max_length: largest allowed number of bytes
+    """
+
+    type_name = "bytes"
+
+    def __init__(
+        self, default: bytes, *, max_length: int = 1000, unit: str = "", help: str
+    ) -> None:
+        super().__init__(default, unit=unit, help=help)
+        self.max_length = max_length
+
+    @property
+    def allowed(self) -> str:
+        return f"at most {self.max_length} bytes, as a list of numbers from 0 to 255"
+
+    @property
+    def range(self) -> str:
+        return f"at most {self.max_length} bytes"
+
+    def coerce(self, raw: Any) -> bytes:
+        value = getattr(raw, "data", raw)  # XML-RPC delivers what is binary wrapped
+        if isinstance(value, (list, tuple)) and all(type(number) is int for number in value):
+            try:
+                value = bytes(value)
+            except ValueError:
+                pass  # a number that is no byte
+        if not isinstance(value, bytes) or len(value) > self.max_length:
+            raise self.refuse(raw)
+        return value
+
+
 class EnumParameter(Parameter[str]):
     """One of a few words.
 
@@ -234,6 +271,25 @@ def format_value(value: Any, limit: int = 80) -> str:
     else:
         text = repr(getattr(value, "data", to_wire(value)))  # base64 arrives wrapped
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+class NoValue:
+    """Stands in for a raw value; its own kind, so that no parameter takes it.
+
+    :param text: how it is shown
+    """
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __repr__(self) -> str:
+        return self._text
+
+
+#: The value of a key that the server does not hold.
+MISSING = NoValue("MISSING")
+#: A value that the master cannot send, such as an integer of 64 bits.
+UNREADABLE = NoValue("a value that the master cannot send")
 
 
 def is_same(one: Any, other: Any) -> bool:

@@ -24,7 +24,6 @@ from typing import (
     Type,
 )
 
-from nodekit.parameters.budget import Budget
 from nodekit.parameters.declaration import ParameterSet, Snapshot
 from nodekit.parameters.judging import (
     accept_each,
@@ -36,8 +35,7 @@ from nodekit.parameters.judging import (
     unknown_names,
     unknown_refused,
 )
-from nodekit.parameters.kinds import ParameterError, is_same
-from nodekit.parameters.no_value import MISSING, UNREADABLE, NoValue
+from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, ParameterError, is_same
 from nodekit.parameters.refusals import RuleError, raise_all
 
 #: How long values that do not go together may stand before they are refused, s:
@@ -46,7 +44,34 @@ HALF_DONE_S = 0.2
 #: How long after a write a notification may still tell of a value that the
 #: write has replaced, s.
 OVERLAP_S = 5.0
+#: Writes of one parameter that may follow each other at once.
+BURST = 20
+#: Time after which one more of them may follow, s.
+REFILL_S = 1.0
 _UNKNOWN = NoValue("UNKNOWN")
+
+
+class Budget:
+    """A token bucket for each name.
+
+    Two programs that correct each other must not do so in an endless quick loop.
+    """
+
+    def __init__(self) -> None:
+        #: What was left for a name, and when, s.
+        self._left: Dict[str, Tuple[float, float]] = {}
+
+    def allow(self, name: str, now: float) -> bool:
+        """Tell whether it may be done now, which is counted then, or only later.
+
+        :param name: what it is done to
+        :param now: the time, s
+        """
+        left, since = self._left.get(name, (float(BURST), now))
+        left = min(float(BURST), left + (now - since) / REFILL_S)
+        allowed = left >= 1.0
+        self._left[name] = (left - 1.0 if allowed else left, now)
+        return allowed
 
 
 class Seen(NamedTuple):

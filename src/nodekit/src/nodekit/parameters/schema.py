@@ -9,10 +9,10 @@ from typing import Any, Dict, List, Mapping, Type
 
 import yaml
 
-from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.kinds import (
     BoolParameter,
+    BytesParameter,
     EnumParameter,
     ListParameter,
     Parameter,

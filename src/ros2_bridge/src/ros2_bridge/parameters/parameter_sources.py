@@ -7,7 +7,7 @@ import yaml
 from nodekit import CallError, Lifetime, MasterUnreachable
 from nodekit.groups.groups import Outside
 from nodekit.master import MasterClient
-from nodekit.parameters.no_value import MISSING, UNREADABLE
+from nodekit.parameters.kinds import MISSING, UNREADABLE
 from ros2_bridge.environment.ros1 import SetParameters, Trigger
 from ros2_bridge.parameters.parameter_values import (
     BOOL,

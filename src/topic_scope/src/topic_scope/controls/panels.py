@@ -9,8 +9,13 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 import yaml
 
-from nodekit.parameters.bytes_kind import BytesParameter
-from nodekit.parameters.kinds import ListParameter, Parameter, ParameterError, to_wire
+from nodekit.parameters.kinds import (
+    BytesParameter,
+    ListParameter,
+    Parameter,
+    ParameterError,
+    to_wire,
+)
 from nodekit.parameters.schema import parameter_of
 
 _KINDS = {"bool": "bool", "int": "int", "float": "float", "enum": "enum"}  # else: text

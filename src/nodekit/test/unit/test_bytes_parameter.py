@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 import yaml
 
-from nodekit.parameters.bytes_kind import BytesParameter
 from nodekit.parameters.declaration import ParameterError, ParameterSet, StringParameter
-from nodekit.parameters.kinds import format_value, to_wire
+from nodekit.parameters.kinds import BytesParameter, format_value, to_wire
 from nodekit.parameters.reconciler import Reconciler, Seen
 from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
 

@@ -87,7 +87,10 @@ class Fuzzer:
     def _odd_http(self) -> bytes:
         body = self._random.choice([self._call(), gzip.compress(bytes(100000)), self._noise()])
         headers = (
-            *("Content-Length: -1", "Content-Length: x", "Content-Length: 9999999999", "X: y"),
+            "Content-Length: -1",
+            "Content-Length: x",
+            "Content-Length: 9999999999",
+            "X: y",
             "Transfer-Encoding: chunked",
             f"Content-Encoding: gzip\r\nContent-Length: {len(body)}",
             f"Expect: 100-continue\r\nContent-Length: {len(body)}",

@@ -40,8 +40,10 @@ def test_a_heading_comes_back_from_its_quaternion_of_any_length(
 def test_a_heading_of_a_tilted_robot_is_where_its_nose_points() -> None:
     half = 0.5 * 0.3  # pitched by 0.3 rad, then turned by 1 rad
     x, y, z, w = (
-        *(-math.sin(half) * math.sin(0.5), math.sin(half) * math.cos(0.5)),
-        *(math.cos(half) * math.sin(0.5), math.cos(half) * math.cos(0.5)),
+        -math.sin(half) * math.sin(0.5),
+        math.sin(half) * math.cos(0.5),
+        math.cos(half) * math.sin(0.5),
+        math.cos(half) * math.cos(0.5),
     )
     assert heading_of(x, y, z, w) == pytest.approx(1.0)
 

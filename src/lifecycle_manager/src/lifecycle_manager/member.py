@@ -11,7 +11,10 @@ LOOK = "look"
 #: for the others: not configured until it is, active until it is not.
 LEVELS = {
     **dict(enumerate(Level)),
-    **{10: Level.UNCONFIGURED, 11: Level.UNCONFIGURED, 13: Level.ACTIVE, 14: Level.ACTIVE},
+    10: Level.UNCONFIGURED,
+    11: Level.UNCONFIGURED,
+    13: Level.ACTIVE,
+    14: Level.ACTIVE,
 }
 #: The states in which a node rests; 0 is that of one that has not answered.
 STATES = ("not there", "unconfigured", "inactive", "active", "finalized")

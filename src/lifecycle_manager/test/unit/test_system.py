@@ -266,7 +266,12 @@ def test_one_that_is_finalized_has_to_be_started_anew() -> None:
     world = up(2)
     assert world.command(SHUTDOWN) == (True, "all are finalized")
     assert world.steps == [
-        *("1 deactivate", "0 deactivate", "1 cleanup", "0 cleanup", "1 shutdown", "0 shutdown"),
+        "1 deactivate",
+        "0 deactivate",
+        "1 cleanup",
+        "0 cleanup",
+        "1 shutdown",
+        "0 shutdown",
     ]
     world.kill(1)
     world.fakes[1] = Fake()
@@ -283,7 +288,12 @@ def test_what_fails_comes_down_in_order() -> None:
     text = "/1: activate has failed: it is inactive, and its log says why"
     assert world.command(STARTUP) == (False, text)
     assert world.steps[3:] == [
-        *("0 activate", "1 activate", "0 deactivate", "2 cleanup", "1 cleanup", "0 cleanup"),
+        "0 activate",
+        "1 activate",
+        "0 deactivate",
+        "2 cleanup",
+        "1 cleanup",
+        "0 cleanup",
     ]
     world.run(20.0)
     assert world.system.problem == text and len(world.steps) == 9
@@ -381,12 +391,23 @@ def test_states() -> None:
         member.enter(state, 0.0)
         found.append((state, int(member.level), member.is_moving))
     assert found == [
-        *((0, 0, False), (1, 1, False), (2, 2, False), (3, 3, False), (4, 0, False)),
-        *((10, 1, True), (11, 1, True), (12, 0, True)),
-        *((13, 3, True), (14, 3, True), (15, 0, True)),
+        (0, 0, False),
+        (1, 1, False),
+        (2, 2, False),
+        (3, 3, False),
+        (4, 0, False),
+        (10, 1, True),
+        (11, 1, True),
+        (12, 0, True),
+        (13, 3, True),
+        (14, 3, True),
+        (15, 0, True),
     ]
     assert [state_text(state) for state in (0, 3, 4, 10)] == [
-        *("not there", "active", "finalized", "in the middle of a transition"),
+        "not there",
+        "active",
+        "finalized",
+        "in the middle of a transition",
     ]
 
 

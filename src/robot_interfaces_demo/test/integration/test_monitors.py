@@ -210,8 +210,11 @@ class Monitors(unittest.TestCase):
         rospy.set_param("/use_sim_time", True)
         self.addCleanup(rospy.delete_param, "/use_sim_time")
         monitor = start(
-            *("fleet_monitor", "__name:=simulated", "robot_status:=simulated_status"),
-            *("_period:=0.1", "_rate:=20"),
+            "fleet_monitor",
+            "__name:=simulated",
+            "robot_status:=simulated_status",
+            "_period:=0.1",
+            "_rate:=20",
         )
         self.addCleanup(monitor.end)
         clock = rospy.Publisher("/clock", Clock, queue_size=100)

@@ -32,8 +32,10 @@ def test_it_is_stale_then_lost_by_the_age_of_its_last_message(gaps: List[float])
     is_back = attendance.state
     assert is_back in (Presence.PRESENT, Presence.RETURNING)
     for age, state in (
-        *((3.0, is_back), (3.1, Presence.STALE)),
-        *((10.0, Presence.STALE), (10.1, Presence.LOST)),
+        (3.0, is_back),
+        (3.1, Presence.STALE),
+        (10.0, Presence.STALE),
+        (10.1, Presence.LOST),
     ):
         attendance.look(now + age, STALE_S, LOST_S)
         assert attendance.state is state

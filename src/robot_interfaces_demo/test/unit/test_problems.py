@@ -28,7 +28,9 @@ def test_numbers_are_those_of_the_messages() -> None:
     for mode in Mode:
         assert getattr(RobotStatus, f"MODE_{mode.name}") == mode
     assert [int(level) for level in Level] == [
-        *(DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
+        DiagnosticStatus.OK,
+        DiagnosticStatus.WARN,
+        DiagnosticStatus.ERROR,
     ]
     assert [name_of(mode) for mode in (0, 4, 5)] == ["idle", "error", "5"]
 

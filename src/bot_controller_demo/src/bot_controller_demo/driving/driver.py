@@ -131,7 +131,8 @@ class Driver:
             else:
                 rospy.logwarn(
                     "%s is %.2f s old: the robot is stopped until there is news",
-                    *(self._odometry_name, age),
+                    self._odometry_name,
+                    age,
                 )
         return not is_waiting
 
@@ -146,6 +147,8 @@ class Driver:
                 "control_law course may circle its goal with kp_linear %g 1/s, kp_angular %g 1/s "
                 "and linear_tolerance %g m: must be kp_angular %g to %g times kp_linear and "
                 "linear_tolerance at least %g m, or the law settling",
-                *(*tuning.gains, tuning.linear_tolerance),
-                *(*COURSE_RATIOS, COURSE_LEAST_TOLERANCE),
+                *tuning.gains,
+                tuning.linear_tolerance,
+                *COURSE_RATIOS,
+                COURSE_LEAST_TOLERANCE,
             )

@@ -12,15 +12,24 @@ from bot_controller_demo.laws.velocities import STOP, Velocity
 
 #: Keys that move: share of the speed, share of the turning rate.
 MOVES: Dict[str, Tuple[float, float]] = {
-    **{"u": (1.0, 1.0), "i": (1.0, 0.0), "o": (1.0, -1.0)},
-    **{"j": (0.0, 1.0), "k": (0.0, 0.0), "l": (0.0, -1.0)},
-    **{"m": (-1.0, -1.0), ",": (-1.0, 0.0), ".": (-1.0, 1.0)},
+    "u": (1.0, 1.0),
+    "i": (1.0, 0.0),
+    "o": (1.0, -1.0),
+    "j": (0.0, 1.0),
+    "k": (0.0, 0.0),
+    "l": (0.0, -1.0),
+    "m": (-1.0, -1.0),
+    ",": (-1.0, 0.0),
+    ".": (-1.0, 1.0),
 }
 #: Keys that change the speeds: by which factor the linear, and the angular one.
 SCALES: Dict[str, Tuple[float, float]] = {
-    **{"q": (1.1, 1.1), "z": (0.9, 0.9)},
-    **{"w": (1.1, 1.0), "x": (0.9, 1.0)},
-    **{"e": (1.0, 1.1), "c": (1.0, 0.9)},
+    "q": (1.1, 1.1),
+    "z": (0.9, 0.9),
+    "w": (1.1, 1.0),
+    "x": (0.9, 1.0),
+    "e": (1.0, 1.1),
+    "c": (1.0, 0.9),
 }
 HELP = """\
 Drive while a key is held:      Speeds, 10 % a press:

@@ -37,7 +37,11 @@ def decoder(expected: Any, advice: str) -> Callable[[Any], Optional[Any]]:
             warned.add(sender)
             rospy.logwarn(
                 "%s: %s sends %s, and %s is expected: its messages are left out; %s",
-                *(header["topic"], sender, header["type"], expected._type, advice),
+                header["topic"],
+                sender,
+                header["type"],
+                expected._type,
+                advice,
             )
         return None
 

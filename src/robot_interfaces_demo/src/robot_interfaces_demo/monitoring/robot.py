@@ -64,8 +64,16 @@ class Robot:
     """
 
     __slots__ = (
-        *("name", "is_expected", "_attendance", "_period", "_publishers"),
-        *("_problems", "_told", "_mode", "_readings", "_count"),
+        "name",
+        "is_expected",
+        "_attendance",
+        "_period",
+        "_publishers",
+        "_problems",
+        "_told",
+        "_mode",
+        "_readings",
+        "_count",
     )
 
     def __init__(self, name: str, now: float) -> None:

@@ -19,7 +19,7 @@ from stepping import SteppedClock
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.laws.straight_line import distance_left
 from bot_controller_demo.laws.velocities import STOP, Velocity
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.nodes.random_controller import Wanderer
 from bot_controller_demo_msgs.msg import (
     GoToActionFeedback,
     GoToActionGoal,

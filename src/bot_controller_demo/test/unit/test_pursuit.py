@@ -14,7 +14,7 @@ from bot_controller_demo.laws.geometry import Errors, Goal, Pose, errors, headin
 from bot_controller_demo.laws.pursuit import ARRIVED, DRIVING, TURNING, Pursuit, Tuning
 from bot_controller_demo.laws.steering import LAWS, Gains, course, settling
 from bot_controller_demo.laws.velocities import STOP, Limits, Velocity, clamp, saturate
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.nodes.random_controller import Wanderer
 
 TUNING = Tuning("settling", Gains(0.5, 1.0), Limits(0.5, 1.0), 0.1, 0.05)
 ANGLES = st.floats(-math.pi, math.pi)

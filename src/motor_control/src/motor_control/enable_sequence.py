@@ -1,8 +1,14 @@
-"""When a set point has its motor enabled, and when it may publish."""
+"""When a set point asks for its motor to be enabled, and when it may publish."""
 
 from typing import Optional
 
-from motor_control.motor_state import DISABLED, ENABLED, WAITING
+
+# What a motor says of itself on the topic motor_state.
+#: Not yet enabled since it started.
+WAITING = "waiting"
+ENABLED = "enabled"
+#: Stopped by a request.
+DISABLED = "disabled"
 
 
 class EnableSequence:
@@ -33,14 +39,14 @@ class EnableSequence:
         return not self._accepted and not self._left_alone
 
     def answered(self, success: bool) -> None:
-        """Take note of the answer to a request to be enabled.
+        """Record the answer to a request to be enabled.
 
         :param success: whether the motor is enabled; False also where there was no answer
         """
         self._accepted = success
 
     def heard(self, state: str) -> None:
-        """Take note of what the motor says of itself.
+        """Record what the motor says of itself.
 
         :param state: WAITING, ENABLED or DISABLED
         """
@@ -53,6 +59,29 @@ class EnableSequence:
         self._state = state
 
     def lost(self) -> None:
-        """Take note that there is no connection to a motor any more."""
+        """Record that no motor is connected any more."""
         self._accepted = False
         self._state = None
+
+
+class BackOff:
+    """Pauses that double from one attempt to the next, up to a longest one.
+
+    :param first: pause after the first attempt, s, > 0
+    :param longest: longest pause, s
+    """
+
+    def __init__(self, first: float, longest: float) -> None:
+        self._first = first
+        self._longest = longest
+        self._pause = first
+
+    def next(self) -> float:
+        """Return the pause after one more attempt that failed, s."""
+        pause = self._pause
+        self._pause = min(2.0 * pause, self._longest)
+        return pause
+
+    def reset(self) -> None:
+        """Start with the first pause again."""
+        self._pause = self._first

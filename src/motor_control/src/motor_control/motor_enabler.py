@@ -6,8 +6,7 @@ from typing import Optional
 import rospy
 from std_msgs.msg import String
 
-from motor_control.back_off import BackOff
-from motor_control.enable_sequence import EnableSequence
+from motor_control.enable_sequence import BackOff, EnableSequence
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest
 from nodekit import CallError, CallFuture, Node
 

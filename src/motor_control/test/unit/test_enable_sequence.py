@@ -5,9 +5,7 @@ from typing import Callable, List
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motor_control.back_off import BackOff
-from motor_control.enable_sequence import EnableSequence
-from motor_control.motor_state import DISABLED, ENABLED, WAITING
+from motor_control.enable_sequence import DISABLED, ENABLED, WAITING, BackOff, EnableSequence
 
 
 def after(*events: Callable[[EnableSequence], None]) -> EnableSequence:

@@ -11,7 +11,7 @@ import yaml
 from roslaunch.config import ROSLaunchConfig
 
 from motor_control.motor_parameters import MotorParameters
-from motor_control.set_point_parameters import SetPointParameters
+from motor_control.nodes.set_point import SetPointParameters
 from nodekit.testing.launch_files import load_launch, private_parameters
 
 PACKAGE = rospkg.RosPack().get_path("motor_control")

@@ -15,7 +15,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
 
-from my_robot_package.adding import INT64_MAX, INT64_MIN
+from my_robot_package.nodes.add_two_ints_server import INT64_MAX, INT64_MIN
 from my_robot_package_interfaces.msg import RobotCommand
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.hearing import Ear

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from my_robot_package.adding import INT64_MAX, INT64_MIN, add
+from my_robot_package.nodes.add_two_ints_server import INT64_MAX, INT64_MIN, add
 
 INT64 = st.integers(INT64_MIN, INT64_MAX)
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from my_robot_package.recovery import SetupFailed, set_up
+from my_robot_package.nodes.robust_node import SetupFailed, set_up
 
 
 @given(st.integers(0, 6), st.integers(1, 6))

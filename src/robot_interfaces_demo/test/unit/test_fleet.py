@@ -8,11 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit import ParameterError
-from robot_interfaces_demo.monitoring.fleet import MOST_NOTES, Fleet
+from robot_interfaces_demo.monitoring.fleet import MOST_NOTES, Fleet, as_table
 from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.robot import Finding
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
-from robot_interfaces_demo.monitoring.table import as_table
 
 FINE = (12.0, 25.0, 1.0)
 

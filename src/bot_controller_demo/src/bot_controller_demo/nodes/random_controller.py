@@ -1,9 +1,15 @@
 """The random controller: drives a robot anywhere."""
 
+import random
+from typing import Tuple
+
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.driving_parameters import controller_type
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.laws.velocities import Velocity
 from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
+
+#: The least and the largest value.
+Interval = Tuple[float, float]
 
 
 def _speed(default: float, help: str) -> FloatParameter:
@@ -40,6 +46,24 @@ class RandomControllerParameters(ParameterSet):
         """Refuse an interval that is empty."""
         if self.angular_min > self.angular_max:
             raise ValueError("angular_min must be at most angular_max")
+
+
+class Wanderer:
+    """Draws velocities.
+
+    :param seed: what the sequence is made from; 0 for another one each time
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed or None)
+
+    def draw(self, linear: Interval, angular: Interval) -> Velocity:
+        """Return the next velocity.
+
+        :param linear: least and largest speed, m/s
+        :param angular: least and largest turning rate, rad/s
+        """
+        return Velocity(self._random.uniform(*linear), self._random.uniform(*angular))
 
 
 class RandomController:

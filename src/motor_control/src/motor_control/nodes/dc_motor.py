@@ -6,8 +6,8 @@ import rospy
 from std_msgs.msg import Float32, String
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from motor_control.enable_sequence import DISABLED, ENABLED, WAITING
 from motor_control.motor_parameters import MotorParameters
-from motor_control.motor_state import DISABLED, ENABLED, WAITING
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest, SetProcessBoolResponse
 from nodekit import Node, run
 

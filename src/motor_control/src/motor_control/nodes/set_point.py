@@ -1,12 +1,32 @@
 """The set point: tells a motor what to do, once that is enabled."""
 
+import copy
+from typing import Any
+
 from std_msgs.msg import Float32
 
 from basic_comms.signals.run_control import RUNNING, RunControl
+from basic_comms.signals.signal_parameters import SignalParameters
 from basic_comms.signals.signal_source import SignalSource
 from motor_control.motor_enabler import MotorEnabler
-from motor_control.set_point_parameters import SetPointParameters
 from nodekit import Node, run
+
+
+def _with_default(name: str, default: float) -> Any:
+    """Return a signal's parameter with another default, to be declared under another name."""
+    parameter = copy.copy(SignalParameters.declared[name])
+    parameter.default = default
+    return parameter
+
+
+class SetPointParameters(SignalParameters):
+    """All that a signal can be, with ``omega`` in the place of ``frequency``."""
+
+    omega = _with_default("frequency", 1.0)
+    #: What the signal source reads; no parameter any more.
+    frequency: Any = property(lambda self: self.omega)
+    #: The motor decides when the signal starts.
+    autostart: Any = False
 
 
 class SetPoint:

@@ -5,7 +5,6 @@ import time
 
 import rospy
 
-from my_robot_package.adding import add
 from my_robot_package_interfaces.srv import (
     AddTwoInts,
     AddTwoIntsRequest,
@@ -21,6 +20,9 @@ from nodekit import (
     run,
 )
 
+#: The numbers that an int64 holds.
+INT64_MIN, INT64_MAX = -(2**63), 2**63 - 1
+
 
 class AddTwoIntsServerParameters(ParameterSet):
     """Parameters of add_two_ints_server."""
@@ -31,6 +33,21 @@ class AddTwoIntsServerParameters(ParameterSet):
     threads = read_once(
         IntParameter(4, minimum=1, maximum=100, help="calls answered at the same time")
     )
+
+
+def add(a: int, b: int) -> int:
+    """Return the sum of two numbers.
+
+    :param a: an int64
+    :param b: an int64
+    :raises OverflowError: if the sum is none
+    """
+    total = a + b
+    if not INT64_MIN <= total <= INT64_MAX:
+        raise OverflowError(
+            f"{a} + {b} is {total}: must be in [{INT64_MIN}, {INT64_MAX}], which an int64 holds"
+        )
+    return total
 
 
 class AddTwoIntsServer:

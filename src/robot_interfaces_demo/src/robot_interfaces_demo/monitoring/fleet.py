@@ -13,6 +13,8 @@ MOST_NOTES = 10
 STILL_S = 5.0
 #: How long messages that are left out are told of, s.
 LEFT_OUT_S = 60.0
+#: What a table has of each robot, besides its name, level and message.
+_COLUMNS = ("presence", "age", "period", "mode", "battery", "temperature", "obstacle")
 
 
 class Fleet:
@@ -170,3 +172,18 @@ class Fleet:
                 self._notes.append(note)
             else:
                 self._more += 1
+
+
+def as_table(findings: Sequence[Finding]) -> str:
+    """Return findings as lines of text with aligned columns.
+
+    :param findings: of the fleet, then of each robot
+    """
+    fleet, *robots = findings
+    rows: List[List[str]] = [["robot", "level", *_COLUMNS, "message"]]
+    for name, level, message, values in robots:
+        cells = (values.get(column, "-") for column in _COLUMNS)
+        rows.append([name, level.name, *cells, message])
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows if robots]
+    return "\n".join([*lines, f"{fleet.level.name}: {fleet.message}"])

@@ -11,10 +11,9 @@ from nodekit import Node, run
 from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.diagnostics import as_message
 from robot_interfaces_demo.monitoring.awake_clock import AwakeClock
-from robot_interfaces_demo.monitoring.fleet import Fleet
+from robot_interfaces_demo.monitoring.fleet import Fleet, as_table
 from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
-from robot_interfaces_demo.monitoring.table import as_table
 
 #: How often it looks who has fallen silent, Hz.
 LOOK_HZ = 5.0

@@ -5,7 +5,7 @@ import subprocess
 import pytest
 from conftest import CI, Workspace
 
-INSIDE = CI / "lib" / "clean-room-inside.bash"
+INSIDE = CI / "lib" / "systems" / "clean-room-inside.bash"
 
 
 def test_the_commands_are_those_of_readme() -> None:
@@ -51,7 +51,7 @@ def test_without_a_tier_all_run_that_the_release_has_tools_for(
     workspace.pretend_packages("[run]\none\n[catkin_build]\ntwo\n", installed="one\ntwo\n")
     workspace.pretend_release(release)
     workspace.program = "test"
-    run_tiers = workspace.root / "ci" / "lib" / "run_tiers.py"
+    run_tiers = workspace.root / "ci" / "lib" / "tiers" / "run_tiers.py"
     run_tiers.write_text("import sys\nprint(*sys.argv[1:])\n")
     result = workspace.run()
     assert (result.stdout, result.returncode) == (tiers + "\n", 0)

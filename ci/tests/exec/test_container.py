@@ -14,7 +14,7 @@ README = (WORKSPACE / "README.md").read_text("utf-8")
 
 def commands(page: str, section: str) -> List[str]:
     """The commands of a section of a page."""
-    script = f"workspace='{WORKSPACE}'; source '{CI}/lib/pages.bash'; page_commands \"$@\""
+    script = f"workspace='{WORKSPACE}'; source '{CI}/lib/systems/pages.bash'; page_commands \"$@\""
     printed = subprocess.check_output(["bash", "-c", script, "bash", page, section], timeout=30)
     return printed.decode().splitlines()
 

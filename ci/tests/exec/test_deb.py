@@ -7,7 +7,7 @@ from typing import List
 import pytest
 from conftest import CI
 
-INSIDE = CI / "lib" / "deb-inside.bash"
+INSIDE = CI / "lib" / "packages" / "deb-inside.bash"
 
 
 def inside(script: str, *arguments: str) -> List[str]:
@@ -19,7 +19,7 @@ def inside(script: str, *arguments: str) -> List[str]:
 def test_the_commands_are_those_of_the_page() -> None:
     install, launch = inside("page_commands docs/packaging.md Install")
     assert install == "sudo apt install ./*.deb"
-    proof = (CI / "lib" / "deb_proof.py").read_text("utf-8")
+    proof = (CI / "lib" / "packages" / "deb_proof.py").read_text("utf-8")
     assert (
         f'running({", ".join(f"{word!r}" for word in launch.split())})'.replace("'", '"') in proof
     )
@@ -43,9 +43,9 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
     assert said in result.stdout.decode()
 
 
-@pytest.mark.parametrize("script", ["deb-inside", "clean-room-inside"])
+@pytest.mark.parametrize("script", ["packages/deb-inside", "systems/clean-room-inside"])
 def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
-    options = "build,prove bookworm" if script == "deb-inside" else "build,prove '' bookworm"
+    options = "build,prove bookworm" if "deb" in script else "build,prove '' bookworm"
     command = (
         f"source '{CI}/lib/{script}.bash'; find_mirror() {{ :; }}; "
         'with_system() { verdict="$3 of $1"; [[ $good == *"$2"* ]]; }; '

@@ -22,8 +22,8 @@ class Copy:
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
         self.journal = root.parent / "journal"
-        (root / "ci" / "lib").mkdir(parents=True)
-        for name in ("release", "lib/release.py"):
+        (root / "ci" / "lib" / "packages").mkdir(parents=True)
+        for name in ("release", "lib/packages/release.py"):
             shutil.copy(str(CI / name), str(root / "ci" / name))
         for name in (*CHECKS, "exec"):
             self.script(name, "")

@@ -13,7 +13,9 @@ from conftest import PACKAGES, SOURCES
 
 WORKSPACE = SOURCES.parent
 PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
-READ = f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/lib/pages.bash'; page_commands \"$@\""
+READ = (
+    f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/lib/systems/pages.bash'; page_commands \"$@\""
+)
 
 
 def commands(section: str) -> List[str]:

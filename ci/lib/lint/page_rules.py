@@ -1,6 +1,6 @@
 """Check who imports whom among the scripts of the oscilloscope's page.
 
-``python3 ci/lib/page_rules.py`` prints each breach and ends with status 1 if there is one.
+``python3 ci/lib/lint/page_rules.py`` prints each breach and ends with status 1 if there is one.
 """
 
 import os
@@ -9,7 +9,7 @@ import re
 import sys
 from typing import Dict, Iterator, List, Set, Tuple
 
-SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "src" / "topic_scope" / "www" / "js"
+SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "src" / "topic_scope" / "www" / "js"
 
 #: The rooms from the ground up: each imports only from itself and from those before it.
 ROOMS = [

@@ -4,7 +4,7 @@
 # The part of ci/container that runs in namespaces of its own: make DIRECTORY/base.tar.
 set -euo pipefail
 me=ci/container
-source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
+source "$(dirname "${BASH_SOURCE[0]}")/../systems/clean-system.bash"
 
 pack() { # SUITE ROOT
     rm -f "$2"/var/cache/apt/archives/*.deb

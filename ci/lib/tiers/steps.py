@@ -11,6 +11,7 @@ import time
 from typing import Dict, List, Sequence, Set, Tuple
 from xml.etree import ElementTree
 
+WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 # How long a command may take to clean up behind itself after the time is up, s.
 GRACE = 30.0
 
@@ -65,6 +66,7 @@ class Runner:
         with log.open("wb") as output:
             process = subprocess.Popen(
                 [argument.replace("{results}", str(results)) for argument in step.command],
+                cwd=str(WORKSPACE),
                 env=environment(directory),
                 stdin=subprocess.DEVNULL,
                 stdout=output,

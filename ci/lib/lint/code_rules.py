@@ -1,6 +1,6 @@
 """Check what no linter knows: who may import whom, how long modules are, no code made of input.
 
-``python3 ci/lib/code_rules.py`` prints each breach and ends with status 1 if there is one.
+``python3 ci/lib/lint/code_rules.py`` prints each breach and ends with status 1 if there is one.
 """
 
 import ast
@@ -8,7 +8,7 @@ import pathlib
 import sys
 from typing import Dict, Iterator, List, Mapping, Set, Tuple
 
-SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
+SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
 
 #: The workspace's packages that each package's code may import, besides itself.
 SIBLINGS: Dict[str, Set[str]] = {

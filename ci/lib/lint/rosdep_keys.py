@@ -1,7 +1,7 @@
 """Check that each key in each package.xml is one that rosdep has a Debian package for.
 
-``python3 ci/lib/rosdep_keys.py`` prints each that is none and ends with status 1 if there is one.
-``python3 ci/lib/rosdep_keys.py FILE.yaml…`` prints the keys of rosdep's own files instead, as
+``rosdep_keys.py`` prints each that is none and ends with status 1 if there is one.
+``rosdep_keys.py FILE.yaml…`` prints the keys of rosdep's own files instead, as
 ``ci/rosdep-keys.txt`` lists them.
 """
 
@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import yaml
 
-WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 KEYS = WORKSPACE / "ci" / "rosdep-keys.txt"
 
 #: What may stand between a rule for Debian and its packages.

@@ -15,7 +15,7 @@ import sys
 import tempfile
 from typing import Iterator, List, Tuple
 
-WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
 #: What changes the clone before the commit, and what has to be good after it.
 PREPARE = [

@@ -4,7 +4,7 @@
 # The part of ci/deb that runs in namespaces of its own.
 set -euo pipefail
 me=ci/deb
-source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
+source "$(dirname "${BASH_SOURCE[0]}")/../systems/clean-system.bash"
 
 # An ordinary user, apt's lists, and nothing but what is needed.
 furnish() { # ROOT
@@ -30,7 +30,7 @@ take_build() { # SUITE ROOT
     date=$(git -C "$workspace" log -1 --format=%cD "$commit")
     furnish "$2" && mkdir "$2/home/student/earlier" "$tree" || return
     git -C "$workspace" archive "$commit" | tar -C "$tree" -x &&
-        python3 "$workspace/ci/lib/debian_files.py" "$tree" "$1" "$date" &&
+        python3 "$workspace/ci/lib/packages/debian_files.py" "$tree" "$1" "$date" &&
         chroot "$2" chown -R student: /home/student || return
     say "$1: what the build needs"
     apt_get "$2" online install build-essential lintian &&
@@ -83,7 +83,7 @@ runs() { # ROOT WHAT [PART]
 # By the page's commands, with a network as they need.
 take_bridge() { # SUITE ROOT
     local -a command commands
-    built_before "$1" && furnish "$2" && mkdir "$2/debs" && cp "$dist/$1"/*.deb "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
+    built_before "$1" && furnish "$2" && mkdir "$2/debs" && cp "$dist/$1"/*.deb "$workspace"/ci/lib/packages/{deb_proof,proof}.py "$2/debs" || return
     mapfile -t commands < <(page_commands docs/packaging.md "The bridge to ROS 2")
     say "$1: what the bridge needs"
     read -ra command <<<"${commands[0]#sudo apt }"
@@ -114,7 +114,7 @@ take_prove() { # SUITE ROOT
         return 1
     }
     furnish "$2" && mkdir "$2/debs" &&
-        cp -r "${files[@]}" "$dist/$1/earlier" "$workspace"/ci/lib/{deb_proof,proof}.py "$2/debs" || return
+        cp -r "${files[@]}" "$dist/$1/earlier" "$workspace"/ci/lib/packages/{deb_proof,proof}.py "$2/debs" || return
     say "$1: what the packages depend on, recommend and suggest"
     apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic, rosbash" &&
         apt_get "$2" online satisfy --simulate \

@@ -5,9 +5,8 @@ import sys
 from typing import Callable, Dict, List, Sequence
 from xml.etree import ElementTree
 
-from steps import Step
+from steps import WORKSPACE, Step
 
-WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = WORKSPACE / "src"
 CI = WORKSPACE / "ci"
 # Directories of ci/tests that are not part of the unit tier.
@@ -56,11 +55,12 @@ def lint() -> List[Step]:
         "mypy": ["mypy", "--exclude", "/peers/"]
         + [str(CI / place) for place in ("lib", "benchmark", "endurance")]
         + [*libraries, str(template / "src")],
-        "code_rules": [sys.executable, str(CI / "lib" / "code_rules.py")],
-        "page_rules": [sys.executable, str(CI / "lib" / "page_rules.py")],
-        "rosdep_keys": [sys.executable, str(CI / "lib" / "rosdep_keys.py")],
-        "debian_files": [sys.executable, str(CI / "lib" / "debian_files.py")],
-        "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib"] + shell_scripts(),
+        "code_rules": [sys.executable, str(CI / "lib" / "lint" / "code_rules.py")],
+        "page_rules": [sys.executable, str(CI / "lib" / "lint" / "page_rules.py")],
+        "rosdep_keys": [sys.executable, str(CI / "lib" / "lint" / "rosdep_keys.py")],
+        "debian_files": [sys.executable, str(CI / "lib" / "packages" / "debian_files.py")],
+        "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib/setup:{CI}/lib/systems"]
+        + shell_scripts(),
     }
     for package in packages():
         if (package / "launch").is_dir():

@@ -1,7 +1,7 @@
 # Shared by ci/exec and ci/test: what makes a workspace ready to run in.
 
 library=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
-workspace=$(cd "$library/../.." && pwd -P)
+workspace=$(cd "$library/../../.." && pwd -P)
 noetic=/opt/ros/noetic
 os_release=/etc/os-release
 state=$workspace/build/ci-exec

@@ -1,6 +1,6 @@
 """Change one thing of a module at a time, and see whether the nearest unit tests notice.
 
-``python3 ci/lib/mutants.py BIN [PATH…]``, with cosmic-ray's folder of commands: see ci/mutants.
+``mutants.py BIN [PATH…]``, with cosmic-ray's folder of commands: see ci/mutants.
 """
 
 import json
@@ -149,7 +149,7 @@ def tests_of(module: pathlib.Path) -> List[pathlib.Path]:
     for test in tests:
         if not test.is_file():
             name = module.relative_to(WORKSPACE)
-            raise Unfit(f"{name} has no {test.name}: name what tests it in ci/lib/mutants.py")
+            raise Unfit(f"{name} has no {test.name}: name what tests it in ci/lib/lint/mutants.py")
     return tests
 
 

@@ -1,8 +1,8 @@
 """Make what a Debian source package needs besides packaging/debian: control and changelog.
 
-``python3 ci/lib/debian_files.py`` prints what packaging/dependencies.txt lacks or has too much, and
-ends with status 1 if there is something.
-``python3 ci/lib/debian_files.py TREE SUITE DATE`` makes TREE/debian of an exported workspace.
+``debian_files.py`` prints what packaging/dependencies.txt lacks or has too much, and ends with
+status 1 if there is something.
+``debian_files.py TREE SUITE DATE`` makes TREE/debian of an exported workspace.
 """
 
 import pathlib
@@ -13,7 +13,7 @@ import textwrap
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Set
 from xml.etree import ElementTree
 
-WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
 #: The release of each suite that has dh-ros.
 RELEASES = {"bookworm": 12, "trixie": 13}

@@ -1,6 +1,0 @@
-"""Lets the tests import what ci/test consists of."""
-
-import pathlib
-import sys
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "lib"))

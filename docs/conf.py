@@ -1,12 +1,10 @@
-"""How the pages are built: ``sphinx-build -W docs docs/_build/html`` in the built workspace."""
+"""How the pages are built: ``./ci/exec python3 -m sphinx -W docs docs/_build/html``."""
 
-import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 PACKAGE = DOCS.parent / "src" / "basic_comms"
-sys.path.insert(0, str(DOCS / "_ext"))
 
 project = "basic_comms"
 author = copyright = "the basic_comms maintainers"
@@ -16,15 +14,15 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.graphviz",
-    "controller_plots",
-    "parameter_tables",
-    "course_tables",
-    "launch_tables",
-    "lifecycle_graphs",
-    "plant_plots",
-    "state_graphs",
-    "drive_plots",
-    "waveform_plots",
+    "docs._ext.controller_plots",
+    "docs._ext.parameter_tables",
+    "docs._ext.course_tables",
+    "docs._ext.launch_tables",
+    "docs._ext.lifecycle_graphs",
+    "docs._ext.plant_plots",
+    "docs._ext.state_graphs",
+    "docs._ext.drive_plots",
+    "docs._ext.waveform_plots",
 ]
 exclude_patterns = ["_build", "_generated"]
 myst_enable_extensions = ["deflist"]

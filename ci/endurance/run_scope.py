@@ -18,7 +18,7 @@ from surroundings import Soak
 from usage import Sampler, added
 
 TESTS = WORKSPACE / "src" / "topic_scope" / "test"
-RIG = [sys.executable, str(TESTS / "load" / "measure_scope.py"), "--publish"]
+RIG = [sys.executable, str(TESTS / "measure_load.py"), "--publish"]
 FIELDS = [f"/load{number}/data" for number in range(10)]
 #: samples that are kept, s: so that many are forgotten, too
 HISTORY = 10.0
@@ -50,7 +50,6 @@ class Look(NamedTuple):
 
 def run(soak: Soak) -> List[Check]:
     """Have a browser show the traces for as long as was asked for."""
-    sys.path.insert(0, str(TESTS))
     from browsing.browser import Browser  # Selenium, which no other run needs
 
     session = soak.session

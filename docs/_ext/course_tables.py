@@ -7,7 +7,7 @@ from typing import Any, Dict, List
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from tables import table
+from .tables import table
 
 HEADERS = ["Item", "In the course", "Here", "Proved by"]
 

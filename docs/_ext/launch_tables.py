@@ -12,7 +12,7 @@ from typing import Any, Dict, List, NamedTuple
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from tables import paragraph, table
+from .tables import paragraph, table
 
 HEADERS = ["Argument", "Default", "What it is"]
 

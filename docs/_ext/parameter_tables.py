@@ -11,7 +11,7 @@ from nodekit.parameters.declaration import ParameterSet, format_value
 from nodekit.parameters.schema import describe
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
-from tables import table
+from .tables import table
 
 HEADERS = ["Parameter", "Type", "Default", "Allowed", "Unit", "What it is"]
 

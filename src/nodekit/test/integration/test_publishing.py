@@ -16,6 +16,7 @@ from unittest import mock
 import rosgraph
 import rosnode
 import rospy
+from helpers.recording_subscriber import numbered
 from rosgraph.network import encode_ros_handshake_header
 from std_msgs.msg import String
 
@@ -24,8 +25,6 @@ from nodekit.rospy_internals import publishers
 from nodekit.testing.running import rosrun
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
-sys.path.insert(0, HELPERS)
-from recording_subscriber import numbered  # noqa: E402
 
 TIME_OUT = 30.0  # s
 SIZE = 16_000  # characters; a socket's buffers are full after some hundred messages

@@ -5,10 +5,8 @@ Run by ``./ci/test ros2``, with the Python that has ROS 2 and ROS 1's packages i
 
 import contextlib
 import os
-import pathlib
 import random
 import socket
-import sys
 from typing import Iterator
 
 import pytest
@@ -32,7 +30,6 @@ def own_domain() -> int:
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = str(own_domain())
 join()
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
 
 import both  # noqa: E402  (what it imports is ROS 2's from here on)
 

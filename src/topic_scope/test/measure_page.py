@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measure how fast the page of the oscilloscope is: 10 traces at 1 kHz, 5 s of them in view.
 
-    ./ci/exec docs/measure_scope.py
+    ./ci/exec src/topic_scope/test/measure_page.py
 
 It prints the frames a second that Chromium without a screen draws, the time from publish() to the
 pixel, and what the scope takes of processor and memory. The first trace carries the time at which
@@ -20,13 +20,9 @@ from typing import List
 
 import numpy
 import rosgraph
-
-WORKSPACE = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(WORKSPACE / "src" / "topic_scope" / "test"))
-
-from browsing.browser import Browser  # noqa: E402
-from browsing.scope_process import ScopeProcess  # noqa: E402
-from browsing.waiting import wait_until  # noqa: E402
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+from browsing.waiting import wait_until
 
 TRACES, RATE_HZ = 10, 1000.0
 SETTLE_S, MEASURE_S = 7.0, 20.0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Take the pictures of the oscilloscope for the README and these pages.
 
-    ./ci/exec docs/make_scope_pictures.py
+    ./ci/exec src/topic_scope/test/make_pictures.py
 
 It starts a master, the course's nodes, motors, a robot and the scope, opens the page in Chromium
 without a screen, and writes docs/images/scope_*.png. ci/test installs what it needs:
@@ -18,17 +18,13 @@ from pathlib import Path
 from typing import Iterator
 from urllib.request import urlopen
 
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+from browsing.waiting import wait_until
 from PIL import Image
+from selenium.webdriver.common.keys import Keys
 
-DOCS = Path(__file__).resolve().parent
-sys.path.insert(0, str(DOCS.parent / "src" / "topic_scope" / "test"))
-
-from browsing.browser import Browser  # noqa: E402
-from browsing.scope_process import ScopeProcess  # noqa: E402
-from browsing.waiting import wait_until  # noqa: E402
-from selenium.webdriver.common.keys import Keys  # noqa: E402
-
-IMAGES = DOCS / "images"
+IMAGES = Path(__file__).resolve().parents[3] / "docs" / "images"
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
 RATE_HZ = 200.0
 TRIES = 30

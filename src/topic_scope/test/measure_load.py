@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure what the scope costs: ``ci/exec src/topic_scope/test/load/measure_scope.py``.
+"""Measure what the scope costs: ``ci/exec src/topic_scope/test/measure_load.py``.
 
 It starts a master, a node that publishes ten topics at 1 kHz, and a scope, and prints the scope's
 load with no page, with one and with three. With ``--publish`` it is that node.
@@ -15,8 +15,6 @@ import sys
 import time
 from typing import List
 
-FOLDER = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parents[2] / "basic_comms" / "test")]
 TOPICS, RATE = 10, 1000.0
 #: How late the node may be, s; what a busy machine keeps it from for longer is left out.
 LATE_S = 1.0

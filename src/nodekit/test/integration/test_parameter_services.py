@@ -11,8 +11,8 @@ from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
 from std_srvs.srv import Trigger, TriggerResponse
 
-from nodekit.parameter_server.change import change_handler
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
+from nodekit.parameter_server.services import change_handler
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import (
     FloatParameter,

@@ -9,9 +9,9 @@ import sys
 import pytest
 from rosgraph import roslogging
 
-from nodekit.rospy_internals import logs, patches
+from nodekit.rospy_internals import logs, start
 
-patches.apply()
+start.apply_patches()
 
 
 @pytest.fixture(autouse=True)
@@ -82,7 +82,7 @@ def test_characters_that_the_stream_lacks_are_escaped(kind, capsys):
 def test_where_no_log_file_can_be_written_the_console_is_left(place):
     program = (
         "import rosgraph.roslogging as r, logging;"
-        "from nodekit.rospy_internals import patches; patches.apply();"
+        "from nodekit.rospy_internals import start; start.apply_patches();"
         "r.configure_logging('rospy', logging.INFO, filename='x.log');"
         "logging.getLogger('rosout').info('heard')"
     )
@@ -104,7 +104,7 @@ def test_output_that_cannot_be_written_is_no_exit_status():
             [
                 sys.executable,
                 "-c",
-                "from nodekit.rospy_internals import patches; patches.apply(); print('a line')",
+                "from nodekit.rospy_internals import start; start.apply_patches(); print('a line')",
             ],
             env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
             stdout=full,

@@ -12,9 +12,9 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
-from nodekit.master import MasterClient, MasterUnreachable
 from nodekit import master as client_of_master
-from nodekit.parameter_server.first_writes import write_missing
+from nodekit.master import MasterClient, MasterUnreachable
+from nodekit.parameter_server.live_parameters import write_missing
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.kinds import MISSING, UNREADABLE
 from nodekit.testing import processes

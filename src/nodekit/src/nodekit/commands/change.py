@@ -9,7 +9,7 @@ import rospy
 import yaml
 
 from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
-from nodekit.parameter_server.change import SERVICE
+from nodekit.parameter_server.services import CHANGE
 from nodekit_msgs.srv import SetParameters
 
 
@@ -43,11 +43,11 @@ def _settings(words: List[str]) -> Dict[str, Any]:
 
 def _change(namespace: str, settings: Dict[str, Any]) -> int:
     client, node = master("change"), namespace.rstrip("/")
-    if client.lookup_service(f"{node}/{SERVICE}") is None:
+    if client.lookup_service(f"{node}/{CHANGE}") is None:
         problem = f"change: nothing at {namespace} takes changes"
-        say_what_there_is(client, SERVICE, namespace, problem)
+        say_what_there_is(client, CHANGE, namespace, problem)
         return 1
-    answer = ask(f"{node}/{SERVICE}", SetParameters, yaml.safe_dump(settings)).result()
+    answer = ask(f"{node}/{CHANGE}", SetParameters, yaml.safe_dump(settings)).result()
     if not answer.success:
         print(f"change: {answer.message}", file=sys.stderr)
         return 1

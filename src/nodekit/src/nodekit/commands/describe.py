@@ -18,7 +18,7 @@ from nodekit.commands.calling import (
     say_what_there_is,
 )
 from nodekit.node.server import CallError
-from nodekit.parameter_server.describe import SERVICE
+from nodekit.parameter_server.services import DESCRIBE
 from nodekit.parameters.schema import as_table
 
 #: How long those that answer may keep others that did waiting, for the order of the names, s.
@@ -42,10 +42,10 @@ def main() -> None:
 
 def _describe(namespace: str, wants_yaml: bool) -> int:
     client = master("describe")
-    names = owners(client, SERVICE, namespace)
+    names = owners(client, DESCRIBE, namespace)
     if not names:
         problem = f"describe: nothing at {namespace} describes itself"
-        say_what_there_is(client, SERVICE, namespace, problem)
+        say_what_there_is(client, DESCRIBE, namespace, problem)
     parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
     answered = [_describe_together(part, wants_yaml) for part in parts]
     return 0 if names and all(answered) else 1
@@ -53,7 +53,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, those that are slow to answer last; tell whether all have answered."""
-    calls = {name: ask(f"{name}/{SERVICE}", Trigger) for name in names}
+    calls = {name: ask(f"{name}/{DESCRIBE}", Trigger) for name in names}
     _, late = futures.wait(calls.values(), _ORDER_S)
     missing = 0
     for name in sorted(names, key=lambda name: (calls[name] in late, name)):
@@ -65,7 +65,7 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
             missing += 1
             continue
         except (yaml.YAMLError, LookupError, TypeError):  # of that name, but somebody else's
-            print(f"describe: {name}/{SERVICE} does not describe parameters", file=sys.stderr)
+            print(f"describe: {name}/{DESCRIBE} does not describe parameters", file=sys.stderr)
             missing += 1
             continue
         if wants_yaml:

@@ -1,15 +1,16 @@
 """What others see of a managed node: the services and topics of ROS 2's lifecycle."""
 
+import functools
 import threading
 import time
 import weakref
 from typing import Any, Callable, Mapping, Union
 
 import rospy
+from std_msgs.msg import Header
 
 from lifecycle_msgs import msg, srv
 from nodekit.groups.groups import Outside
-from nodekit.managed.heart import Heart
 from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.managed.table import (
     STATES,
@@ -20,9 +21,14 @@ from nodekit.managed.table import (
     available,
 )
 from nodekit.node.callbacks import Answering
+from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node
 from nodekit.rospy_internals.shutdown import before_shutdown
+from nodekit.timing.clocks import MonotonicClock
+from nodekit.timing.scheduler import Scheduler, Timer
 
+#: Rate of the heartbeat, Hz, by the machine's clock.
+BEATS_HZ = 5.0
 #: Longest wait for callbacks as the process ends, s.
 END_WAIT_S = 2.0
 
@@ -82,6 +88,36 @@ class Interface:
         self._state.publish(_message(step.goal))
         now = rospy.get_rostime().to_nsec()
         self._event.publish(now, *_parts(step))
+
+
+class Heart:
+    """Publishes ``~heartbeat`` in any state, beside all callbacks: one that takes long stops none.
+
+    Without a subscriber nothing is sent.
+
+    :param node: the node; the heart is closed with it
+    """
+
+    def __init__(self, node: Lifetime) -> None:
+        self._publisher = node.publisher("~heartbeat", Header)
+        self._beats = 0
+        self._timer = Timer(_scheduler(), self._beat, BEATS_HZ)
+        _scheduler().start([self._timer])
+        node.own(self)
+
+    def _beat(self, _: float) -> None:
+        self._beats += 1
+        self._publisher.publish(self._beats, rospy.get_rostime(), "")
+
+    def close(self) -> None:
+        """Beat no longer."""
+        self._timer.close()
+
+
+@functools.lru_cache(maxsize=None)
+def _scheduler() -> Scheduler:
+    """Return the scheduler of all hearts of this process: its thread makes no user's call."""
+    return Scheduler(MonotonicClock())
 
 
 def _message(state: State) -> msg.State:

@@ -10,20 +10,25 @@ from nodekit.groups.groups import Group, Outside, ReentrantGroup
 from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog
 from nodekit.node.callbacks import Callback
-from nodekit.node.own_parameters import OwnParameters
 from nodekit.node.telling import Change, Followed
 from nodekit.node.timers import NodeTimer, Rate
 from nodekit.node.topics import TopicMaker
 from nodekit.parameter_server import reconfigure
-from nodekit.parameter_server.change import change_handler
-from nodekit.parameter_server.describe import description_handler
 from nodekit.parameter_server.live_parameters import LiveParameters
+from nodekit.parameter_server.services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.declaration import Snapshot
+from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.kinds import BoolParameter
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import before_shutdown
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit_msgs.srv import SetParameters
+
+
+class OwnParameters(ParameterSet):
+    """Private parameters of every node; read once, before its class is made."""
+
+    managed = BoolParameter(False, help="wait until others configure and activate the node")
 
 
 class Lifetime(TopicMaker):

@@ -11,7 +11,7 @@ import rospy
 
 from nodekit.master import MasterClient, Reading, Turns
 from nodekit.rospy_internals import registration
-from nodekit.rospy_internals.service_owners import with_owners
+from nodekit.rospy_internals.registration import with_owners
 
 #: Most services that are looked up at a time; where there are more, they take turns.
 LOOKUPS = 20

@@ -2,7 +2,7 @@
 
 import resource
 from collections import Counter
-from typing import Callable, List, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import rospy
 
@@ -11,12 +11,11 @@ from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
-from nodekit.process.managed import as_wanted
-from nodekit.process.run import run
+from nodekit.process.run import NodeClass, as_wanted, run
 from nodekit.rospy_internals import parameters
 
 #: Base name, namespace and class of a node.
-Member = Tuple[str, str, Callable[[Node], object]]
+Member = Tuple[str, str, NodeClass]
 
 
 def host(name: str, members: Sequence[Member]) -> None:

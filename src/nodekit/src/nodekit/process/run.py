@@ -1,11 +1,12 @@
 """The life of a node's process, the same for every node: start, spin, exit status."""
 
 import contextlib
+import importlib
 import os
 import sys
 import threading
 import time
-from typing import Callable, List
+from typing import Any, Callable, List
 
 import rosgraph
 import rospy
@@ -13,14 +14,16 @@ import rospy
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.legal_names import IllegalName
+from nodekit.node.lifetime import OwnParameters
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
-from nodekit.process import arguments, timer_slack
-from nodekit.process.managed import as_wanted
-from nodekit.rospy_internals import patches, registration, signals
-from nodekit.rospy_internals.start import looking_often
-from nodekit.rospy_internals.topic_types import NameTaken
+from nodekit.process import arguments
+from nodekit.rospy_internals import registration, start
+from nodekit.rospy_internals.made import NameTaken
+
+#: A node's class, or a function that makes its object.
+NodeClass = Callable[[Node], object]
 
 EXIT_OK, EXIT_REFUSED = 0, 1
 #: What the process ends with, unless its start is refused.
@@ -30,7 +33,7 @@ _status = EXIT_OK
 _START_WAIT_S = 1.0
 
 
-def run(name: str, cls: Callable[[Node], object]) -> None:
+def run(name: str, cls: NodeClass) -> None:
     """Run a node until it is shut down, then end the process.
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
@@ -42,8 +45,8 @@ def run(name: str, cls: Callable[[Node], object]) -> None:
     """
     try:
         arguments.judge(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
-        signals.register()
-        timer_slack.tighten()
+        start.register_signals()
+        _tighten_timer_slack()
         _wait_for_master(name)
         kept_alive = _start_beside(name, cls)
         if not rospy.is_shutdown():
@@ -81,12 +84,25 @@ def register(name: str) -> Node:
     :returns: what its class makes everything through
     :raises MasterUnreachable: if the master does not answer
     """
-    patches.apply()
-    with looking_often():
+    start.apply_patches()
+    with start.looking_often():
         rospy.init_node(name, disable_signals=True)
     # The watcher also registers the node again, should the master be restarted.
     registration.take_over(get_watcher().client.request)
     return Node()
+
+
+def _tighten_timer_slack() -> None:
+    """Have the kernel wake threads on time, not up to 50 us later as it does to save energy.
+
+    Holds for the calling thread and for those that it starts from now on, see ``proc(5)``.
+    Where the kernel has no such setting, nothing changes.
+    """
+    try:
+        with open("/proc/self/timerslack_ns", "w") as slack:
+            slack.write("1")
+    except OSError:
+        pass
 
 
 def _wait_for_master(name: str) -> None:
@@ -109,7 +125,7 @@ def _wait_for_master(name: str) -> None:
                 time.sleep(0.1)
 
 
-def _start_beside(name: str, cls: Callable[[Node], object]) -> List[object]:
+def _start_beside(name: str, cls: NodeClass) -> List[object]:
     """Start a node in a thread of its own, while this one stays free for signals.
 
     rospy answers a signal by talking to the master, over a connection with a
@@ -139,3 +155,24 @@ def _start_beside(name: str, cls: Callable[[Node], object]) -> List[object]:
     if errors and not rospy.is_shutdown():
         raise errors[0]
     return made
+
+
+def as_wanted(cls: NodeClass, node: str, held: Any) -> NodeClass:
+    """Return a node's class, or that of a managed node which makes it at configure.
+
+    :param cls: the class
+    :param node: global name of the node
+    :param held: the raw value of its private parameters; ``managed`` of them says which
+    :raises ParameterError: if that is no truth value
+    """
+    known = OwnParameters.declared
+    given = {name: held[name] for name in known if name in held} if isinstance(held, dict) else {}
+    try:
+        own = OwnParameters(**given)
+    except ParameterError as error:
+        raise error.in_namespace(node) from None
+    if not own.managed:
+        return cls
+    # Imported only where it is wanted: it takes time and memory.
+    wrapped: NodeClass = importlib.import_module("nodekit.managed.wrapped").wrapped(cls)
+    return wrapped

@@ -1,7 +1,11 @@
-"""What this process publishes, subscribes to and serves at the moment, as rospy keeps it."""
+"""What this process publishes, subscribes to and serves at the moment, as rospy keeps it.
+
+A topic has one type: rospy takes a second one in a process for the first, without a word.
+"""
 
 from typing import Any, ContextManager, List, Tuple
 
+import rospy
 from rospy.impl.registration import Registration, get_service_manager, get_topic_manager
 
 #: What is registered: kind, name, and its type or, of a service, its URI.
@@ -25,3 +29,21 @@ def topic_lock() -> ContextManager[Any]:
     """Keep rospy from closing a topic, whose last user goes, while another one is made."""
     lock: ContextManager[Any] = get_topic_manager().lock
     return lock
+
+
+class NameTaken(rospy.ROSException):
+    """A name that this process uses for something else already; the text says which."""
+
+
+def refuse_another(topic: Any, data_class: Any) -> None:
+    """Refuse to use a topic with a second type.
+
+    :param topic: rospy's implementation object of the topic; None if there is none
+    :param data_class: message class
+    :raises NameTaken: if that is of another type
+    """
+    if topic is not None:
+        used, name = topic.data_class, topic.resolved_name
+        if (used._type, used._md5sum) != (data_class._type, data_class._md5sum):
+            why = f"must be {used._type}, as elsewhere in this process"
+            raise NameTaken(f"topic {name}: refused {data_class._type}: {why}")

@@ -9,6 +9,7 @@ import contextlib
 import functools
 import inspect
 import io
+import socket
 import struct
 import time
 from typing import Any, ContextManager, Dict, List, Optional, Sequence
@@ -22,10 +23,10 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
-from nodekit.rospy_internals.subscriber_link import SubscriberLink
+from nodekit.rospy_internals.made import refuse_another
 from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
-from nodekit.rospy_internals.topic_types import refuse_another
 from nodekit.transport.delivery import deliver
+from nodekit.transport.link import Link
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent c_lock check "
@@ -34,8 +35,6 @@ _PUBLISHER_ATTRIBUTES = (
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
 
 _LENGTH = struct.Struct("<I")
-#: The links of all topics that nobody hears over a connection; never changed.
-_NO_LINKS: Dict[Any, SubscriberLink] = {}
 
 
 @functools.lru_cache(maxsize=None)
@@ -88,6 +87,45 @@ def send_at_once(
         topic.enable_latch()
     topic.lifespan = lifespan
     return topic
+
+
+class SubscriberLink(Link):
+    """A subscriber's connection, whose losses are logged.
+
+    :param transport: rospy's object for it
+    :param lock: the topic's lock
+    :param topic: the topic's name, for reports
+    """
+
+    def __init__(self, transport: TCPROSTransport, lock: ContextManager[Any], topic: str) -> None:
+        super().__init__(transport.endpoint_id, transport.socket, lock)
+        self._transport = transport
+        self._header_bytes = transport.stat_bytes
+        self._topic = topic
+        # Or else TCP holds small messages back, by up to 40 ms, where the subscriber did not ask.
+        with contextlib.suppress(OSError):
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    def tell_rospy(self) -> None:
+        """Note in rospy's object what has been sent."""
+        self._transport.stat_bytes = self._header_bytes + self.sent_bytes
+        self._transport.stat_num_msg = self.sent
+
+    def close(self) -> None:
+        self._transport.close()
+
+    def report(self, stalled: bool, lost: int) -> None:
+        if rospy.is_shutdown():
+            return
+        what = (self._topic, self.name, lost, self.lost)
+        if stalled:
+            rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
+        else:
+            rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)
+
+
+#: The links of all topics that nobody hears over a connection; never changed.
+_NO_LINKS: Dict[Any, SubscriberLink] = {}
 
 
 class OutgoingTopic(rospy.topics._PublisherImpl):

@@ -7,7 +7,7 @@ time-out, several registrations at once where it is told to.
 import contextlib
 import threading
 import time
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rospy
 import rospy.core
@@ -20,12 +20,16 @@ from rospy.impl.registration import (
 )
 
 from nodekit.rospy_internals.made import Entry, all_made
-from nodekit.rospy_internals.service_owners import Request, tell_of_others
 
+#: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
+#: value); raises ConnectionError where it does not answer in time.
+Request = Callable[[List[Tuple[Any, ...]]], List[Any]]
 #: Most registrations in one request; the master's other clients are served between two.
 _TOGETHER = 500
 #: Pause before a master that does not answer is asked again, s.
 _PAUSE_S = 0.2
+#: Most services that a line of the log names.
+_NAMED = 5
 
 #: Methods of the master's interface that add and remove each kind. In this order: where what is
 #: published is known first, those who listen learn of it from the answer to their own
@@ -102,7 +106,7 @@ class _Registrar(RegistrationListener):
         uri = rospy.get_node_uri()
         for start in range(0, len(entries), _TOGETHER):
             part = entries[start : start + _TOGETHER]
-            tell_of_others({name: uri for k, name, uri in part if k == Registration.SRV}, request)
+            _warn_of_others({name: uri for k, name, uri in part if k == Registration.SRV}, request)
             calls: List[Tuple[Any, ...]] = [
                 (_ADD[kind], name, type_or_uri, uri) for kind, name, type_or_uri in part
             ]
@@ -245,3 +249,35 @@ def register_services(names: List[str], request: Request) -> None:
         _registrar.add(entries, request)
         manager = get_service_manager()
         _registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
+
+
+# Whose a service is: the master knows one node for each name, the latest that registered it.
+
+
+def with_owners(names: Sequence[str], request: Request) -> str:
+    """Return services with the nodes that offer them, as text.
+
+    :param names: of the services
+    :param request: asks the master
+    :raises ConnectionError: if that does
+    """
+    state = request([("getSystemState",)])
+    nodes = {name: ", ".join(found) for name, found in state[0][2][2]} if state else {}
+    texts = [f"{name} ({nodes.get(name, 'unknown')})" for name in names[:_NAMED]]
+    more = len(names) - _NAMED
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
+
+
+def _warn_of_others(services: Mapping[str, str], request: Request) -> None:
+    """Warn of services that are just being registered and are another node's until then.
+
+    :param services: names, each with this process's URI
+    :param request: asks the master
+    :raises ConnectionError: if that does
+    """
+    answers = request([("lookupService", name) for name in services]) if services else []
+    owners: Dict[str, str] = {n: uri for n, (code, _, uri) in zip(services, answers) if code == 1}
+    others = [name for name, uri in owners.items() if uri != services[name]]
+    if others:
+        text = "already offered, from now on this node is called in place of the other: service %s"
+        rospy.logwarn(text, with_owners(others, request))

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Tuple
 
 import rospy
 
-from nodekit.rospy_internals.topic_types import NameTaken
+from nodekit.rospy_internals.made import NameTaken
 
 
 class ClosableService(rospy.Service):

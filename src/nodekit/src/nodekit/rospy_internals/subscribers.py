@@ -16,14 +16,14 @@ from typing import Any, Callable, Dict, List
 import rospy
 import rospy.core
 import rospy.topics
+from rospy.exceptions import TransportInitError
 from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
 from nodekit.rospy_internals import registration
-from nodekit.rospy_internals.connecting import leave_where_refused
+from nodekit.rospy_internals.made import refuse_another
 from nodekit.rospy_internals.reading import Reader
-from nodekit.rospy_internals.topic_types import refuse_another
 
 #: Called with the messages that have arrived together, oldest first, and whether the thread is that
 #: of a connection, which may be kept waiting.
@@ -226,7 +226,7 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
             if self.has_connection(c.endpoint_id):
                 return False
             if type(c) is TCPROSTransport:
-                leave_where_refused(self, c)
+                _leave_where_refused(self, c)
                 # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
                 if self.queue_size is None:
                     c.receive_once = Reader(c).receive_once
@@ -235,3 +235,24 @@ class IncomingTopic(rospy.topics._SubscriberImpl):
     def _hears_here(self, uri: str) -> bool:
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
         return uri == rospy.get_node_uri() and self.hears(publisher)
+
+
+def _leave_where_refused(topic: Any, connection: Any) -> None:
+    """Have a topic forget a connection at once that a publisher refuses.
+
+    rospy gives it up after a second only, and takes it for a good one until then: of a publisher
+    that was just made anew, nothing would be heard for ever.
+
+    :param topic: rospy's implementation object of the subscribed topic
+    :param connection: rospy's object for the connection, not connected yet
+    """
+    connect = connection.connect
+
+    def connect_or_leave(*args: Any, **kwds: Any) -> None:
+        try:
+            connect(*args, **kwds)
+        except TransportInitError:
+            topic.remove_connection(connection)
+            raise
+
+    connection.connect = connect_or_leave

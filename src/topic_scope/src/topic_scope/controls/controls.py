@@ -9,7 +9,7 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.commands.calling import ask
-from nodekit.parameter_server import change, describe
+from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameter_server.following import Following, open_all
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
@@ -26,11 +26,11 @@ from topic_scope.protocol import protocol
 PANELS = 64
 #: A node that did not answer is asked again after this time, s.
 RETRY_S = 5.0
-_END = "/" + describe.SERVICE
+_END = "/" + DESCRIBE
 #: The same of those that know dynamic_reconfigure alone.
 _FOREIGN = "/" + reconfigure.SERVICE
 #: Services that have no button.
-_INTERNAL = (describe.SERVICE, change.SERVICE)
+_INTERNAL = (DESCRIBE, CHANGE)
 
 
 class _NoPanel(Exception):
@@ -194,5 +194,5 @@ class Controls:
         if node in self._foreign:
             return reconfigure.change(node, values)
         text = yaml.safe_dump(dict(values))
-        answer = ask(f"{node}/{change.SERVICE}", SetParameters, text).result()
+        answer = ask(f"{node}/{CHANGE}", SetParameters, text).result()
         return Changed(answer.success, answer.message, yaml.safe_load(answer.values))

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from nodekit.parameters.kinds import MISSING, ParameterError
-from nodekit.process.managed import as_wanted
+from nodekit.process.run import as_wanted
 
 
 class Plain:
@@ -34,7 +34,7 @@ def test_no_truth_value_is_refused(value: Any) -> None:
 def test_nothing_of_managed_nodes_is_imported_where_they_are_not_wanted() -> None:
     program = """
 import sys
-from nodekit.process.managed import as_wanted
+from nodekit.process.run import as_wanted
 found = lambda: [name for name in sys.modules if "lifecycle" in name]
 as_wanted(int, "/node", {"managed": False})
 assert not found(), found()

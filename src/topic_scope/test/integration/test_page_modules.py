@@ -489,7 +489,7 @@ class Modules(BrowserTest):
         names = ["/group10/a", "/group2/b", "/group2/a", "/group2", "/group2_b/a", "/a/10", "/a/9"]
         order = ["/a/9", "/a/10", "/group2", "/group2/a", "/group2/b", "/group2_b/a", "/group10/a"]
         self.assertEqual(
-            self.browser.call("base/natural.js", "a[0].sort(module.byName)", names), order
+            self.browser.call("base/names.js", "a[0].sort(module.byName)", names), order
         )
 
     def test_choices_are_grouped_and_the_useful_ones_come_first(self) -> None:

@@ -3,7 +3,7 @@
 import { startAlternative } from "./measure/alternative.js";
 import { startAxes } from "./plot/axes.js";
 import { startCharts } from "./plot/charts.js";
-import { startChooser } from "./choose/chooser.js";
+import { plotTopic, startChooser } from "./choose/chooser.js";
 import { colourOf, startTheme } from "./state/colours.js";
 import { Connection } from "./base/connection.js";
 import { Cursors } from "./measure/cursors.js";
@@ -18,7 +18,6 @@ import { Legend } from "./choose/legend.js";
 import { Managed } from "./controls/managed.js";
 import { Panels } from "./controls/panels.js";
 import { startMeasures } from "./measure/measures.js";
-import { startPinch } from "./plot/pinch.js";
 import { Playback } from "./page/playback.js";
 import { Plots } from "./plot/plots.js";
 import { Requests } from "./page/requests.js";
@@ -28,11 +27,9 @@ import { Setup } from "./page/setup.js";
 import { State } from "./state/state.js";
 import { Sweep } from "./state/sweep.js";
 import { startTools } from "./page/tools.js";
-import { startTopicPlot } from "./choose/topic_plot.js";
 import { startTraceDialog } from "./choose/trace_dialog.js";
 import { keepArranged } from "./state/traces.js";
 import { Trigger } from "./measure/trigger.js";
-import { startTriggerMore } from "./measure/trigger_more.js";
 import { ValueCursors } from "./measure/value_cursors.js";
 import { View } from "./state/view.js";
 import { showLink, showMaster, notify } from "./base/link.js";
@@ -49,7 +46,7 @@ new ValueCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
 const legend = new Legend(state, plot, cursors, startTraceDialog(state));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
-const graph = new Graph(state, (topic) => plotTopic(topic));
+const graph = new Graph(state, (topic) => plotTopic(state, open.chooser, topic));
 const screen = startScreen(state, sweep, plot);
 const describe = startAlternative(state);
 
@@ -114,11 +111,8 @@ const open = {
   axes: startAxes(state),
   measures: startMeasures(state, sweep, plot, requests),
 };
-const plotTopic = startTopicPlot(state, open.chooser);
 startGestures(byId("stage"), plot, view);
-startPinch(byId("stage"), plot, view);
 startTools(state, view, plot, sweep, open, charts.chart);
-startTriggerMore(state, trigger);
 startKeys(keyList({ state, view, cursors, trigger, open }));
 byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {

@@ -1,4 +1,4 @@
-/** Short ways to find and to make elements. */
+/** Short ways to find, make and change elements, and to save files. */
 
 /**
  * Find an element by its id.
@@ -57,4 +57,36 @@ export function say(element, text) {
  */
 export function press(button, down) {
   button.setAttribute("aria-pressed", String(down));
+}
+
+/**
+ * Make the options of a list.
+ * @param {Array<string|number|Array<string|number>>} choices values, or pairs of a value and its text
+ * @returns {HTMLOptionElement[]}
+ */
+export function options(choices) {
+  return choices.map((choice) => {
+    const [value, text] = Array.isArray(choice) ? choice : [choice, choice];
+    return make("option", { value }, text);
+  });
+}
+
+/**
+ * Look a colour of the theme up.
+ * @param {string} name of its property in theme.css, without the dashes
+ * @returns {string}
+ */
+export function themeColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+/**
+ * Have the browser save a file.
+ * @param {Blob} blob
+ * @param {string} name of the file
+ */
+export function download(blob, name) {
+  const address = URL.createObjectURL(blob);
+  make("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
 }

@@ -10,8 +10,12 @@ import { byId, make } from "./dom.js";
  * @property {?function(): void} act null: the browser or a control does it
  */
 
+/** Tell whether a key is for the page: pressed alone, and of no use to the control with the focus. */
+export const isForPage = (event) =>
+  !event.ctrlKey && !event.altKey && !event.metaKey && !isTaken(event);
+
 /** Tell whether a control with the focus keeps a key for itself. */
-export function isTaken(event) {
+function isTaken(event) {
   const target = event.target;
   if (document.querySelector("dialog[open]")) return true;
   // A field of a dialog that was just closed has the focus until the next frame is drawn.
@@ -32,7 +36,7 @@ export function startKeys(keys) {
   ]));
   const acts = new Map(keys.flatMap(({ keys: names, act }) => names.map((name) => [name, act])));
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || isTaken(event)) return;
+    if (!isForPage(event)) return;
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift+${event.key}` : event.key;
     const act = acts.get(name);
     if (!act) return;

@@ -108,6 +108,9 @@ export function readNumber(text) {
   return trimmed === "" ? null : Number(trimmed);
 }
 
+/** The nearest number that is not out of two bounds. */
+export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
 const minus = (text) => text.replace(/^-/, "−");
 
 const SHRINK_AFTER_S = 2.5;

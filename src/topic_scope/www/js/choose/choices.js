@@ -1,6 +1,6 @@
 /** What can be chosen, as the chooser lists it: by topic, the useful ones first. */
 
-import { byName } from "../base/natural.js";
+import { byName, searchFor } from "../base/names.js";
 
 /** Types of topics that are about the nodes themselves. */
 const ASIDE = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
@@ -41,15 +41,14 @@ function withElements(choice, words) {
  *   count: how many fields are listed, aside: how many more stand behind the tick
  */
 export function found(available, types, text, all) {
-  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  const { words, fits } = searchFor(text);
   const groups = new Map();
   const seen = new Set();
   let aside = 0;
   for (const one of available) {
     const choice = withElements(one, words);
     const type = types[one.topic] || "";
-    const where = `${choice.field} ${choice.datatype} ${type}`.toLowerCase();
-    if (seen.has(choice.field) || !words.every((word) => where.includes(word))) continue;
+    if (seen.has(choice.field) || !fits(`${choice.field} ${choice.datatype} ${type}`)) continue;
     seen.add(choice.field);
     if (!all && isAside(type)) aside += 1;
     else if (groups.has(one.topic)) groups.get(one.topic).push(choice);

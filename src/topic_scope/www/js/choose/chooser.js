@@ -1,15 +1,35 @@
 /** The dialog to choose traces from all numeric fields on the graph. */
 
-import { found } from "./choices.js";
-import { byId, make, say } from "../base/dom.js";
+import { byId, make, options, say } from "../base/dom.js";
+import { notify } from "../base/link.js";
+import { found, isUseful } from "./choices.js";
 
 const MOST = 500; // listed at once; the search finds the rest
 const OPEN = 40; // up to so many fields, all topics are open
 const TRACES = 32; // as the server has it
+const AT_ONCE = 6; // of a topic with more fields than so many the user chooses
 const TYPED = "as typed";
 const FUNCTIONS = ["derivative", "difference", "unwrap"];
 const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is computed, and its time
 const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
+
+/**
+ * Plot a topic: its fields, or those that the user chooses where there are many.
+ * @param {import("../state/state.js").State} state
+ * @param {function(string): void} openChooser with a text to search for
+ * @param {string} topic
+ */
+export function plotTopic(state, openChooser, topic) {
+  const { available, fields } = state.values;
+  const useful = available.filter((choice) => choice.topic === topic && isUseful(choice)).map(({ field }) => field);
+  if (!useful.length) {
+    notify(`There are no numbers in ${topic} to plot.`);
+    return;
+  }
+  state.set({ view: "scope" });
+  if (useful.length > AT_ONCE) openChooser(topic);
+  else state.set({ fields: [...new Set([...fields, ...useful])] });
+}
 
 /**
  * Make the dialog work.
@@ -39,9 +59,9 @@ export function startChooser(state) {
     const box = make("input", {
       type: "checkbox",
       "aria-label": field,
+      checked: state.values.fields.includes(field),
       change: () => { box.checked = choose(field, box.checked) && box.checked; },
     });
-    box.checked = state.values.fields.includes(field);
     const computed = make("select", {
       "aria-label": `what is computed of ${field}`,
       title: "what is computed of it",
@@ -49,7 +69,7 @@ export function startChooser(state) {
         choose(`${field}.${computed.value}`, true);
         computed.value = "";
       },
-    }, make("option", { value: "" }, "…"), ...FUNCTIONS.map((name) => make("option", { value: name }, name)));
+    }, ...options([["", "…"], ...FUNCTIONS]));
     return make("label", { title: field }, box, make("span", {}, topic ? field.slice(topic.length + 1) || field : field),
       make("span", { class: "type" }, datatype), field.includes(".") || datatype === TYPED ? null : computed);
   }

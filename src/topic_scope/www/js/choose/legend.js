@@ -78,9 +78,9 @@ export class Legend {
       type: "checkbox",
       "aria-label": `show ${field}`,
       "data-control": `show ${field}`,
+      checked: !hidden.has(field),
       change: () => state.set({ hidden: toggled(hidden, field) }),
     });
-    shown.checked = !hidden.has(field);
     const colour = make("input", {
       type: "color",
       value: colourOf(state, field),

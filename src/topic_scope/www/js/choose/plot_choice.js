@@ -1,6 +1,6 @@
 /** Which plot a trace is in: chosen in its row, or by dragging its name onto a plot. */
 
-import { byId, make } from "../base/dom.js";
+import { byId, make, options } from "../base/dom.js";
 import { PLOTS, choose, chosenOf, plotCount } from "../state/traces.js";
 
 const FAR = 6; // pixels that a pointer moves before it drags
@@ -21,15 +21,14 @@ function nextPlot(values, field) {
  */
 export function plotChoice(state, field) {
   const next = nextPlot(state.values, field);
-  const numbers = Array.from({ length: plotCount(state.values) }, (_, index) => [index + 1, index + 1]);
+  const numbers = Array.from({ length: plotCount(state.values) }, (_, index) => index + 1);
   const select = make("select", {
     class: "plots",
     "aria-label": `plot of ${field}`,
     "data-control": `plot ${field}`,
     title: "the plot that the trace is in",
     change: () => choose(state, field, { plot: Number(select.value) }),
-  }, ...[...numbers, ...(next ? [[next, "new"]] : [])].map(([value, text]) =>
-    make("option", { value }, text)));
+  }, ...options([...numbers, ...(next ? [[next, "new"]] : [])]));
   select.value = String(chosenOf(state.values, field).plot);
   return select;
 }

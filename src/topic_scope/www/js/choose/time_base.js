@@ -1,6 +1,6 @@
 /** The time that a trace goes by: its name stands behind an @ in the name of the field. */
 
-import { make, say } from "../base/dom.js";
+import { make, options, say } from "../base/dom.js";
 import { isDifference } from "../state/traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
@@ -71,7 +71,7 @@ export class TimeChoice {
       title: "the time that the trace goes by",
       disabled: this.isFixed,
       change: () => goBy(state, name, this.element.value),
-    }, this.auto, ...(this.chosen ? [make("option", { value: this.chosen }, this.chosen)] : []));
+    }, this.auto, ...options(this.chosen ? [this.chosen] : []));
     this.element.value = this.chosen;
   }
 
@@ -84,6 +84,6 @@ export class TimeChoice {
     if (this.isFixed) return;
     const listed = [...this.element.options].map((option) => option.value);
     const missing = timesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));
-    this.element.append(...missing.map((one) => make("option", { value: one }, one)));
+    this.element.append(...options(missing));
   }
 }

@@ -1,6 +1,6 @@
 /** The dialog with what else can be chosen for a trace. */
 
-import { byId, make, say } from "../base/dom.js";
+import { byId, options, say } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
 import { DASHES, LARGEST, choose, chosenOf, differenceOf, isDifference } from "../state/traces.js";
 
@@ -23,7 +23,7 @@ export function startTraceDialog(state) {
     for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
     for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
     const others = state.values.fields.filter((other) => other !== field && !isDifference(other));
-    less.replaceChildren(...others.map((other) => make("option", { value: other }, other)));
+    less.replaceChildren(...options(others));
     add.disabled = !others.length || isDifference(field);
   }
 
@@ -32,8 +32,7 @@ export function startTraceDialog(state) {
     const name = differenceOf(field, less.value);
     if (!fields.includes(name)) state.set({ fields: [...fields, name] });
   });
-  WORDS.dash.append(make("option", { value: "" }, "automatic"),
-    ...[...DASHES.keys()].map((name) => make("option", { value: name }, name)));
+  WORDS.dash.append(...options([["", "automatic"], ...DASHES.keys()]));
   for (const [name, select] of Object.entries(WORDS)) {
     select.addEventListener("change", () => choose(state, field, { [name]: select.value }));
   }

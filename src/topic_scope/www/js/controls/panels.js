@@ -1,7 +1,7 @@
 /** A panel for each node that describes its parameters or can be enabled and reset. */
 
 import { byId, make, say } from "../base/dom.js";
-import { byName } from "../base/natural.js";
+import { byName, searchFor } from "../base/names.js";
 import { Parameter } from "./parameter.js";
 
 const CALLS = { // what the buttons of a service say, and what they send
@@ -163,12 +163,11 @@ export class Panels {
   }
 
   applyFilter() {
-    const words = this.filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const { words, fits } = searchFor(this.filter.value);
     for (const panel of byId("panel-list").children) {
       let any = false;
       for (const row of panel.querySelectorAll(".parameter")) {
-        const text = `${panel.dataset.node} ${row.textContent}`.toLowerCase();
-        row.hidden = !words.every((word) => text.includes(word));
+        row.hidden = !fits(`${panel.dataset.node} ${row.textContent}`);
         any = any || !row.hidden;
       }
       panel.hidden = words.length > 0 && !any;

@@ -1,6 +1,6 @@
 /** One parameter of a node: its control, what it means, and why a value was refused. */
 
-import { make, say } from "../base/dom.js";
+import { make, options, say } from "../base/dom.js";
 import { readNumber, short, typed } from "../base/numbers.js";
 import { allowed, isPoor, travel } from "./slider.js";
 
@@ -48,12 +48,11 @@ export class Parameter {
       return make("input", { type: "checkbox", change: () => this.want(this.control.checked) });
     }
     if (kind === "enum") {
-      const options = choices.map((choice) => make("option", { value: choice }, choice));
-      return make("select", { change: () => this.want(this.control.value) }, ...options);
+      return make("select", { change: () => this.want(this.control.value) }, ...options(choices));
     }
     if (labels.length) {
-      const options = labels.map(([value, word]) => make("option", { value: typed(value, 7) }, word));
-      return make("select", { change: () => this.want(Number(this.control.value)) }, ...options);
+      const words = options(labels.map(([value, word]) => [typed(value, 7), word]));
+      return make("select", { change: () => this.want(Number(this.control.value)) }, ...words);
     }
     return make("input", {
       type: "text",

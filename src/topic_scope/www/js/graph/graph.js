@@ -2,8 +2,8 @@
 
 import { byId, draw, say } from "../base/dom.js";
 import { GraphZoom } from "./zoom.js";
-import { BACK, layOut, namespaceOf } from "./layout.js";
-import { byName } from "../base/natural.js";
+import { BACK, layOut } from "./layout.js";
+import { byName, namespaceOf } from "../base/names.js";
 import { figure } from "../base/numbers.js";
 
 const CHARACTER = 7.4; // width, pixels

@@ -1,6 +1,6 @@
 /** Where the parts of the graph go: layers from left to right, a band for each namespace. */
 
-import { byName } from "../base/natural.js";
+import { byName } from "../base/names.js";
 
 const GAP_X = 74; // between layers, room for a rate
 const GAP_Y = 18;
@@ -28,9 +28,6 @@ export const BACK = 40;
  * @property {number} height
  * @property {number} column width of the widest of its layer
  */
-
-/** Namespace of a ROS name: "" for "/talker", "/a/b" for "/a/b/talker". */
-export const namespaceOf = (name) => name.slice(0, Math.max(0, name.lastIndexOf("/")));
 
 /**
  * Find for each item the longest way from a source; ways back are left out.

@@ -1,8 +1,10 @@
 /** How large the graph is: to fit, or as the user zooms; and where it is found by a word. */
 
 import { byId, say } from "../base/dom.js";
-import { isTaken } from "../base/keys.js";
-import { startTwoFingers } from "../base/two_fingers.js";
+import { isForPage } from "../base/keys.js";
+import { searchFor } from "../base/names.js";
+import { clamp } from "../base/numbers.js";
+import { startTwoFingers } from "../base/pointers.js";
 
 const LARGEST = 1.4; // times its size, to fit
 const LIMITS = [0.05, 6];
@@ -84,7 +86,7 @@ export class GraphZoom {
     const at = [x ?? frame.left + frame.width / 2, y ?? frame.top + frame.height / 2];
     const part = [(at[0] - before.left) / before.width, (at[1] - before.top) / before.height];
     const [low, high] = LIMITS;
-    this.scale = Math.min(Math.max((this.scale ?? this.fitting) * factor, low), high);
+    this.scale = clamp((this.scale ?? this.fitting) * factor, low, high);
     this.place();
     const after = this.sheet.getBoundingClientRect();
     this.frame.scrollLeft += after.left + part[0] * after.width - at[0];
@@ -92,8 +94,7 @@ export class GraphZoom {
   }
 
   onKey(event) {
-    if (this.state.values.view !== "graph" || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (isTaken(event)) return;
+    if (this.state.values.view !== "graph" || !isForPage(event)) return;
     const acts = {
       "+": () => this.zoom(CLOSER), "=": () => this.zoom(CLOSER), "-": () => this.zoom(1 / CLOSER),
       0: () => this.fit(), "/": () => this.search.focus(),
@@ -106,10 +107,9 @@ export class GraphZoom {
 
   /** Mark what has all the words that are searched for. */
   find() {
-    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const { words, fits } = searchFor(this.search.value);
     const all = [...this.sheet.querySelectorAll(".node, .topic")];
-    const text = (element) => element.querySelector("title").textContent.toLowerCase();
-    this.found = words.length ? all.filter((one) => words.every((word) => text(one).includes(word))) : [];
+    this.found = words.length ? all.filter((one) => fits(one.querySelector("title").textContent)) : [];
     all.forEach((one) => one.classList.toggle("found", this.found.includes(one)));
     this.sheet.classList.toggle("searched", words.length > 0);
     say(byId("graph-found"), words.length ? `${this.found.length} of ${all.length}` : "");

@@ -1,6 +1,6 @@
 /** What is measured of the traces: which figures, of which span of time, against which trace. */
 
-import { byId, make } from "../base/dom.js";
+import { byId, make, options } from "../base/dom.js";
 
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
@@ -65,17 +65,17 @@ export function startMeasures(state, sweep, plot, requests) {
     const box = make("input", {
       type: "checkbox",
       "data-figure": key,
+      checked: figures.includes(key),
       change: () => change({ figures: FIGURES.map(([one]) => one).filter((one) =>
         (one === key ? box.checked : state.values.measures.figures.includes(one))) }),
     });
-    box.checked = figures.includes(key);
     return make("label", {}, box, make("span", {}, text));
   }
 
   function fill() {
     const { measures, fields } = state.values;
     rows.replaceChildren(...FIGURES.map(row));
-    against.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));
+    against.replaceChildren(...options(fields));
     against.value = fields.includes(measures.against) ? measures.against : fields[0] || "";
     between.checked = measures.between;
   }

@@ -1,7 +1,7 @@
 /** A picture of what is visible, for a report: the plot, its cursors, and what is measured. */
 
 import { clockText, zoneText } from "../base/clock.js";
-import { make } from "../base/dom.js";
+import { make, themeColour } from "../base/dom.js";
 
 const RATIO = 2; // pixels of the picture for one of the page, at least
 const LINE = 17; // height of a line of text, pixels
@@ -55,7 +55,7 @@ function drawLabels(context, box, element) {
 }
 
 /** Draw the lines that lie over the plot: cursors, and the level of the trigger. */
-function drawHandles(context, box, overlay, styleOf) {
+function drawHandles(context, box, overlay) {
   const area = overlay.getBoundingClientRect();
   context.textBaseline = "middle";
   context.textAlign = "left";
@@ -64,7 +64,7 @@ function drawHandles(context, box, overlay, styleOf) {
     const upright = handle.classList.contains("cursor");
     const [x, y] = [place.left + place.width / 2 - box.left, place.top + place.height / 2 - box.top];
     context.save();
-    context.strokeStyle = context.fillStyle = styleOf(handle.classList.contains("level") ? "trigger" : "cursor");
+    context.strokeStyle = context.fillStyle = themeColour(handle.classList.contains("level") ? "trigger" : "cursor");
     context.setLineDash([4, 4]);
     context.beginPath();
     context.moveTo(upright ? x : area.left - box.left, upright ? area.top - box.top : y);
@@ -150,7 +150,7 @@ function drawSample(context, y, colour, dash) {
   context.restore();
 }
 
-function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, dashOf, styleOf }) {
+function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, dashOf }) {
   const right = width - EDGE;
   const writeFigures = (texts, y) => texts.forEach((text, place) => {
     context.textAlign = "right";
@@ -160,19 +160,19 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
   context.textBaseline = "middle";
   for (const { heads, lines } of blocks) {
     y += LINE;
-    context.fillStyle = styleOf("muted");
+    context.fillStyle = themeColour("muted");
     writeFigures(heads, y);
     for (const { field, names, figures } of lines) {
       y += LINE;
       drawSample(context, y, colourOf(field), dashOf(field));
-      context.fillStyle = styleOf("text");
+      context.fillStyle = themeColour("text");
       writeFigures(figures, y);
       context.textAlign = "left";
       names.forEach((name, place) => context.fillText(name, EDGE + SWATCH, y + place * LINE));
       y += (names.length - 1) * LINE;
     }
   }
-  context.fillStyle = styleOf("muted");
+  context.fillStyle = themeColour("muted");
   context.textAlign = "left";
   for (const note of notes) {
     y += LINE;
@@ -192,8 +192,6 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
 export function picture(drawn, fields, looks, until) {
   const ratio = Math.max(RATIO, window.devicePixelRatio || 1);
   const box = drawn.element.getBoundingClientRect();
-  const style = getComputedStyle(document.documentElement);
-  const styleOf = (name) => style.getPropertyValue(`--${name}`).trim();
   const overlay = document.getElementById("overlay");
   const readouts = overlay.hidden ? [] : [...overlay.querySelectorAll(".readout:not([hidden])")];
   const date = new Date(until * 1000).toLocaleDateString("sv"); // year first
@@ -207,7 +205,7 @@ export function picture(drawn, fields, looks, until) {
   sharply(drawn, ratio, () => {
     Object.assign(canvas, { width: Math.round(box.width * ratio), height: Math.round(height * ratio) });
     context.scale(ratio, ratio);
-    context.fillStyle = styleOf("screen");
+    context.fillStyle = themeColour("screen");
     context.fillRect(0, 0, box.width, height);
     for (const layer of drawn.canvases) {
       const place = layer.getBoundingClientRect();
@@ -215,8 +213,8 @@ export function picture(drawn, fields, looks, until) {
     }
     drawLabels(context, box, drawn.element);
     context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
-    if (!overlay.hidden) drawHandles(context, box, overlay, styleOf);
-    drawBelow(context, table, box.height, box.width, { ...looks, styleOf });
+    if (!overlay.hidden) drawHandles(context, box, overlay);
+    drawBelow(context, table, box.height, box.width, looks);
   });
   return canvas;
 }

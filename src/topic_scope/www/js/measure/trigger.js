@@ -1,10 +1,16 @@
 /** The trigger: its controls, its line on the plot, and its lamp. */
 
-import { byId, make, say } from "../base/dom.js";
+import { byId, make, options, say } from "../base/dom.js";
 import { Handle } from "../plot/handle.js";
 import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 
 const MODES = ["off", "normal", "auto", "single"];
+/** What the dialog has: input, what of the trigger it is, its unit in that of the trigger, most. */
+const MORE = [
+  ["trigger-hysteresis", "hysteresis", 1, Infinity],
+  ["trigger-holdoff", "holdoff", 1, 3600],
+  ["trigger-position", "position", 100, 100], // in %
+];
 
 /** Shows and changes the trigger. */
 export class Trigger {
@@ -40,9 +46,29 @@ export class Trigger {
       if (Number.isFinite(level)) this.change({ level });
       else this.show();
     });
+    this.startDialog();
     state.on(["fields", "trigger"], () => this.show());
     plot.onDrawn(() => this.placeLine());
     this.show();
+  }
+
+  /** The dialog with what else there is to a trigger. */
+  startDialog() {
+    const fill = () => {
+      for (const [id, name, scale] of MORE) byId(id).value = typed(this.state.values.trigger[name] * scale);
+    };
+    for (const [id, name, scale, most] of MORE) {
+      byId(id).addEventListener("change", () => {
+        const value = readNumber(byId(id).value);
+        if (value !== null && value >= 0 && value <= most) this.change({ [name]: value / scale });
+        fill();
+      });
+    }
+    byId("trigger-half").addEventListener("click", () => this.halve());
+    byId("show-trigger").addEventListener("click", () => {
+      fill();
+      byId("trigger-more").showModal();
+    });
   }
 
   /** Choose the next mode. */
@@ -79,7 +105,7 @@ export class Trigger {
       this.state.setTrigger({ field: "", mode: "off" });
       return;
     }
-    this.field.replaceChildren(...fields.map((field) => make("option", { value: field }, field)));
+    this.field.replaceChildren(...options(fields));
     this.field.value = trigger.field || fields[0] || "";
     this.mode.value = trigger.mode;
     this.edge.value = trigger.edge;

@@ -1,12 +1,14 @@
 /** Plays a bag: where in it the scope is, how fast it goes, and what of the page it has not. */
 
 import { clockText, dateText, zoneText } from "../base/clock.js";
-import { byId, make, say } from "../base/dom.js";
+import { byId, options, say } from "../base/dom.js";
 import { notify } from "../base/link.js";
-import { typed } from "../base/numbers.js";
+import { clamp, typed } from "../base/numbers.js";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 const EVERY_MS = 250; // between two looks at where the clock is
+
+const optionOf = (speed) => [speed, `${typed(speed)} ×`];
 
 /** The bar of a bag, and how its clock goes together with what the page shows. */
 export class Playback {
@@ -27,7 +29,7 @@ export class Playback {
     this.picked = null; // where the slider was moved to, and the clock is not yet, s
     this.place = byId("playback-place");
     this.speed = byId("playback-speed");
-    this.speed.append(...SPEEDS.map((speed) => make("option", { value: speed }, `${typed(speed)} ×`)));
+    this.speed.append(...options(SPEEDS.map(optionOf)));
     this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
     this.place.addEventListener("input", () => this.pick());
     this.place.addEventListener("change", () => {
@@ -72,7 +74,7 @@ export class Playback {
     this.state.set({ playing: message.playing });
     const speed = String(message.speed);
     if (![...this.speed.options].some(({ value }) => value === speed)) {
-      this.speed.append(make("option", { value: speed }, `${typed(message.speed)} ×`));
+      this.speed.append(...options([optionOf(message.speed)]));
     }
     this.speed.value = speed;
     if (!message.loading) this.picked = null;
@@ -94,7 +96,7 @@ export class Playback {
   show() {
     if (!this.bag || !this.told) return;
     const { begin, end } = this.bag;
-    const time = this.picked ?? Math.min(Math.max(this.sweep.live.now, begin), end);
+    const time = this.picked ?? clamp(this.sweep.live.now, begin, end);
     if (this.picked === null) this.place.value = time - begin;
     const at = `${dateText(time)} ${clockText(time, 0.01)} ${zoneText(time)}`;
     const text = `${at}, ${(time - begin).toFixed(2)} of ${(end - begin).toFixed(2)} s`;

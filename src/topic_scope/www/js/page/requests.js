@@ -1,5 +1,6 @@
 /** Tells the server what the user has chosen, also after a connection that was lost. */
 
+import { clamp } from "../base/numbers.js";
 import { looksOf } from "../state/traces.js";
 
 const EVERY_MS = 50; // between two views while the wheel turns
@@ -90,7 +91,7 @@ export class Requests {
     this.timer = null;
     if (this.state.values.view !== "scope") return; // the plot has no size then
     const { window, end } = this.state.values;
-    const width = Math.min(Math.max(Math.round(this.plot.area.w), 50), 4000);
+    const width = clamp(Math.round(this.plot.area.w), 50, 4000);
     this.send({ type: "view", window, width, end });
   }
 

@@ -1,7 +1,7 @@
 /** What a page is set up to show: kept in its address, in files, and given by the command line. */
 
 import { isChart } from "../plot/charts.js";
-import { byId, make } from "../base/dom.js";
+import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
 
@@ -153,9 +153,7 @@ export class Setup {
 
   save() {
     const text = JSON.stringify(written(this.state.values), null, 2);
-    const address = URL.createObjectURL(new Blob([text], { type: "application/json" }));
-    make("a", { href: address, download: "scope_setup.json" }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10000);
+    download(new Blob([text], { type: "application/json" }), "scope_setup.json");
   }
 
   async load(input) {

@@ -1,8 +1,7 @@
 /** The bar above the plot. */
 
 import { colourOf, dashOf } from "../state/colours.js";
-import { byId, make, press } from "../base/dom.js";
-import { csvAddress, save } from "../measure/export.js";
+import { byId, download, options, press } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
 import { picture } from "../measure/picture.js";
 import { labelOf } from "../state/traces.js";
@@ -10,6 +9,19 @@ import { labelOf } from "../state/traces.js";
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 
 const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
+
+/**
+ * The address of the samples that are visible, at full resolution.
+ * @param {string[]} fields
+ * @param {{from: number, to: number}} shown since the epoch, s
+ * @returns {string}
+ */
+function csvAddress(fields, { from, to }) {
+  const query = new URLSearchParams(fields.map((field) => ["field", field]));
+  query.append("start", Math.max(0, from)); // which is before all time as long as there is no sample
+  query.append("end", to);
+  return `/data.csv?${query}`;
+}
 
 /**
  * Make the bar work.
@@ -43,7 +55,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
         dashOf: (field) => dashOf(state, field),
         labelOf: (field) => labelOf(state.values, field),
       };
-      save(picture(drawn, state.shown, looks, until), "scope.png");
+      picture(drawn, state.shown, looks, until).toBlob((blob) => download(blob, "scope.png"));
     },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
@@ -64,8 +76,8 @@ export function startTools(state, view, plot, sweep, open, chart) {
     const lengths = WINDOWS.filter((length) => length <= history);
     if (!lengths.includes(window)) lengths.push(window);
     lengths.sort((a, b) => a - b);
-    select.replaceChildren(...lengths.map((length) =>
-      make("option", { value: length }, windowText(Number(length.toPrecision(3))))));
+    select.replaceChildren(...options(lengths.map((length) =>
+      [length, windowText(Number(length.toPrecision(3)))])));
     select.value = String(window);
   }
 

@@ -70,9 +70,9 @@ export function startAxes(state) {
     const box = make("input", {
       type: "checkbox",
       "aria-label": "the time axis shows the time of day",
+      checked: state.values.axes.x.clock,
       change: () => state.setAxis("x", { clock: box.checked }),
     });
-    box.checked = Boolean(state.values.axes.x.clock);
     return make("label", { class: "field" }, box, "clock");
   }
 

@@ -1,6 +1,6 @@
 /** Draws lines over any axis, such as spectra and paths; over time there is the plot. */
 
-import { make } from "../base/dom.js";
+import { make, themeColour } from "../base/dom.js";
 import { AutoRange, figure, ticks } from "../base/numbers.js";
 
 const SPACE = { left: 64, right: 16, top: 40, bottom: 42 }; // around the lines, pixels
@@ -77,8 +77,6 @@ export class Chart {
     this.ranges = this.rangesOf(shown);
     const context = this.canvas.getContext("2d");
     context.scale(scale, scale);
-    const style = getComputedStyle(document.documentElement);
-    this.style = (name) => style.getPropertyValue(`--${name}`).trim();
     context.font = `11.5px ${getComputedStyle(document.body).fontFamily}`;
     this.drawAxes(context, shown.titles);
     context.save();
@@ -117,8 +115,8 @@ export class Chart {
   drawAxes(context, titles) {
     const { area, ranges } = this;
     const { x, y, w, h } = area;
-    context.strokeStyle = this.style("grid");
-    context.fillStyle = this.style("muted");
+    context.strokeStyle = themeColour("grid");
+    context.fillStyle = themeColour("muted");
     context.beginPath();
     context.textBaseline = "top";
     context.textAlign = "center";

@@ -2,7 +2,7 @@
 
 import { Chart } from "./chart.js";
 import { dashOf } from "../state/colours.js";
-import { byId, make } from "../base/dom.js";
+import { byId, make, options } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 
 export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
@@ -66,16 +66,16 @@ export function spectra(traces, fields, scale) {
 export function startCharts(state, requests, colourOf) {
   const chart = new Chart(byId("chart"), colourOf, (field) => dashOf(state, field));
   const kinds = byId("kind");
-  kinds.append(...KINDS.map(([value, text]) => make("option", { value }, text)));
+  kinds.append(...options(KINDS));
   const controls = make("div", { class: "chart-controls" });
   byId("chart").append(controls);
   const change = (changes) => state.set({ chart: { ...state.values.chart, ...changes } });
   kinds.addEventListener("change", () => change({ kind: kinds.value }));
 
-  function select(name, label, options, read = (text) => text) {
+  function select(name, label, choices, read = (text) => text) {
     const element = make("select", {
       "aria-label": label, title: label, change: () => change({ [name]: read(element.value) }),
-    }, ...options.map(([value, text]) => make("option", { value }, text)));
+    }, ...options(choices));
     element.value = String(name === "x" ? rightOf(state.values) : state.values.chart[name]);
     return element;
   }
@@ -85,17 +85,15 @@ export function startCharts(state, requests, colourOf) {
     kinds.value = kind;
     byId("chart").hidden = kind === "time";
     byId("overlay").hidden = kind !== "time";
-    const same = (list) => list.map((one) => [one, one]);
     if (kind === "spectrum") {
       controls.replaceChildren(
-        select("window", "window of the spectrum", same(WINDOWS)),
-        select("scale", "scale of the spectrum", same(["dB", "linear"])),
+        select("window", "window of the spectrum", WINDOWS),
+        select("scale", "scale of the spectrum", ["dB", "linear"]),
         select("averages", "averages of the spectrum", AVERAGES.map((one) =>
           [one, one > 1 ? `mean of ${one}` : "no mean"]), Number),
       );
     } else if (kind === "xy") {
-      const box = make("input", { type: "checkbox", change: () => change({ equal: box.checked }) });
-      box.checked = equal;
+      const box = make("input", { type: "checkbox", checked: equal, change: () => change({ equal: box.checked }) });
       controls.replaceChildren(
         select("x", "trace to the right", fields.map((field) => [field, `x: ${field}`])),
         make("label", { class: "field" }, box, "equal scales"),

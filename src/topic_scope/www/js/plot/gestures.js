@@ -1,8 +1,7 @@
-/** Wheel, drag and double click on the plot. */
+/** Wheel, drag, pinch and double click on the plot. */
 
+import { startTwoFingers, wheelFactor } from "../base/pointers.js";
 import { axisName, axisParts, verticals } from "../state/traces.js";
-
-const ZOOM_PER_PIXEL = 0.0015;
 
 /**
  * Tell which axis a pointer is over.
@@ -18,7 +17,7 @@ function axisUnder(plots, event) {
 
 /**
  * Zoom by the wheel, move by dragging, reset by a double click; over a vertical axis, or with
- * the shift key, vertically.
+ * the shift key, vertically. Two fingers zoom, vertically where they are one above the other.
  * @param {HTMLElement} stage
  * @param {import("./plots.js").Plots} plots
  * @param {import("../state/view.js").View} view
@@ -26,9 +25,7 @@ function axisUnder(plots, event) {
 export function startGestures(stage, plots, view) {
   stage.addEventListener("wheel", (event) => {
     event.preventDefault();
-    const wheel = event.deltaY || event.deltaX; // with shift, some systems turn the wheel
-    const pixels = wheel * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
-    const factor = Math.exp(Math.min(Math.max(pixels, -300), 300) * ZOOM_PER_PIXEL);
+    const factor = wheelFactor(event, event.deltaY || event.deltaX); // with shift, some systems turn it
     const axis = axisUnder(plots, event);
     const { across, up } = plots.under(event).at(event);
     if (axis === "x") view.zoomX(factor, across);
@@ -38,7 +35,10 @@ export function startGestures(stage, plots, view) {
   /** With the shift key both vertical axes of a plot move together. */
   function together(axis, event) {
     const [side, plot] = axisParts(axis);
-    if (side === "y2" || !event.shiftKey) return [axis];
+    return side === "y2" || !event.shiftKey ? [axis] : axesOf(plot);
+  }
+
+  function axesOf(plot) {
     return verticals(view.state.values).filter((name) => axisParts(name)[1] === plot);
   }
 
@@ -66,6 +66,17 @@ export function startGestures(stage, plots, view) {
       delete stage.dataset.drag;
     });
   }
+  startTwoFingers(stage, ({ factor, x, y, across, upright }) => {
+    const point = { clientX: x, clientY: y };
+    const plot = plots.under(point);
+    const place = plot.at(point);
+    if (upright) {
+      axesOf(plot.number).forEach((axis) => view.zoomY(axis, 1 / factor, place.up));
+      return;
+    }
+    view.zoomX(1 / factor, place.across);
+    if (view.state.values.end !== null) view.panX(-across / plots.area.w);
+  });
   stage.addEventListener("dblclick", (event) => {
     if (!event.target.closest(".handle, .readout")) view.reset();
   });

@@ -1,6 +1,7 @@
 /** A line over the plot that can be dragged, or moved with the arrow keys. */
 
 import { make } from "../base/dom.js";
+import { clamp } from "../base/numbers.js";
 
 const STEP = 0.005; // of the axis, with an arrow key
 const LARGE_STEP = 0.05; // the same with shift
@@ -61,7 +62,7 @@ export class Handle {
     const part = this.upright
       ? (event.clientX - box.left) / box.width
       : (box.bottom - event.clientY) / box.height;
-    this.options.move(Math.min(Math.max(part, 0), 1));
+    this.options.move(clamp(part, 0, 1));
   }
 
   onKey(event) {
@@ -71,6 +72,6 @@ export class Handle {
     event.preventDefault();
     event.stopPropagation();
     const step = (event.shiftKey ? LARGE_STEP : STEP) * (event.key === more ? 1 : -1);
-    this.options.move(Math.min(Math.max(this.part + step, 0), 1));
+    this.options.move(clamp(this.part + step, 0, 1));
   }
 }

@@ -2,14 +2,12 @@
 
 import { clockTicks, dateText, zoneText } from "../base/clock.js";
 import { dashOf } from "../state/colours.js";
-import { make } from "../base/dom.js";
-import { erase } from "./drawing.js";
+import { make, themeColour } from "../base/dom.js";
 import { AutoRange, ticks } from "../base/numbers.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
 
 /* global Dygraph */
 
-const STYLE_NAMES = ["grid", "axis"];
 const PIXELS_PER_TICK = { x: 90, y: 46, y2: 46 };
 const LABEL_WIDTH = 58;
 const LETTER = 7; // pixels, of a label
@@ -17,6 +15,12 @@ const TICK_PIXELS = 6; // that dygraphs leaves beside labels
 const RIGHT_GAP = 6; // pixels, where there is no axis
 const BELOW = 22; // pixels below a plot that has no time axis, for the lowest number beside it
 const SPARSE_PIXELS = 9; // samples at least so far apart are marked
+
+// That of Debian 13 says with each drawing that samples lie outside of what is shown, but that is
+// what a plot is moved and magnified for. It draws by itself too, where its size has changed.
+const OUTSIDE = /^\d+ points out of [XY] bounds:/;
+const { warn } = console;
+console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
 
 /** One plot: those of the traces that are in it. */
 export class Plot {
@@ -81,10 +85,8 @@ export class Plot {
 
   /** Take the colours of the page. */
   restyle() {
-    const style = getComputedStyle(document.documentElement);
-    const [grid, axis] = STYLE_NAMES.map((name) => style.getPropertyValue(`--${name}`).trim());
-    this.axisColour = axis;
-    this.graph.updateOptions({ gridLineColor: grid, axisLineColor: axis }, true);
+    this.axisColour = themeColour("axis");
+    this.graph.updateOptions({ gridLineColor: themeColour("grid"), axisLineColor: this.axisColour }, true);
   }
 
   /**
@@ -148,8 +150,22 @@ export class Plot {
     this.graph.updateOptions(options);
     const now = this.area;
     if (now.x === x && now.y === y && now.w === w && now.h === h) return;
-    erase(this.canvases);
+    this.erase();
     this.graph.updateOptions(options);
+  }
+
+  /**
+   * Take away what is drawn, also beside the plot. By itself dygraphs erases only where it is about
+   * to draw: of an area that was larger before, as a title or wider numbers have come, an axis would
+   * stay. What it has cut the canvas to has to go as well: at broken pixels that erases by halves.
+   */
+  erase() {
+    for (const canvas of this.canvases) {
+      const context = canvas.getContext("2d");
+      context.restore();
+      context.clearRect(0, 0, canvas.width, canvas.height);
+      context.save();
+    }
   }
 
   series(fields, buffer) {

@@ -1,6 +1,6 @@
 /** The plots, one below another, over one time axis; where there is one only, that. */
 
-import { rounded } from "../base/numbers.js";
+import { clamp, rounded } from "../base/numbers.js";
 import { Plot } from "./plot.js";
 import { axisName, axisParts, chosenOf, plotCount } from "../state/traces.js";
 
@@ -151,7 +151,7 @@ export class Plots {
   valueAt(axis, place) {
     const [low, high] = this.range(axis);
     const span = this.spanOf(axis);
-    const inside = Math.min(Math.max((place - span.low) / (span.high - span.low), 0), 1);
+    const inside = clamp((place - span.low) / (span.high - span.low), 0, 1);
     return rounded(low + inside * (high - low), high - low);
   }
 

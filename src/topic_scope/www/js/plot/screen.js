@@ -1,7 +1,6 @@
 /** Draws when there is something new, at most once a frame of the screen. */
 
 import { byId, say } from "../base/dom.js";
-import { FrameRate } from "./frame_rate.js";
 import { figure } from "../base/numbers.js";
 
 const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "theme", "view"];
@@ -15,14 +14,14 @@ const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "en
  */
 export function startScreen(state, sweep, plot) {
   const overlay = byId("overlay");
-  const frames = new FrameRate();
+  let frames = []; // when those of the last second were drawn, ms
   let waiting = false;
 
   function drawNow(now) {
     waiting = false;
     if (state.values.view !== "scope") return;
     plot.draw(sweep.shown);
-    frames.count(now);
+    frames.push(now);
   }
 
   function refresh() {
@@ -40,7 +39,8 @@ export function startScreen(state, sweep, plot) {
   function showFoot() {
     const { end, window, fields } = state.values;
     byId("empty").hidden = fields.length > 0;
-    say(byId("foot-frames"), `${frames.at(performance.now())} frames/s`);
+    frames = frames.filter((time) => time > performance.now() - 1000);
+    say(byId("foot-frames"), `${frames.length} frames/s`);
     const until = end === null ? "now" : new Date(end * 1000).toISOString().slice(11, 23);
     say(byId("foot-view"), `${figure(window, 4)} s until ${until}` +
       `, bins of ${figure(sweep.live.bin * 1000, 3)} ms`);

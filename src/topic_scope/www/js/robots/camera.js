@@ -1,8 +1,8 @@
 /** Which part of the world is seen: metres to pixels, with one scale for both axes and y upwards. */
 
-const SCALES = [0.5, 20000]; // pixels for a metre
+import { clamp } from "../base/numbers.js";
 
-const within = (value, [low, high]) => Math.min(Math.max(value, low), high);
+const SCALES = [0.5, 20000]; // pixels for a metre
 
 /** Looks straight down at a place. */
 export class Camera {
@@ -39,7 +39,7 @@ export class Camera {
    */
   zoom(factor, across = this.width / 2, down = this.height / 2) {
     const [x, y] = this.toWorld(across, down);
-    this.scale = within(this.scale * factor, SCALES);
+    this.scale = clamp(this.scale * factor, ...SCALES);
     const [newX, newY] = this.toWorld(across, down);
     this.x += x - newX;
     this.y += y - newY;
@@ -63,6 +63,6 @@ export class Camera {
     });
     [this.x, this.y] = bounds.map(([low, high]) => (low + high) / 2);
     const [wide, high] = bounds.map(([from, to]) => Math.max(to - from, 2) * 1.15);
-    this.scale = within(Math.min(this.width / wide, this.height / high), SCALES);
+    this.scale = clamp(Math.min(this.width / wide, this.height / high), ...SCALES);
   }
 }

@@ -1,6 +1,7 @@
 /** Wheel, drag, pinch and click on the picture of the world. */
 
-const ZOOM_PER_PIXEL = 0.0015;
+import { wheelFactor } from "../base/pointers.js";
+
 const CLICK = 5; // pixels within which a press is no drag
 
 /**
@@ -35,8 +36,7 @@ export function startPointer(canvas, { camera, picksGoal, moved, aim, pick, over
 
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
-    const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
-    camera.zoom(Math.exp(-Math.min(Math.max(pixels, -300), 300) * ZOOM_PER_PIXEL), ...at(event));
+    camera.zoom(1 / wheelFactor(event), ...at(event));
     moved();
   }, { passive: false });
   canvas.addEventListener("pointerdown", (event) => {

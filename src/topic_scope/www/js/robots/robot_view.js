@@ -1,8 +1,8 @@
 /** Robots in their world, seen from above. */
 
 import { paletteColour } from "../state/colours.js";
-import { byId, make, say } from "../base/dom.js";
-import { isTaken } from "../base/keys.js";
+import { byId, options, say, themeColour } from "../base/dom.js";
+import { isForPage } from "../base/keys.js";
 import { Camera } from "./camera.js";
 import { Drawing, placesOf } from "./drawing.js";
 import { Goals } from "./goals.js";
@@ -74,10 +74,7 @@ export class RobotView {
 
   /** A colour of the page; asked once, as the browser takes its time. */
   style(name) {
-    if (!this.styles.has(name)) {
-      const found = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`);
-      this.styles.set(name, found.trim());
-    }
+    if (!this.styles.has(name)) this.styles.set(name, themeColour(name));
     return this.styles.get(name);
   }
 
@@ -119,7 +116,7 @@ export class RobotView {
     const fill = (id, topics) => {
       const select = byId(id);
       const { value } = select;
-      select.replaceChildren(...topics.map((topic) => make("option", { value: topic }, topic)));
+      select.replaceChildren(...options(topics));
       if (topics.includes(value)) select.value = value;
     };
     fill("drive-topic", commands);
@@ -222,8 +219,7 @@ export class RobotView {
   // --- Keys ---
 
   onKey(event) {
-    if (this.state.values.view !== "robots" || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (isTaken(event)) return;
+    if (this.state.values.view !== "robots" || !isForPage(event)) return;
     const acts = {
       "+": () => this.zoom(CLOSER), "=": () => this.zoom(CLOSER), "-": () => this.zoom(1 / CLOSER),
       0: () => this.fit(), f: () => this.followNext(), Escape: () => this.goals.setPicking(false),

@@ -2,7 +2,7 @@
 
 import { byId, make, press, say } from "../base/dom.js";
 import { notify } from "../base/link.js";
-import { readNumber } from "../base/numbers.js";
+import { clamp, readNumber } from "../base/numbers.js";
 
 const EVERY_MS = 50; // between two commands; the server stops the robot after four that do not come
 const KEYS = { // key -> part of the speed and of the turn
@@ -15,7 +15,7 @@ const PAD = [
   ["↙", "back, turning left", -1, 1], ["↓", "back", -1, 0], ["↘", "back, turning right", -1, -1],
 ];
 
-const unit = (value) => Math.min(Math.max(value, -1), 1);
+const unit = (value) => clamp(value, -1, 1);
 
 /** Takes the wheel of a robot, and commands it. */
 export class Wheel {
@@ -126,7 +126,7 @@ export class Wheel {
 
   limit(id) {
     const value = readNumber(byId(id).value);
-    return Number.isFinite(value) && value !== null ? Math.min(Math.max(value, 0), 100) : 0;
+    return Number.isFinite(value) && value !== null ? clamp(value, 0, 100) : 0;
   }
 
   drive(speed, turn) {

@@ -1,5 +1,6 @@
 /** Run, pause, zoom and pan: what the wheel, the keys and the buttons do to the view. */
 
+import { clamp } from "../base/numbers.js";
 import { after } from "./sweep.js";
 
 const SHORTEST_S = 0.002;
@@ -56,7 +57,7 @@ export class View {
    */
   zoomX(factor, at) {
     const { window, end, history } = this.state.values;
-    const next = Math.min(Math.max(window * factor, SHORTEST_S), history);
+    const next = clamp(window * factor, SHORTEST_S, history);
     const change = { window: next };
     if (end !== null) change.end = end + (next - window) * (1 - at);
     this.state.set(change);
@@ -71,7 +72,7 @@ export class View {
     const { window, end, history } = this.state.values;
     const latest = this.sweep.now + window / 2;
     const earliest = Math.min(this.sweep.now - history, this.kept + window);
-    this.state.set({ end: Math.min(Math.max(end + part * window, earliest), latest) });
+    this.state.set({ end: clamp(end + part * window, earliest, latest) });
   }
 
   /**

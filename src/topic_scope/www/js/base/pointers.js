@@ -1,4 +1,21 @@
-/** Two fingers on a part of the page: they stretch it, and move it. */
+/** The wheel, and two fingers that stretch a part of the page and move it. */
+
+import { clamp } from "./numbers.js";
+
+const ZOOM_PER_PIXEL = 0.0015;
+const LINE = 33; // pixels that a wheel turns which counts in lines
+const MOST = 300; // pixels of one event that count
+
+/**
+ * Tell how far a wheel zooms.
+ * @param {WheelEvent} event
+ * @param {number} [turned] what it has turned by, if not downwards
+ * @returns {number} above 1: farther away
+ */
+export function wheelFactor({ deltaMode, deltaY }, turned = deltaY) {
+  const pixels = turned * (deltaMode === WheelEvent.DOM_DELTA_LINE ? LINE : 1);
+  return Math.exp(clamp(pixels, -MOST, MOST) * ZOOM_PER_PIXEL);
+}
 
 /**
  * Have a function called while two fingers are on an element; meanwhile nobody else learns of them.

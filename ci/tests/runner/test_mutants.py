@@ -20,7 +20,7 @@ DIFF = """--- mutation diff ---
 def test_each_pure_module_has_unit_tests() -> None:
     modules = mutants.modules_of([])
     names = {path.name for path in modules}
-    assert {"reconciler.py", "timetable.py", "conditioning.py"} <= names
+    assert {"reconciler.py", "timetable.py", "conditioner.py"} <= names
     assert "scheduler.py" not in names and "__init__.py" not in names
     assert all(mutants.tests_of(module) for module in modules)
 

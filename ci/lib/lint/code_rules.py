@@ -1,4 +1,4 @@
-"""Check what no linter knows: who may import whom, how long modules are, no code made of input.
+"""Check what no linter knows: who may import whom, what Python 3.8 lacks, no code made of input.
 
 ``python3 ci/lib/lint/code_rules.py`` prints each breach and ends with status 1 if there is one.
 """
@@ -26,8 +26,11 @@ SIBLINGS: Dict[str, Set[str]] = {
     "parameters_demo": {"nodekit", "parameters_demo_msgs"},
     # The sensors of both see the same: what they see is in the one, and not written twice.
     "launch_files_demo": {
-        *("nodekit", "parameters_demo.messages", "parameters_demo.picture"),
-        *("parameters_demo.room", "parameters_demo.sensors"),
+        "nodekit",
+        "parameters_demo.messages",
+        "parameters_demo.picture",
+        "parameters_demo.room",
+        "parameters_demo.sensors",
     },
     "executors_demo": {"nodekit"},
     "lifecycle_demo": {"nodekit"},
@@ -60,59 +63,113 @@ ROOMS: Dict[str, List[str]] = {
     ],
     "basic_comms": ["msg", "signals", "conditioning", "message_scope", "nodes"],
     "parameters_demo": [
-        *("pixel_font", "picture", "room", "traffic", "messages", "sensors", "nodes"),
+        "pixel_font",
+        "picture",
+        "room",
+        "traffic",
+        "messages",
+        "sensors",
+        "nodes",
     ],
     "launch_files_demo": ["temperature", "nodes"],
     "lifecycle_manager": [
-        *("plan", "member", "commands", "system", "reports", "contact", "rivals", "nodes"),
+        "plan",
+        "member",
+        "commands",
+        "system",
+        "reports",
+        "contact",
+        "rivals",
+        "nodes",
     ],
     "diff_drive_sim": ["simulation", "robot_parameters", "messages", "nodes"],
     "executors_demo": [
-        *("events", "diary", "bars", "picture", "timeline_command"),
-        *("demo", "four_timers", "nodes"),
+        "events",
+        "diary",
+        "bars",
+        "picture",
+        "timeline_command",
+        "demo",
+        "four_timers",
+        "nodes",
     ],
     "robot_interfaces_demo": [
-        *("modes", "robot_model", "monitoring", "diagnostics", "fleet_report_command", "nodes"),
+        "modes",
+        "robot_model",
+        "monitoring",
+        "diagnostics",
+        "fleet_report_command",
+        "nodes",
     ],
     "bot_controller_demo": ["laws", "teleop", "driving", "nodes"],
     "topic_scope": [
-        *("messages", "analysis", "record", "bag", "protocol", "page", "graph", "controls"),
-        *("robots", "web", "nodes"),
+        "messages",
+        "analysis",
+        "record",
+        "bag",
+        "protocol",
+        "page",
+        "graph",
+        "controls",
+        "robots",
+        "web",
+        "nodes",
     ],
     "ros2_bridge": [
-        *("rules", "types", "environment", "ros1", "ros2", "topics", "services", "parameters"),
-        *("node_bridge", "looking", "nodes"),
+        "rules",
+        "types",
+        "environment",
+        "ros1",
+        "ros2",
+        "topics",
+        "services",
+        "parameters",
+        "node_bridge",
+        "looking",
+        "nodes",
     ],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
-    *("nodekit.message_definitions", "nodekit.parameters", "nodekit.transport"),
-    *("nodekit.timing.timetable", "nodekit.groups", "nodekit.messaging.finite"),
+    "nodekit.message_definitions",
+    "nodekit.parameters",
+    "nodekit.transport",
+    "nodekit.timing.timetable",
+    "nodekit.groups",
+    "nodekit.messaging.finite",
     "nodekit.messaging.seldom",
-    *("nodekit.managed.table", "nodekit.managed.machine"),
-    *("basic_comms.signals", "basic_comms.conditioning", "basic_comms.message_scope"),
-    *("lifecycle_manager.plan", "lifecycle_manager.member", "lifecycle_manager.commands"),
+    "nodekit.managed.table",
+    "nodekit.managed.machine",
+    "basic_comms.signals",
+    "basic_comms.conditioning",
+    "basic_comms.message_scope",
+    "lifecycle_manager.plan",
+    "lifecycle_manager.member",
+    "lifecycle_manager.commands",
     "lifecycle_manager.system",
     "diff_drive_sim.simulation",
-    *("executors_demo.events", "executors_demo.diary", "executors_demo.bars"),
-    *("executors_demo.picture", "executors_demo.timeline_command"),
+    "executors_demo.events",
+    "executors_demo.diary",
+    "executors_demo.bars",
+    "executors_demo.picture",
+    "executors_demo.timeline_command",
     "robot_interfaces_demo.modes",
     "robot_interfaces_demo.robot_model",
     "robot_interfaces_demo.monitoring",
-    *("parameters_demo.pixel_font", "parameters_demo.picture", "parameters_demo.room"),
-    *("parameters_demo.traffic", "launch_files_demo.temperature"),
-    *("bot_controller_demo.laws", "bot_controller_demo.teleop.keys"),
-    *(
-        "ros2_bridge.types.twins",
-        "ros2_bridge.types.comparing",
-        "ros2_bridge.types.steps",
-        "ros2_bridge.types.codec",
-    ),
-    *(
-        "ros2_bridge.parameters.parameter_values",
-        "ros2_bridge.rules.renaming",
-        "ros2_bridge.rules.pairing",
-    ),
+    "parameters_demo.pixel_font",
+    "parameters_demo.picture",
+    "parameters_demo.room",
+    "parameters_demo.traffic",
+    "launch_files_demo.temperature",
+    "bot_controller_demo.laws",
+    "bot_controller_demo.teleop.keys",
+    "ros2_bridge.types.twins",
+    "ros2_bridge.types.comparing",
+    "ros2_bridge.types.steps",
+    "ros2_bridge.types.codec",
+    "ros2_bridge.parameters.parameter_values",
+    "ros2_bridge.rules.renaming",
+    "ros2_bridge.rules.pairing",
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 
@@ -123,6 +180,11 @@ MOST_DOORS = 2
 #: Imports by name what it offers, so that nothing is imported before it is used.
 FRONT_DOOR = "nodekit"
 
+#: The Python of ROS Noetic. mypy is set to it as well, and knows what its modules hold.
+NOETIC = (3, 8)
+#: Modules of the standard library that it does not have.
+NEWER_MODULES = {"graphlib", "tomllib", "zoneinfo"}
+
 #: What turns text into code or a command.
 CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load", "full_load"}
 #: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
@@ -131,7 +193,8 @@ MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
 #: input.
 MAY_START_PROCESSES = (
     "nodekit.testing",
-    *("ros2_bridge.environment.environment", "ros2_bridge.environment.twin_builder"),
+    "ros2_bridge.environment.environment",
+    "ros2_bridge.environment.twin_builder",
 )
 
 
@@ -218,6 +281,8 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
             yield line, f"it is to know no ROS, and imports {imported}"
         if top in MODULES and not is_in(name, MAY_START_PROCESSES):
             yield line, f"{top} could make code of input"
+        if top in NEWER_MODULES:
+            yield line, f"{top} is newer than Python 3.8, which ROS Noetic has"
         if imported == "typing.TYPE_CHECKING" and name != FRONT_DOOR:
             yield line, "what is imported for type checkers alone may hide a circle"
     if is_in(name, [f"{package}.nodes"]):
@@ -237,7 +302,10 @@ def main() -> int:
     """
     packages = {manifest.parent.name for manifest in SOURCES.glob("*/package.xml")}
     paths = dict(modules())
-    trees = {name: ast.parse(path.read_text("utf-8")) for name, path in paths.items()}
+    trees = {
+        name: ast.parse(path.read_text("utf-8"), str(path), feature_version=NOETIC)
+        for name, path in paths.items()
+    }
     found = [
         f"{paths[name].relative_to(SOURCES.parent)}:{line}: {sentence}"
         for name, tree in trees.items()

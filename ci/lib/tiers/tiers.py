@@ -10,7 +10,7 @@ from steps import WORKSPACE, Step
 SOURCES = WORKSPACE / "src"
 CI = WORKSPACE / "ci"
 # Directories of ci/tests that are not part of the unit tier.
-TIERS_OF_THEIR_OWN = ("spaces",)
+TIERS_OF_THEIR_OWN = ("lint", "spaces")
 ROOT = len(WORKSPACE.parts)
 
 
@@ -68,7 +68,8 @@ def lint() -> List[Step]:
                 *("rosrun", "roslaunch", "roslaunch-check", "-t", "-i"),
                 *("-o", "{results}/launch.xml", str(package / "launch")),
             ]
-    return [Step("lint", name, command) for name, command in commands.items()]
+    steps = [Step("lint", name, command) for name, command in commands.items()]
+    return [*steps, pytest_step("lint", "what lint refuses", CI / "tests" / "lint")]
 
 
 def docs() -> List[Step]:

@@ -1,8 +1,8 @@
 """Parameters as ROS 2 has them."""
 
-import math
 from typing import Any, Optional
 
+import numpy
 import pytest
 
 from nodekit import (
@@ -45,7 +45,7 @@ ENTRIES = {entry["name"]: entry for entry in describe(Sample())}
     [
         ("any_number", None, values.DOUBLE),
         ("closed", (-1.0, 2.0, 0.5), values.DOUBLE),
-        ("opened", (math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0), 0.0), values.DOUBLE),
+        ("opened", (numpy.nextafter(0.0, 1.0), numpy.nextafter(1.0, 0.0), 0.0), values.DOUBLE),
         ("count", (3, 7, 1), values.INTEGER),
         ("color", None, values.STRING),
         ("names", None, values.STRINGS),

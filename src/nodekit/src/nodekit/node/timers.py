@@ -2,7 +2,7 @@
 
 import itertools
 import threading
-from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
@@ -100,7 +100,7 @@ class NodeTimer(Callback):
 
         :param timers: new ones
         """
-        by_scheduler: "dict[Scheduler, List[Timer]]" = {}
+        by_scheduler: Dict[Scheduler, List[Timer]] = {}
         for timer in timers:
             timer._is_started = True
             timer.follow()

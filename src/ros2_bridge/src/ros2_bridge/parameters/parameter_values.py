@@ -3,6 +3,8 @@
 import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
+import numpy
+
 NOT_SET, BOOL, INTEGER, DOUBLE, STRING = 0, 1, 2, 3, 4
 BYTES, BOOLS, INTEGERS, DOUBLES, STRINGS = 5, 6, 7, 8, 9
 #: The field of a ParameterValue that holds a value, by its kind.
@@ -99,7 +101,7 @@ def range_of(entry: Mapping[str, Any]) -> Optional[Range]:
         low, high = _ends(limits, LOWEST, HIGHEST, lambda end, way: _next_whole(end, way))
         return Range(low, high, int(limits["step"] or 1))
     largest = 1.7976931348623157e308
-    low, high = _ends(limits, -largest, largest, lambda end, way: math.nextafter(end, way))
+    low, high = _ends(limits, -largest, largest, numpy.nextafter)
     return Range(float(low), float(high), float(limits["step"] or 0.0))
 
 

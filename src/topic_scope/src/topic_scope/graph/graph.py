@@ -1,6 +1,6 @@
 """The graph of nodes and topics, and how often messages go along its edges."""
 
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 from topic_scope.graph.master_watch import GraphState
 
@@ -46,7 +46,7 @@ class Rates:
         """
         return self._rates.get(node, {}).get(topic)
 
-    def keep(self, nodes: "set[str]") -> None:
+    def keep(self, nodes: Set[str]) -> None:
         """Forget all other nodes."""
         self._counts = {node: counts for node, counts in self._counts.items() if node in nodes}
         self._rates = {node: rates for node, rates in self._rates.items() if node in nodes}

@@ -7,7 +7,7 @@ and an array of undeclared length begin with a count of 32 bits).
 """
 
 import struct
-from typing import Callable, Iterator, List, Sequence, Union
+from typing import Callable, Iterator, List, Sequence, Tuple, Union
 
 import numpy
 
@@ -91,7 +91,7 @@ def follow(steps: Sequence[Step], data: bytes) -> int:
     return offset
 
 
-def steps_to(layout: Record, path: Path) -> "tuple[List[Step], Layout]":
+def steps_to(layout: Record, path: Path) -> Tuple[List[Step], Layout]:
     """Return the steps from the start of a message to a place in it, and what is there."""
     steps: List[Step] = []
     node: Layout = layout

@@ -6,7 +6,7 @@ messages show, so that what is usual in their delay shifts a trace, and what is 
 it.
 """
 
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 import numpy
 
@@ -135,7 +135,7 @@ class OwnClock:
         self._settles_at = numpy.inf
         self._tolerance = TOLERANCE_S
 
-    def convert(self, own: numpy.ndarray, received: numpy.ndarray) -> "tuple[numpy.ndarray, float]":
+    def convert(self, own: numpy.ndarray, received: numpy.ndarray) -> Tuple[numpy.ndarray, float]:
         """Convert the times of some messages, and take them into account for those that follow.
 
         :param own: what they say, s; no message's is changed here

@@ -61,7 +61,7 @@ class LiveView:
         """How many bins it is shown in."""
         return self._view.width
 
-    def span(self, now: float) -> "tuple[float, float]":
+    def span(self, now: float) -> Tuple[float, float]:
         """Return start and end of what is shown, s."""
         end = now if self._view.end is None else self._view.end
         return end - self._view.window, end

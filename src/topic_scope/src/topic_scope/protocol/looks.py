@@ -4,7 +4,7 @@ All that a page is told of a trace is of the scaled values: what is drawn, measu
 agrees with the axis then. CSV files have the values as they came.
 """
 
-from typing import Any, Callable, Dict, Mapping, NamedTuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Tuple
 
 import numpy
 
@@ -75,7 +75,7 @@ def looks_of(request: Dict[str, Any]) -> Looks:
     return Looks(dict(_look_of(name, wanted) for name, wanted in traces.items()))
 
 
-def _look_of(name: str, wanted: Any) -> "tuple[str, Look]":
+def _look_of(name: str, wanted: Any) -> Tuple[str, Look]:
     field = field_in({"field": name}, "looks")
     if not isinstance(wanted, dict) or not isinstance(wanted.get("steps", False), bool):
         raise RequestError(

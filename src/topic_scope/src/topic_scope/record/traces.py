@@ -165,7 +165,7 @@ class Trace:
         latest = self.ring.latest(1)
         return now - float(latest[0]) - self.stream.offset if len(latest) else None
 
-    def _between(self, start: float, end: float) -> "tuple[numpy.ndarray, ...]":
+    def _between(self, start: float, end: float) -> Tuple[numpy.ndarray, ...]:
         # Sought with some more, as the ends are rounded otherwise than the samples' times.
         offset = self.stream.offset
         if self._pinned[0] <= (start + end) / 2.0 <= self._pinned[1]:

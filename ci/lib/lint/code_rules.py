@@ -61,7 +61,17 @@ ROOMS: Dict[str, List[str]] = {
         "commands",
         "testing",
     ],
-    "basic_comms": ["msg", "signals", "conditioning", "message_scope", "nodes"],
+    "basic_comms": ["signals", "conditioning", "message_scope", "nodes"],
+    "first_order_sys_sim": [
+        "first_order_plant",
+        "sampled_plant",
+        "system_parameters",
+        "nodes",
+    ],
+    "motor_control": ["enable_sequence", "motor_enabler", "motor_parameters", "nodes"],
+    "my_robot_package": ["robot_parameters", "nodes"],
+    "humanoid_robot_bringup": ["robot_control"],
+    "lifecycle_demo": ["nodes"],
     "parameters_demo": [
         "pixel_font",
         "picture",
@@ -269,6 +279,8 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
     package, _, room = name.partition(".")
     room = room.partition(".")[0]
     rooms = ROOMS.get(package, [])
+    if room not in ("", "scripts", *rooms):
+        yield 1, f"{room} is not among the rooms of {package}: give it its place in ROOMS"
     for line, imported in imports(tree):
         top, _, other = imported.partition(".")
         other = other.partition(".")[0]

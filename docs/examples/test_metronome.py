@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Use the metronome as its users do: launch it, listen, turn its knobs, press Ctrl-C."""
+"""Use the metronome as its users do: launch it, subscribe, set its parameters, press Ctrl-C."""
 
 import unittest
 from pathlib import Path
@@ -17,7 +17,7 @@ PROGRAM = str(Path(__file__).resolve().with_name("metronome.py"))
 
 
 class MetronomeTest(unittest.TestCase):
-    """Each test has a metronome of its own, in a namespace of its own."""
+    """Each test has its own metronome, in its own namespace."""
 
     def start(self, *arguments: str) -> Process:
         metronome = Process(PROGRAM, arguments)
@@ -30,14 +30,14 @@ class MetronomeTest(unittest.TestCase):
             launch.graph.wait_for_publishers("/launch/beat", "/launch/metronome")
             self.assertEqual(launch.graph.parameter("/launch/metronome/tempo"), 90)
 
-    def test_a_change_is_heard(self) -> None:
+    def test_a_change_takes_effect(self) -> None:
         graph, ear = Graph(), Ear("/change/beat", String)
         self.start("__ns:=change", "_tempo:=400")
         ear.wait_for(lambda message: message.data == "tick")
         graph.set_parameter("/change/metronome/sound", "tock")
         ear.wait_for(lambda message: message.data == "tock")
 
-    def test_nonsense_is_refused_and_put_back(self) -> None:
+    def test_an_invalid_value_is_refused_and_put_back(self) -> None:
         graph, metronome = Graph(), self.start("__ns:=nonsense")
         graph.wait_for_nodes("/nonsense/metronome")
         graph.wait_for_parameters("/nonsense/metronome", {"tempo": 120.0})
@@ -45,7 +45,7 @@ class MetronomeTest(unittest.TestCase):
         metronome.wait_for_log("WARN", "/nonsense/metronome/tempo", "[20, 400]")
         graph.wait_for_parameters("/nonsense/metronome", {"tempo": 120.0})
 
-    def test_it_does_not_start_with_nonsense(self) -> None:
+    def test_it_does_not_start_with_an_invalid_value(self) -> None:
         metronome = self.start("__ns:=fast", "_tempo:=fast")
         self.assertEqual(metronome.wait(), 1)
         self.assertTrue(metronome.logged("FATAL", "/fast/metronome/tempo", "'fast'"))

@@ -1,4 +1,4 @@
-"""A node to begin with."""
+"""A node to start from."""
 
 from std_msgs.msg import String
 
@@ -8,12 +8,12 @@ from nodekit import Node, ParameterSet, RateParameter, StringParameter, run
 class MyNodeParameters(ParameterSet):
     """Parameters of my_node: they can be changed while it runs."""
 
-    rate = RateParameter(1.0, pausable=True, help="messages a second; 0 for none")
-    text = StringParameter("Hello", help="what it says")
+    rate = RateParameter(1.0, pausable=True, help="messages per second; 0 for none")
+    text = StringParameter("Hello", help="the text to publish")
 
 
 class MyNode:
-    """Says its text again and again.
+    """Publishes its text periodically.
 
     :ROS Publishers:
         - ``output`` (std_msgs/String)
@@ -25,10 +25,10 @@ class MyNode:
     def __init__(self, node: Node) -> None:
         self._parameters = node.parameters(MyNodeParameters)
         self._publisher = node.publisher("output", String)
-        node.every(lambda: self._parameters.values.rate, self.speak)
+        node.every(lambda: self._parameters.values.rate, self.publish_text)
 
-    def speak(self, elapsed: float) -> None:
-        """Say it once.
+    def publish_text(self, elapsed: float) -> None:
+        """Publish the text once.
 
         :param elapsed: time since the first call, s
         """

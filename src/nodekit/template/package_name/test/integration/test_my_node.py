@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Use the node as its users do: launch it, listen, change a parameter."""
+"""Use the node as its users do: launch it, subscribe, change a parameter."""
 
 import unittest
 

@@ -4,7 +4,7 @@
 import os
 import time
 
-from nodekit import Lifetime, ManagedNode, Node, run
+from nodekit import Maker, ManagedNode, Node, run
 
 
 class DiaryNode(ManagedNode):
@@ -19,10 +19,10 @@ class DiaryNode(ManagedNode):
         with open(os.environ["DIARY"], "ab", buffering=0) as diary:
             diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 
-    def on_configure(self, made: Lifetime) -> None:
+    def on_configure(self, made: Maker) -> None:
         self.note("configured")
 
-    def on_activate(self, made: Lifetime) -> None:
+    def on_activate(self, made: Maker) -> None:
         self.note("activated")
 
     def on_deactivate(self) -> None:

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Run a pump, but only while others have this node active."""
 
-from nodekit import FloatParameter, Lifetime, ManagedNode, ParameterSet, run
 from std_msgs.msg import Float32
+
+from nodekit import FloatParameter, Maker, ManagedNode, ParameterSet, run
 
 
 class Settings(ParameterSet):
@@ -10,11 +11,11 @@ class Settings(ParameterSet):
 
 
 class Pump(ManagedNode):
-    def on_configure(self, made: Lifetime) -> None:
+    def on_configure(self, made: Maker) -> None:
         self.settings = made.parameters(Settings)
         self.command = made.publisher("flow", Float32)
 
-    def on_activate(self, made: Lifetime) -> None:
+    def on_activate(self, made: Maker) -> None:
         made.every(10.0, self.deliver)
 
     def on_deactivate(self) -> None:

@@ -93,7 +93,7 @@ class ManagedRobot(unittest.TestCase):
                 os.kill(before.pid, signal.SIGKILL)
                 self.wait_until_it_is_down()
                 result = self.results.wait_for(lambda each: each.status.goal_id.id == "first")
-                self.assertEqual(result.status.text, "the controller was deactivated")
+                self.assertEqual(result.status.text, "the controller is not active any more")
                 run.wait_for_new_process(SIMULATOR, before)
                 self.wait_until_it_drives()
             self.act("second")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.clients import CallFuture as CallFuture
     from nodekit.node.clients import Client as Client
     from nodekit.node.clients import NestedCall as NestedCall
-    from nodekit.node.lifetime import Lifetime as Lifetime
+    from nodekit.node.maker import Maker as Maker
     from nodekit.node.node import Node as Node
     from nodekit.node.server import CallError as CallError
     from nodekit.node.server import CallTimeout as CallTimeout
@@ -51,7 +51,7 @@ _HOMES: Dict[str, str] = {
     "CallFuture": "node.clients",
     "Client": "node.clients",
     "NestedCall": "node.clients",
-    "Lifetime": "node.lifetime",
+    "Maker": "node.maker",
     "CallError": "node.server",
     "CallTimeout": "node.server",
     "ManagedNode": "managed.managed_node",

@@ -23,7 +23,7 @@ from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node
 from nodekit.node.ownership import Closed
 from nodekit.node.timers import NodeTimer
-from nodekit.rospy_internals.shutdown import at_shutdown
+from nodekit.rospy_internals.shutdown import Ending, at_end
 
 #: Base name of the service that tells of a node's callbacks.
 SERVICE = "executor"
@@ -149,4 +149,4 @@ def _shut_all_down() -> None:
         executor.shutdown(0.0)
 
 
-at_shutdown(_shut_all_down)
+at_end(Ending.TOOLKIT, _shut_all_down)

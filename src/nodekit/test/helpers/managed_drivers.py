@@ -10,7 +10,7 @@ import time
 import rospy
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
-from nodekit import Lifetime, ManagedNode, Node, host
+from nodekit import Maker, ManagedNode, Node, host
 
 
 class Driver(ManagedNode):
@@ -26,7 +26,7 @@ class Driver(ManagedNode):
     def notice_end(self) -> None:
         self.say(f"ends with {len(self.client.call(GetLoggersRequest(), 1.0).loggers) > 0}")
 
-    def on_configure(self, made: Lifetime) -> None:
+    def on_configure(self, made: Maker) -> None:
         self.say("configures")
         if self.node.name == "/configuring":
             time.sleep(60.0)

@@ -31,8 +31,8 @@ from lifecycle_msgs.srv import (
 )
 from nodekit import (
     FloatParameter,
-    Lifetime,
     LiveParameters,
+    Maker,
     ManagedNode,
     MultiThreadedExecutor,
     NestedCall,
@@ -114,13 +114,13 @@ class Driver(ManagedNode):
         self.called.append(name)
         return self.plan.get(name, lambda: None)()
 
-    def on_configure(self, made: Lifetime) -> Any:
+    def on_configure(self, made: Maker) -> Any:
         self.made = made
         self.publisher = made.publisher("out", String)
         self.timer = made.every(100.0, lambda elapsed: self.ticks.append(self.state.label))
         return self.do("on_configure")
 
-    def on_activate(self, made: Lifetime) -> Any:
+    def on_activate(self, made: Maker) -> Any:
         self.made = made
         made.subscribe("in", String, lambda message: self.heard.append(message.data))
         return self.do("on_activate")
@@ -402,7 +402,7 @@ class Made(Managed):
         self.assertEqual(seen, [[], ["out"]])
 
     def test_a_lifetime_within_is_opened_with_the_rest_and_closed_alone(self) -> None:
-        within: List[Lifetime] = []
+        within: List[Maker] = []
         seen: List[List[str]] = []
 
         def make() -> None:
@@ -759,7 +759,7 @@ class Wanted(Managed):
         read: List[float] = []
 
         class Aware(ManagedNode):
-            def on_configure(self, made: Lifetime) -> None:
+            def on_configure(self, made: Maker) -> None:
                 read.append(made.parameters(Settings).values.gain)
 
         self.unaware(True, Aware)

@@ -80,7 +80,7 @@ def notify():
 def watcher(monkeypatch, client, notify):
     monkeypatch.setattr(parameters, "on_push", lambda handle: notify.functions.append(handle) or 1)
     monkeypatch.setattr(parameters, "cache", lambda key, value: None)
-    monkeypatch.setattr(shutdown, "at_shutdown", lambda function: None)
+    monkeypatch.setattr(shutdown, "at_end", lambda ending, function: None)
     made = watching.Watcher(client)
     yield made
     made.shut_down()

@@ -12,7 +12,6 @@ from nodekit.master import MasterClient
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import MISSING
-from nodekit.rospy_internals.shutdown import before_shutdown
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1 import ros1_graph
 from ros2_bridge.ros1.names_in_ros1 import NamesInRos1
@@ -63,7 +62,7 @@ class Looking:
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="looks", daemon=True)
         self._thread.start()
-        before_shutdown(self.close)
+        node.before_end(self.close)
 
     def _run(self) -> None:
         turn = 0

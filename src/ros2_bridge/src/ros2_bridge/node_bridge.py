@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message
 
-from nodekit import Lifetime, Node
+from nodekit import Maker, Node
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
@@ -41,7 +41,7 @@ class NodeTwin:
     def __init__(self, home: Ros2Node) -> None:
         self.home, self.style = home, "none"
         self.parameters: Optional[ParametersToRos2] = None
-        self.made: Optional[Lifetime] = None
+        self.made: Optional[Maker] = None
 
     def end_parameters(self) -> None:
         """Bridge the parameters no longer."""

@@ -35,7 +35,7 @@ class Commands:
         self._lock = threading.RLock()  # who hears it in this process may publish in turn
         node.own(self)
         node.before_deactivate(lambda: self.publish(STOP))
-        rospy.on_shutdown(self.close)
+        node.before_end(self.close)
 
     def publish(self, velocity: Velocity) -> None:
         """Tell the robot how to move.

@@ -59,10 +59,10 @@ class GoToServer:
             server.set_preempted(GoToResult(), "cancelled: the robot has stopped")
 
     def abort(self) -> None:
-        """Give up what is under way: a node that is deactivated may never be active again."""
+        """Give up what is under way: a node that stops being active may never be so again."""
         if self._server.is_active():
             self._stop()
-            self._server.set_aborted(GoToResult(), "the controller was deactivated")
+            self._server.set_aborted(GoToResult(), "the controller is not active any more")
 
     def close(self) -> None:
         """Serve no longer: a managed node that is configured anew has another server."""

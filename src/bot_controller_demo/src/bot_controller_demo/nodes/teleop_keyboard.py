@@ -76,7 +76,7 @@ class TeleopKeyboard:
         self._commands = Commands(node, self._parameters.values.controller_type)
         self._teleoperation, self._lock = Teleoperation(), threading.Lock()
         self._terminal = node.own(KeyTerminal(sys.stdin.fileno()))
-        rospy.on_shutdown(self._terminal.close)
+        node.before_end(self._terminal.close)
         # Keys are held for so long by the machine's clock: /clock may stand still.
         node.every(lambda: self._parameters.values.rate, self._drive, steady=True)
         print(HELP, flush=True)

@@ -2,7 +2,7 @@
 
 import rospy
 
-from nodekit import Lifetime, ManagedNode, Node, ParameterSet, StringParameter, run
+from nodekit import Maker, ManagedNode, Node, ParameterSet, StringParameter, run
 
 
 class LifecycleAwareNodeParameters(ParameterSet):
@@ -25,13 +25,13 @@ class LifecycleAwareNode(ManagedNode):
         super().__init__(node)
         rospy.loginfo("Node created (unconfigured)")
 
-    def on_configure(self, made: Lifetime) -> None:
+    def on_configure(self, made: Maker) -> None:
         """Read the parameters."""
         rospy.loginfo("Configuring...")
         self.settings = made.parameters(LifecycleAwareNodeParameters)
         rospy.loginfo("Configured for robot: %s", self.settings.values.robot_name)
 
-    def on_activate(self, made: Lifetime) -> None:
+    def on_activate(self, made: Maker) -> None:
         """Let the heart beat."""
         rospy.loginfo("Activating...")
         made.every(1.0, self.beat)

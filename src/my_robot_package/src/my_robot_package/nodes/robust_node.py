@@ -62,7 +62,7 @@ class RobustNode:
             rospy.logfatal("Failed to initialize components: %s", error)
             sys.exit(1)
         rospy.loginfo("Components initialized at attempt %d", tries)
-        rospy.on_shutdown(self.shut_down)
+        node.before_end(self.shut_down)
 
     def setup_components(self) -> None:
         """Start everything."""

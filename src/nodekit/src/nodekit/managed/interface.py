@@ -23,7 +23,7 @@ from nodekit.managed.table import (
 from nodekit.node.callbacks import Answering
 from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node
-from nodekit.rospy_internals.shutdown import before_shutdown
+from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler, Timer
 
@@ -155,4 +155,4 @@ def _end_all() -> None:
             rospy.logwarn(text, managed.node.name, managed.state.label, END_WAIT_S)
 
 
-before_shutdown(_end_all)
+at_end(Ending.TRANSITIONS, _end_all)

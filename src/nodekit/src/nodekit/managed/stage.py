@@ -10,9 +10,12 @@ from nodekit.node.opening import Opener
 from nodekit.node.timers import NodeTimer
 from nodekit.timing.scheduler import Scheduler
 
+#: Attributes that a whole node has and a stage has not, and what a class does that uses them.
+_OF_A_NODE = {"host": "hosts another node", "executor": "has an executor of its own"}
 
-class CannotManage(RuntimeError):
-    """A class makes what no managed node can hold; the text says what."""
+
+class CannotManage(AttributeError):
+    """A class uses what no managed node can give it; the text says what it does."""
 
 
 class Stage(Part):
@@ -50,29 +53,22 @@ class Stage(Part):
         queue_size: Optional[int] = None,
         lifespan: float = 0.0,
     ) -> Publisher:
-        """Publish a topic while the node is active; see :meth:`.TopicMaker.publisher`."""
+        """Publish a topic while the node is active; see :meth:`.Maker.publisher`."""
         name = self.resolve(name)
         return self._open(ManagedPublisher(self._gate, name, data_class, latch, lifespan))
 
     def lifetime(self) -> Lifetime:
-        """Return a maker of its own; see :meth:`.Lifetime.lifetime`."""
+        """Return a maker of its own; see :meth:`.Maker.lifetime`."""
         return self.own(Stage(self, self._gate, self._made_at, self._opener))
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
-        """Have a function called before silence; see :meth:`.Lifetime.before_deactivate`."""
+        """Have a function called before silence; see :meth:`.Maker.before_deactivate`."""
         self.own(LastWord(self._gate, callback, f"{self.name}: before_deactivate"))
 
-    def host(self, *_: Any) -> Any:
-        """Refuse what only a whole node can have; so does all below.
-
-        :raises CannotManage: always
-        """
-        raise CannotManage("hosts another node")
-
-    @property
-    def executor(self) -> Any:
-        """Executors ask for it first of all."""
-        raise CannotManage("has an executor of its own")
+    def __getattr__(self, name: str) -> Any:
+        if name in _OF_A_NODE:
+            raise CannotManage(_OF_A_NODE[name])
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
         if isinstance(group, Outside):  # the toolkit's own

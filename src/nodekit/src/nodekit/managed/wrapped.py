@@ -1,13 +1,13 @@
 """A managed node of a class that knows nothing of it."""
 
 import functools
-from typing import Callable, cast
+from typing import Any, Callable
 
 import rospy
 
 from nodekit.managed.managed_node import ManagedNode
 from nodekit.managed.stage import CannotManage
-from nodekit.node.lifetime import Lifetime
+from nodekit.node.maker import Maker
 from nodekit.node.node import Node
 from nodekit.parameters.kinds import ParameterError
 
@@ -19,16 +19,16 @@ class WrappedNode(ManagedNode):
     :param node: the node
     """
 
-    def __init__(self, cls: Callable[[Node], object], node: Node) -> None:
+    def __init__(self, cls: Callable[[Maker], object], node: Node) -> None:
         super().__init__(node)
         self._cls = cls
         self._guest: object = None
         rospy.loginfo("%s is managed: it waits to be configured", node.name)
 
-    def on_configure(self, made: Lifetime) -> bool:
+    def on_configure(self, made: Maker) -> bool:
         """Make the class; it fails with a sentence where parameters are refused, or the class."""
         try:
-            self._guest = self._cls(cast(Node, made))
+            self._guest = self._cls(made)
             return True
         except ParameterError as refused:
             error = refused
@@ -45,10 +45,11 @@ class WrappedNode(ManagedNode):
     on_shutdown = on_error = on_cleanup
 
 
-def wrapped(cls: Callable[[Node], object]) -> Callable[[Node], object]:
+def wrapped(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """Return the class of a managed node for a class; for one of a managed node, that itself.
 
-    :param cls: the class, or a function that makes its object
+    :param cls: the class, or a function that makes its object; called with a :class:`.Maker`, which
+        refuses what only a whole node has
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):
         return cls

@@ -13,7 +13,7 @@ import rospy
 
 from nodekit.node.callbacks import Answering, Callback
 from nodekit.node.server import CallError, CallTimeout, Server
-from nodekit.rospy_internals.shutdown import at_shutdown
+from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.transport.service_call import ServiceCall
 
 #: How long a call takes at most where the user does not say, and what he may say, s.
@@ -200,4 +200,4 @@ def _close_all() -> None:
         client.close()
 
 
-at_shutdown(_close_all)
+at_end(Ending.TOOLKIT, _close_all)

@@ -2,17 +2,27 @@
 
 import contextlib
 from functools import partial
-from typing import Any, Callable, Collection, Optional, Type
+from typing import Any, Callable, Collection, Iterator, List, Optional, Type
 
+import rospy
 from std_srvs.srv import Trigger
 
 from nodekit.groups.groups import Group, Outside, ReentrantGroup
+from nodekit.groups.line import Line
+from nodekit.messaging.finite import is_finite
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.seldom import Seldom
 from nodekit.messaging.service import Service
-from nodekit.messaging.stream_log import StreamLog
-from nodekit.node.callbacks import Callback
+from nodekit.messaging.stream_log import StreamLog, shortened
+from nodekit.messaging.subscription import Latest, Subscription
+from nodekit.node.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
+from nodekit.node.clients import Client
+from nodekit.node.maker import Maker, Thing
+from nodekit.node.names import Names
+from nodekit.node.opening import Opener
+from nodekit.node.ownership import Owner
 from nodekit.node.telling import Change, Followed
-from nodekit.node.timers import NodeTimer, Rate
-from nodekit.node.topics import TopicMaker
+from nodekit.node.timers import NodeTimer, Rate, RateFollowers
 from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.services import change_handler, description_handler
@@ -20,9 +30,12 @@ from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import ParameterSet, Snapshot
 from nodekit.parameters.kinds import BoolParameter
 from nodekit.parameters.schema import AT_START
-from nodekit.rospy_internals.shutdown import before_shutdown
+from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit_msgs.srv import SetParameters
+
+#: Least time between two warnings about messages that are left out, s.
+_WARN_EVERY_S = 10.0
 
 
 class OwnParameters(ParameterSet):
@@ -31,14 +44,152 @@ class OwnParameters(ParameterSet):
     managed = BoolParameter(False, help="wait until others configure and activate the node")
 
 
-class Lifetime(TopicMaker):
-    """Makes all that a node uses, and closes it together.
+class Surroundings:
+    """What all lifetimes of a node have in common.
+
+    :param names: where its names are
+    :param opener: opens what they make
+
+    :ivar group: the group of callbacks that are given none
+    :ivar rates: timers whose rates follow the node's parameters
+    :ivar line: the executor's that makes their calls, None without one
+    """
+
+    __slots__ = ("names", "opener", "group", "rates", "line")
+
+    def __init__(self, names: Names, opener: Opener) -> None:
+        self.names, self.opener = names, opener
+        self.group, self.rates = Group(), RateFollowers()
+        self.line: Optional[Line] = None
+
+
+class Lifetime(Owner, Maker):
+    """Makes what a node uses, and closes it together; :class:`.Maker` says what it makes.
 
     What is made before the node's start is opened with it; what is made later, at once.
+
+    :param surroundings: the node's
     """
 
     #: When it is made anew: then changes of parameters that are read once take effect.
     _anew = AT_START
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        super().__init__(surroundings.opener)
+        self._surroundings = surroundings
+
+    @property
+    def name(self) -> str:
+        return self._surroundings.names.node
+
+    @property
+    def default_group(self) -> Group:
+        return self._surroundings.group
+
+    def __str__(self) -> str:
+        return self.name
+
+    def own(self, thing: Thing) -> Thing:
+        """Close something with the rest; see :meth:`.Owner.own`."""
+        if isinstance(thing, Callback):
+            thing.attach(self._surroundings.line)
+        return super().own(thing)
+
+    def attach(self, line: Optional[Line]) -> None:
+        """Have an executor make the calls of this node from now on, or rospy's threads.
+
+        :param line: the executor's, None for none
+        """
+        self._surroundings.line = line
+        for callback in self.callbacks():
+            callback.attach(line)
+
+    def callbacks(self) -> Iterator[Callback]:
+        """Return the callbacks of this node, but not those of nodes that it hosts."""
+        for thing in list(self._made):
+            if isinstance(thing, Callback):
+                yield thing
+            elif isinstance(thing, Lifetime) and thing._surroundings is self._surroundings:
+                yield from thing.callbacks()
+
+    def publisher(
+        self,
+        name: str,
+        data_class: type,
+        latch: bool = False,
+        queue_size: Optional[int] = None,
+        lifespan: float = 0.0,
+    ) -> Publisher:
+        return self._open(Publisher(self.resolve(name), data_class, latch, lifespan))
+
+    def subscribe(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[Any], Any],
+        queue_size: Optional[int] = None,
+        finite: bool = False,
+        group: Optional[Group] = None,
+    ) -> Subscription:
+        resolved, seldom = self.resolve(name), Seldom(_WARN_EVERY_S)
+
+        def only_finite(message: Any) -> None:
+            if is_finite(message):
+                callback(message)
+            elif seldom.is_due():
+                text = shortened(" ".join(str(message).split()))
+                rospy.logwarn("%s: %s is not finite and is left out", resolved, text)
+
+        depth = _depth(queue_size)
+        return self._hear(name, data_class, only_finite if finite else callback, depth, group)
+
+    def subscribe_batches(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[List[Any]], Any],
+        group: Optional[Group] = None,
+    ) -> Subscription:
+        return self._hear(name, data_class, callback, MOST_KEPT, group, batches=True)
+
+    def latest(self, name: str, data_class: type) -> Latest:
+        latest = Latest(self.resolve(name), data_class)
+        self._open(latest.subscription)
+        return latest
+
+    def service(
+        self,
+        name: str,
+        service_class: type,
+        handler: Callable[[Any], Any],
+        group: Optional[Group] = None,
+    ) -> Service:
+        resolved = self.resolve(name)
+        callback = self.own(Answering(group or self.default_group, handler, resolved))
+        return self._open(Service(resolved, service_class, callback.answer))
+
+    def client(self, name: str, service_class: type, group: Optional[Group] = None) -> Client:
+        resolved = self.resolve(name)
+        group = group or self.default_group
+        done = self.own(Callback(group, lambda function, future: function(future), resolved))
+        return self.own(Client(resolved, service_class, done))
+
+    def _hear(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[Any], Any],
+        depth: int,
+        group: Optional[Group],
+        batches: bool = False,
+    ) -> Subscription:
+        resolved = self.resolve(name)
+        group = group or self.default_group
+        receiving = Receiving(group, callback, resolved, batches, depth)
+        return self._open(Subscription(resolved, data_class, self.own(receiving).receive))
+
+    def resolve(self, name: str) -> str:
+        return self._surroundings.names.resolve(name)
 
     def every(
         self,
@@ -48,17 +199,7 @@ class Lifetime(TopicMaker):
         steady: bool = False,
         group: Optional[Group] = None,
     ) -> NodeTimer:
-        """Call a function at a rate, the first time at once, without drift.
-
-        :param rate: calls a second, Hz; 0 pauses. Of a function the result: it is asked at the
-            start and after each change of parameters of this node
-        :param callback: called with the time since the first call, s; short
-        :param catch_up: lateness up to which calls are made up for, s; never on a simulated clock
-        :param steady: go by the machine's clock also where /use_sim_time is set
-        :param group: the callback's group; the node's own by default
-        :raises ValueError: if the rate is a number that no timer can keep
-        """
-        group = group or self._surroundings.group
+        group = group or self.default_group
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
         timer = self._timer(get_scheduler(steady), group, rate, callback, catch_up, what)
         if callable(rate):
@@ -72,25 +213,16 @@ class Lifetime(TopicMaker):
         exempt: Collection[str] = (),
         group: Optional[Group] = None,
     ) -> "LiveParameters[Snapshot]":
-        """Read and judge the node's private parameters now, and follow them from the start on.
-
-        :param declaration: the class that declares them
-        :param on_change: called with the new and the old values after a change
-        :param exempt: names beside them that are used but not declared
-        :param group: the callback's group; the node's own by default
-        :returns: an object whose ``values`` are those in force
-        :raises ParameterError: if a value on the server is not allowed
-        """
         used = (*exempt, *OwnParameters.declared)
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
-            self._open(Change(group or self._surroundings.group, live, on_change))
+            self._open(Change(group or self.default_group, live, on_change))
         self._serve("~describe", Trigger, description_handler(live))
         self._serve("~change", SetParameters, change_handler(live))
         if reconfigure.AVAILABLE:
             # The toolkit's own publishers: a managed node's are heard in any state.
-            publisher = partial(TopicMaker.publisher, self)
+            publisher = partial(Lifetime.publisher, self)
             self.own(reconfigure.ReconfigureInterface(live, publisher, self._serve))
         return self._open(live)
 
@@ -101,54 +233,30 @@ class Lifetime(TopicMaker):
     def follow(
         self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None
     ) -> None:
-        """Follow a parameter that is not declared, or not this node's.
-
-        :param key: name of the parameter
-        :param callback: called with its value, None where it is not set: once at the start and
-            after each change
-        :param group: the callback's group; the node's own by default
-        """
-        group = group or self._surroundings.group
+        group = group or self.default_group
         self._open(Followed(group, self.resolve(key), get_watcher(), callback))
 
     def stream_log(self, per_second: int = 10) -> StreamLog:
-        """Log lines at info, of a quick stream a part.
-
-        :param per_second: how many lines a second are logged, 1/s
-        """
         log = StreamLog(per_second)
         # By the machine's clock: /clock may stand still while messages come.
         self.every(1.0, log.end_second, steady=True, group=Outside())
         return log
 
     def before_end(self, callback: Callable[[], Any]) -> None:
-        """Have a function called when the process is told to end, while all of it still works.
-
-        :param callback: what to call, in no group; it has less than 2 s
-        """
-        last = self.own(Callback(Outside(), callback, f"{self.name}: before_end"))
-        forgetting = self.own(contextlib.ExitStack())
-        forgetting.callback(before_shutdown(last.call))
+        self._call_at_end(callback, "before_end")
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
-        """Have a function called whenever the node stops being active, while it still publishes.
+        self._call_at_end(callback, "before_deactivate")
 
-        Only a managed node ever does, on its way through shutdown too; of any other it is not
-        called.
-
-        :param callback: what to call, in the node's default group
-        """
+    def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
+        last = self.own(Callback(Outside(), callback, f"{self.name}: {what}"))
+        forgetting = self.own(contextlib.ExitStack())
+        forgetting.callback(at_end(Ending.NODES, last.call))
 
     def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
-        """Make a callback group.
-
-        :param exclusive: whether its callbacks exclude each other
-        :param urgent: whether an executor makes its calls before those of all other groups
-        """
         return Group(urgent) if exclusive else ReentrantGroup(urgent)
 
     def lifetime(self) -> "Lifetime":
-        """Return a maker of its own, whose ``close`` ends only what was made through it."""
         return self.own(Part(self))
 
     def _timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
@@ -169,3 +277,15 @@ class Part(Lifetime):
         """Close what was made through this; see :meth:`.Owner.close`."""
         super().close()
         self._whole.disown(self)
+
+
+def _depth(queue_size: Optional[int]) -> int:
+    """Return how many messages wait for an executor."""
+    if queue_size is None:
+        return DEPTH
+    if queue_size == -1:
+        return MOST_KEPT
+    if isinstance(queue_size, int) and queue_size > 0:
+        return queue_size
+    allowed = "must be a whole number from 1 on, or -1 for no limit of its own"
+    raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")

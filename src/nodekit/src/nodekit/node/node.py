@@ -2,10 +2,9 @@
 
 from typing import Any, Callable, Optional
 
-from nodekit.node.lifetime import Lifetime
+from nodekit.node.lifetime import Lifetime, Surroundings
 from nodekit.node.names import Names
 from nodekit.node.opening import Opener
-from nodekit.node.topics import Surroundings
 
 
 class Node(Lifetime):

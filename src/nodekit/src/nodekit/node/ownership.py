@@ -3,16 +3,15 @@
 import threading
 import time
 import traceback
-from typing import Any, List, Set, TypeVar
+from typing import Any, List, Set
 
 import rospy
 
 from nodekit.groups.groups import Group
 from nodekit.node.callbacks import Callback
+from nodekit.node.maker import Thing
 from nodekit.node.opening import Opener
 from nodekit.rospy_internals import registration
-
-Thing = TypeVar("Thing")
 
 #: Longest wait on closing for callbacks that are under way, s.
 CLOSE_WAIT_S = 1.0

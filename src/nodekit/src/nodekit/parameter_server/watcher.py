@@ -55,7 +55,7 @@ class Watcher:
         if not parameters.on_push(self._on_push):
             rospy.logwarn("this rospy is not known: changes are noticed once a second only")
         self._take_over_logging()
-        shutdown.at_shutdown(self.shut_down)
+        shutdown.at_end(shutdown.Ending.TOOLKIT, self.shut_down)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
     def _take_over_logging(self) -> None:

@@ -1,11 +1,11 @@
-"""How rospy ends."""
+"""How rospy ends, and who is called then, in which order: nobody else asks rospy for it."""
 
+import enum
 import threading
 import traceback
 from functools import partial
-from typing import Callable, List
+from typing import Callable, Dict, List
 
-import rospy
 import rospy.core
 from rospy.impl.tcpros_base import TCPServer
 
@@ -31,38 +31,46 @@ def mend_shutdown() -> None:
     TCPServer.run = serve_until_shutdown
 
 
-def at_shutdown(function: Callable[[], None]) -> None:
-    """Have a function called when the node ends: at once, and maybe twice, where that has begun.
+class Ending(enum.IntEnum):
+    """The order in which all ends: what is given for the first is called before all the rest."""
 
-    rospy calls only what it was given before, and drops what it is given meanwhile.
-
-    :param function: what to call
-    """
-    rospy.on_shutdown(function)
-    if rospy.core.is_shutdown_requested():
-        function()
-
-
-#: What is called first of all. Lists are changed and copied in one step, also amid a signal.
-_first: List[Callable[[], None]] = []
+    #: What nodes' classes have asked for; publishers and clients still work.
+    NODES = 0
+    #: Managed nodes go through shutdown; publishers and clients still work.
+    TRANSITIONS = 1
+    #: Calls of services are cancelled, executors and timers stop, parameters are left.
+    TOOLKIT = 2
 
 
-def before_shutdown(function: Callable[[], None]) -> Callable[[], None]:
-    """Have a function called first of all when the node ends, while all of it still works.
+#: What is to be called, each the latest first. Lists are changed and copied in one step, also amid
+#: a signal.
+_functions: Dict[Ending, List[Callable[[], object]]] = {ending: [] for ending in Ending}
 
-    :param function: what to call, before those that were given earlier
+
+def at_end(ending: Ending, function: Callable[[], object]) -> Callable[[], None]:
+    """Have a function called when the process is told to end.
+
+    Where that has begun, one of the toolkit is called at once, and maybe twice: rospy drops what it
+    is given meanwhile.
+
+    :param ending: when
+    :param function: what to call, before those that were given earlier for the same
     :returns: a function that ends this
     """
-    _first.insert(0, function)
-    return partial(_first.remove, function)
+    _functions[ending].insert(0, function)
+    if ending is Ending.TOOLKIT and rospy.core.is_shutdown_requested():
+        function()
+    return partial(_functions[ending].remove, function)
 
 
-def _call_first() -> None:
-    for function in list(_first):
-        try:
-            function()
-        except Exception:  # as rospy does it: the others are called all the same
-            traceback.print_exc()
+def _call_all() -> None:
+    for functions in _functions.values():
+        for function in list(functions):
+            try:
+                function()
+            except Exception:  # as rospy does it: the others are called all the same
+                traceback.print_exc()
 
 
-rospy.core._client_shutdown_hooks.insert(0, _call_first)
+# Before all that rospy.on_shutdown is given, also before this is imported.
+rospy.core._client_shutdown_hooks.insert(0, _call_all)

@@ -4,7 +4,7 @@ from typing import Any, Dict, Mapping, NamedTuple, Optional, Union
 
 import yaml
 
-from nodekit import CallError, Lifetime, MasterUnreachable
+from nodekit import CallError, Maker, MasterUnreachable
 from nodekit.groups.groups import Outside
 from nodekit.master import MasterClient
 from nodekit.parameters.kinds import MISSING, UNREADABLE
@@ -47,7 +47,7 @@ class Described:
     :param name: global name of the node
     """
 
-    def __init__(self, made: Lifetime, name: str) -> None:
+    def __init__(self, made: Maker, name: str) -> None:
         self._describe = made.client(f"{name}/describe", Trigger, group=Outside())
         self._change = made.client(f"{name}/change", SetParameters, group=Outside())
 

@@ -262,7 +262,7 @@ class Bag(unittest.TestCase):
 
     def test_a_file_that_is_no_bag_is_told_in_a_sentence(self) -> None:
         node = roslib.packages.find_node("topic_scope", "scope.py")[0]
-        reasons = {__file__: "is no bag", self.path + "x": "No such file"}
+        reasons = {__file__: "is not a bag", self.path + "x": "No such file"}
         started = {
             path: subprocess.Popen(
                 [node, "--next-port", "--bag", path],

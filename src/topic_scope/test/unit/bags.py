@@ -1,23 +1,71 @@
-"""Bags to be read in tests."""
+"""Bags, and messages as they are in bags, to be read in tests."""
 
+import io
 from pathlib import Path
-from typing import Any, Iterable, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Tuple
 
 import genpy
+import numpy
 import rosbag
 
-#: When all of them begin, since the epoch, ns: a time that a float cannot hold exactly.
+from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.bag_file import FirstMessage, Slice
+from topic_scope.bag.column_reader import ColumnReader
+from topic_scope.messages.definitions import layout_of
+
+#: When all of them start, since the epoch, ns: a time that a float cannot hold exactly.
 BEGIN = 1700000000123456789
+
+#: A message of a test: its time since the start of the bag, ns, its topic and itself.
+Told = Tuple[int, str, Any]
 
 
 def write_bag(path: Path, messages: Iterable[Tuple[str, Any, int]]) -> str:
     """Record messages.
 
     :param path: the file
-    :param messages: topic, message and time since the begin, ns
+    :param messages: topic, message and time since the start, ns
     :returns: the path as text
     """
     with rosbag.Bag(str(path), "w") as bag:
         for topic, message, time in messages:
             bag.write(topic, message, genpy.Time(0, BEGIN + time))
     return str(path)
+
+
+def serialized(message: Any) -> bytes:
+    """Return a message as it is in a bag."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def first_messages(messages: Mapping[str, Any]) -> Dict[str, FirstMessage]:
+    """Return messages as a bag does the first of each topic."""
+    return {
+        topic: FirstMessage(layout_of(type(message)), serialized(message))
+        for topic, message in messages.items()
+    }
+
+
+def reading(columns: Iterable[Column], told: Iterable[Told]) -> List[ColumnReader]:
+    """Return what reads columns out of messages."""
+    first = first_messages({topic: message for _, topic, message in reversed(list(told))})
+    return [ColumnReader(column, first[column.topic]) for column in columns]
+
+
+def slices(told: Iterable[Told]) -> List[List[Slice]]:
+    """Return messages as a bag does that holds all of them in one chunk."""
+    of_topic: Dict[str, List[Told]] = {}
+    for one in told:
+        of_topic.setdefault(one[1], []).append(one)
+    return [
+        [
+            Slice(
+                topic,
+                numpy.array([time for time, _, _ in found], numpy.int64),
+                [serialized(message) for _, _, message in found],
+            )
+            for topic, found in of_topic.items()
+        ]
+    ]

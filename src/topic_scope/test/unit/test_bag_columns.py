@@ -3,6 +3,7 @@
 from typing import List
 
 import pytest
+from bags import first_messages
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, Header, String
 
@@ -10,13 +11,15 @@ from basic_comms.msg import signal_msg
 from topic_scope.bag.bag_columns import all_columns, choose, choose_lines
 from topic_scope.messages.fields import FieldError
 
-MESSAGES = {
-    "/signal": signal_msg(),
-    "/robot/arm": Float64MultiArray(data=[1.0, 2.0, 3.0]),
-    "/robot/header": Header(),
-    "/words": String(),
-    "/switch": Bool(),
-}
+MESSAGES = first_messages(
+    {
+        "/signal": signal_msg(),
+        "/robot/arm": Float64MultiArray(data=[1.0, 2.0, 3.0]),
+        "/robot/header": Header(),
+        "/words": String(),
+        "/switch": Bool(),
+    }
+)
 
 
 def names(*expressions: str) -> List[str]:
@@ -57,7 +60,7 @@ def test_array_is_as_long_as_in_the_message_but_any_element_may_be_asked_for() -
 
 def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
     joints = JointState(name=["arm", "leg", "leg"], position=[1.0, 2.0, 3.0])
-    columns = choose(["/j/position", "/j/position[0]"], {"/j": joints})
+    columns = choose(["/j/position", "/j/position[0]"], first_messages({"/j": joints}))
     named = ["/j/position[arm]", "/j/position[1]", "/j/position[2]", "/j/position[0]"]
     assert [column.name for column in columns] == named
 
@@ -95,7 +98,7 @@ def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) ->
 
 def test_bag_without_any_number() -> None:
     with pytest.raises(FieldError, match="there are no numbers at all"):
-        choose(["/words/data"], {"/words": String()})
+        choose(["/words/data"], first_messages({"/words": String()}))
 
 
 def test_all_columns_can_be_chosen_by_their_names() -> None:

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Int32
 
-from topic_scope.bag.bag_chunks import BagChunks
+from topic_scope.bag.bag_file import BagFile
 from topic_scope.bag.bag_player import BagPlayer
 
-#: Of each topic, how long after the begin its messages were recorded, ms.
+#: Of each topic, how long after the start its messages were recorded, ms.
 RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}
 START = BEGIN / 1e9
 
@@ -34,16 +34,16 @@ class Clock:
 
 
 @pytest.fixture(scope="module")
-def bag(tmp_path_factory: "pytest.TempPathFactory") -> BagChunks:
+def bag(tmp_path_factory: "pytest.TempPathFactory") -> BagFile:
     path = str(tmp_path_factory.mktemp("bags") / "x.bag")
     told = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
     with rosbag.Bag(path, "w", chunk_threshold=500) as file:
         for time, topic in told:
             file.write(topic, Int32(time), genpy.Time(0, BEGIN + time * 10**6))
-    return BagChunks(path)
+    return BagFile(path)
 
 
-def playing(bag: BagChunks, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
+def playing(bag: BagFile, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
     player = BagPlayer(bag, history, clock)
     player.want(topics)
     player.seek(START)
@@ -85,7 +85,7 @@ steps = st.lists(
 
 @given(steps, st.sampled_from([0.0, 1e-3]))
 def test_what_comes_out_is_what_the_clock_has_passed(
-    bag: BagChunks, steps: List[Tuple[str, int]], step: float
+    bag: BagFile, steps: List[Tuple[str, int]], step: float
 ) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a", "/b")
@@ -116,7 +116,7 @@ def test_what_comes_out_is_what_the_clock_has_passed(
         before = at
 
 
-def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagChunks) -> None:
+def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagFile) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)
     loaded(player)
@@ -131,7 +131,7 @@ def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagChunks) -> None
     assert taken(player)["/a"] == list(range(0, 1001, 100))
 
 
-def test_it_stops_at_the_end(bag: BagChunks) -> None:
+def test_it_stops_at_the_end(bag: BagFile) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     player.seek(START + 9.95)
@@ -146,14 +146,14 @@ def test_it_stops_at_the_end(bag: BagChunks) -> None:
     assert not player.is_playing
 
 
-def test_places_beyond_its_ends_are_its_ends(bag: BagChunks) -> None:
+def test_places_beyond_its_ends_are_its_ends(bag: BagFile) -> None:
     player = playing(bag, Clock(), "/a")
-    for place, there in ((0.0, player.begin), (1e11, player.end)):
+    for place, there in ((0.0, player.start), (1e11, player.end)):
         player.seek(place)
         assert loaded(player) == there
 
 
-def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: BagChunks) -> None:
+def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: BagFile) -> None:
     clock = Clock(step=1.0)  # so that each look reads one chunk
     player = playing(bag, clock, "/a", history=60.0)
     player.seek(START + 10.1)
@@ -164,7 +164,7 @@ def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: 
         assert all(START + value / 1e3 <= now + 1e-6 for value in found)
         seen += found
     assert seen == list(RECORDED["/a"]) and looks > 3
-    player.seek(player.begin)
+    player.seek(player.start)
     player.play()
     looks = 0
     while player.is_playing:
@@ -173,7 +173,7 @@ def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: 
     assert taken(player) == {"/a": list(RECORDED["/a"])} and looks > 3
 
 
-def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagChunks) -> None:
+def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagFile) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -186,7 +186,7 @@ def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagChunks) 
     assert player.now() - START == pytest.approx(late + 0.1, abs=1e-6)
 
 
-def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagChunks) -> None:
+def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagFile) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -207,7 +207,7 @@ def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> 
     content = bytearray(path.read_bytes())
     content[content.index(b"BZh") + 20] ^= 0xFF
     path.write_bytes(content)
-    player = playing(BagChunks(str(path)), Clock(), "/a", history=60.0)
+    player = playing(BagFile(str(path)), Clock(), "/a", history=60.0)
     player.seek(START + 20.0)
     loaded(player)
     found = taken(player)["/a"]
@@ -222,7 +222,7 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path)
             if time in (0, 1000, 9000):
                 file.write("/rare", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
             file.write("/a", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
-    player = playing(BagChunks(str(path)), Clock(), "/a", "/rare", history=1.0)
+    player = playing(BagFile(str(path)), Clock(), "/a", "/rare", history=1.0)
     player.aside.want(["/rare"])
     assert player.lacks_past
     player.seek(START + 8.05)
@@ -232,7 +232,7 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path)
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values == [1000] and besides[-1].times[-1] == pytest.approx(START + 1.0)
     # Of others the last seconds, and then what the clock passes.
-    longer = BagPlayer(BagChunks(str(path)), 60.0, Clock())
+    longer = BagPlayer(BagFile(str(path)), 60.0, Clock())
     longer.aside.want(["/a"])
     longer.seek(START + 8.05)
     loaded(longer)

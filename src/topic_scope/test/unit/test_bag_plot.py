@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import List
 
 import pytest
+from bags import Told, reading, slices
 from geometry_msgs.msg import PointStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,8 +17,13 @@ from std_msgs.msg import Float64, Float64MultiArray
 from basic_comms.msg import signal_msg
 from topic_scope.bag.bag_columns import Column
 from topic_scope.bag.bag_plot import Series, collect, difference, draw, save
-from topic_scope.bag.bag_reading import Sample
 from topic_scope.messages.fields import to_path
+
+
+def collected(columns: List[Column], told: List[Told]) -> List[Series]:
+    """Return what is gathered of messages."""
+    return collect(reading(columns, told), slices(told))
+
 
 SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))
 
@@ -25,22 +31,29 @@ SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]
 def test_each_field_gets_the_values_of_its_topic() -> None:
     columns = [Column("/x", ("data",)), Column("/y", ("data", 1))]
     samples = [
-        Sample(0, "/x", Float64(1.0)),
-        Sample(10**8, "/y", Float64MultiArray(data=[2.0, 3.0])),
-        Sample(2 * 10**8, "/z", Float64(9.0)),
-        Sample(3 * 10**8, "/x", Float64(4.0)),
+        (0, "/x", Float64(1.0)),
+        (10**8, "/y", Float64MultiArray(data=[2.0, 3.0])),
+        (2 * 10**8, "/z", Float64(9.0)),
+        (3 * 10**8, "/x", Float64(4.0)),
     ]
-    assert collect(columns, samples) == [
+    assert collected(columns, samples) == [
         ("/x/data", array("d", [0.0, 0.3]), array("d", [1.0, 4.0])),
         ("/y/data[1]", array("d", [0.1]), array("d", [3.0])),
     ]
 
 
+def test_a_topic_that_is_silent_has_an_empty_line() -> None:
+    readers = reading([Column("/x", ("data",))], [(0, "/x", Float64(1.0))])
+    (series,) = collect(readers, slices([(0, "/y", Float64(2.0))]))
+    assert (list(series.times), list(series.values)) == ([], [])
+    readers[0].check()
+
+
 def test_what_cannot_be_plotted_leaves_a_gap() -> None:
     values = [math.nan, math.inf, -math.inf, 1.7e308, 2.0]
-    samples = [Sample(0, "/x", Float64MultiArray(data=[value])) for value in values]
-    samples.append(Sample(0, "/x", Float64MultiArray(data=[])))
-    (series,) = collect([Column("/x", ("data", 0))], samples)
+    samples = [(0, "/x", Float64MultiArray(data=[value])) for value in values]
+    samples.append((0, "/x", Float64MultiArray(data=[])))
+    (series,) = collected([Column("/x", ("data", 0))], samples)
     assert [value for value in series.values if not math.isnan(value)] == [2.0]
     assert len(series.values) == len(series.times) == 6
 
@@ -49,15 +62,15 @@ def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line
     times = [5.0, 5.1, 5.2, 0.0, 0.1]
     delays = [0.01, 0.03, 0.01, 0.02, 0.02]
     samples = [
-        Sample(round((0.1 * index + delay) * 1e9), "/s", signal_msg(2.0, 1.0, time, index))
+        (round((0.1 * index + delay) * 1e9), "/s", signal_msg(2.0, 1.0, time, index))
         for index, (time, delay) in enumerate(zip(times, delays))
     ]
     columns = [Column("/s", ("signal_y",), base) for base in ("", "received")]
-    own, received = collect(columns, samples)
+    own, received = collected(columns, samples)
     assert (own.name, received.name) == ("/s/signal_y", "/s/signal_y@received")
     assert list(own.times) == pytest.approx([0.01, 0.11, 0.21, 0.21, 0.32, 0.42])
     assert repr(list(own.values)) == "[0.0, 1.0, 2.0, nan, 3.0, 4.0]"
-    assert list(received.times) == [sample.time / 1e9 for sample in samples]
+    assert list(received.times) == [time / 1e9 for time, _, _ in samples]
 
 
 def test_a_joint_has_a_whole_line_where_others_speak_on_its_topic() -> None:
@@ -67,24 +80,24 @@ def test_a_joint_has_a_whole_line_where_others_speak_on_its_topic() -> None:
         else JointState(name=["leg"], position=[-1.0])
         for index in range(8)
     ]
-    samples = [Sample(index * 10**7, "/j", message) for index, message in enumerate(messages)]
-    (series,) = collect([Column("/j", to_path("position[arm]"))], samples)
+    samples = [(index * 10**7, "/j", message) for index, message in enumerate(messages)]
+    (series,) = collected([Column("/j", to_path("position[arm]"))], samples)
     assert repr(list(series.values)) == "[0.0, 2.0, nan, 6.0]"
     assert list(series.times) == [0.0, 0.02, 0.04, 0.06]
 
 
 def test_a_line_ends_where_several_samples_are_missing() -> None:
     times = [0.0, 0.1, 0.2, 0.3, 0.4, 2.0, 2.1]
-    samples = [Sample(round(time * 1e9), "/x", Float64(1.0)) for time in times]
-    (series,) = collect([Column("/x", ("data",))], samples)
+    samples = [(round(time * 1e9), "/x", Float64(1.0)) for time in times]
+    (series,) = collected([Column("/x", ("data",))], samples)
     assert repr(list(series.values)) == repr([1.0] * 5 + [math.nan] + [1.0] * 2)
     assert list(series.times) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.4, 2.0, 2.1]
 
 
 def test_a_stamp_that_nobody_has_filled_in_ends_no_line() -> None:
     times = [0.0, 0.01, 0.02, 0.03, 0.04, 0.2, 0.21]  # received with a delay: less than 0.25 s
-    samples = [Sample(round(time * 1e9), "/x", PointStamped()) for time in times]
-    (series,) = collect([Column("/x", ("point", "x"))], samples)
+    samples = [(round(time * 1e9), "/x", PointStamped()) for time in times]
+    (series,) = collected([Column("/x", ("point", "x"))], samples)
     assert list(series.times) == times and list(series.values) == [0.0] * 7
 
 
@@ -124,20 +137,20 @@ def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
 
 
 @settings(max_examples=10)
-@given(st.lists(st.floats(), max_size=5))
+@given(st.lists(st.floats(), min_size=1, max_size=5))
 @pytest.mark.filterwarnings("error")
 def test_any_values_can_be_plotted(
     tmp_path_factory: "pytest.TempPathFactory", values: List[float]
 ) -> None:
     path = tmp_path_factory.mktemp("plots") / "x.png"
-    samples = [Sample(index, "/x", Float64(value)) for index, value in enumerate(values)]
-    save(draw(collect([Column("/x", ("data",))], samples)), str(path), "png")
+    samples = [(index, "/x", Float64(value)) for index, value in enumerate(values)]
+    save(draw(collected([Column("/x", ("data",))], samples)), str(path), "png")
     assert imread(str(path)).shape[:2] == (675, 1350)
 
 
 def test_huge_values_of_both_signs_can_be_plotted(tmp_path: Path) -> None:
-    samples = [Sample(index, "/x", Float64((-1) ** index * 1e300)) for index in range(5)]
-    save(draw(collect([Column("/x", ("data",))], samples)), str(tmp_path / "x"), "png")
+    samples = [(index, "/x", Float64((-1) ** index * 1e300)) for index in range(5)]
+    save(draw(collected([Column("/x", ("data",))], samples)), str(tmp_path / "x"), "png")
     assert imread(str(tmp_path / "x")).min() < 0.5
 
 

@@ -5,6 +5,7 @@ from typing import List
 
 import numpy
 import pytest
+from bags import first_messages
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -86,7 +87,7 @@ def test_names() -> None:
 
 
 def test_what_has_a_heading_is_found_in_a_message() -> None:
-    messages = {"/pose": PoseStamped(), "/turn": Quaternion()}
+    messages = first_messages({"/pose": PoseStamped(), "/turn": Quaternion()})
     names = [column.name for column in choose(["/pose.yaw", "/turn.yaw@received"], messages)]
     assert names == ["/pose/pose/orientation.yaw", "/turn.yaw@received"]
     with pytest.raises(FieldError, match="no quaternion in pose/position"):

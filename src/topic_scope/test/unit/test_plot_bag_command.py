@@ -6,13 +6,15 @@ import sys
 from pathlib import Path
 from typing import Any, List
 
+import genpy
 import pytest
+import rosbag
 from bags import write_bag
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
 from topic_scope.bag import plot_bag_command
-from topic_scope.bag.bag_reading import BagReader
+from topic_scope.bag.bag_file import BagFile
 
 
 @pytest.fixture
@@ -79,9 +81,9 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/x/data", "-o", "out"], "'out' does not end in"),
         (["/x/data"], "required: -o"),
         (["-o", "out.csv"], "required: FIELD"),
-        (["/x/data", "-o", "out.csv", "--start", "soon"], "'soon' is no time"),
-        (["/x/data", "-o", "out.csv", "--start", "nan"], "'nan' is no time"),
-        (["/x/data", "-o", "out.csv", "--end", "-1"], "'-1' is no time"),
+        (["/x/data", "-o", "out.csv", "--start", "soon"], "'soon' is not a time"),
+        (["/x/data", "-o", "out.csv", "--start", "nan"], "'nan' is not a time"),
+        (["/x/data", "-o", "out.csv", "--end", "-1"], "'-1' is not a time"),
         (
             ["/x/date", "-o", "out.csv"],
             "plot_bag: /x/date: there is no date in std_msgs/Float64; " "nearest to it: /x/data",
@@ -132,6 +134,19 @@ def test_more_lines_than_can_be_told_apart_are_refused(
     assert error.startswith("plot_bag: these are 41 lines, and 40 at most can be told apart")
     call(monkeypatch, path, *names, "-o", "out.csv")
     call(monkeypatch, path, *names[:40], "-o", "out.png")
+
+
+def test_a_message_that_is_too_short_for_its_type_is_told(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with rosbag.Bag("x.bag", "w") as bag:
+        bag.write("/x", Int32(1), genpy.Time(1, 0))
+        raw = (Int32._type, b"\0\0", Int32._md5sum, Int32)
+        bag.write("/x", raw, genpy.Time(1, 1), raw=True)
+    for name in ("out.csv", "out.png"):
+        error = failure(monkeypatch, capsys, "x.bag", "/x/data", "-o", name)
+        assert error.startswith("plot_bag: x.bag is broken (")
 
 
 def test_missing_bag(
@@ -188,7 +203,7 @@ def test_ctrl_c_ends_it_without_a_trace(
     def interrupted(*_arguments: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(BagReader, "samples", interrupted)
+    monkeypatch.setattr(BagFile, "slices", interrupted)
     with pytest.raises(SystemExit) as caught:
         call(monkeypatch, bag, "/x/data", "-o", "out.csv")
     assert caught.value.code == 130

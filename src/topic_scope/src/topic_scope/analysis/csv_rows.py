@@ -1,53 +1,54 @@
 """Samples as rows of a CSV file: one for each message, with all fields that were read of it."""
 
 from itertools import groupby
-from typing import Iterator, List, NamedTuple, Sequence
+from typing import Any, Callable, Iterator, List, NamedTuple, Sequence
 
 import numpy
 
-from topic_scope.analysis.ring import Samples
 
-_NOTHING = numpy.empty(0)
-
-
-class Column(NamedTuple):
+class CsvColumn(NamedTuple):
     """The samples of one field.
 
     :param topic: topic of the field: the samples of one message share times and row
-    :param samples: times and values
-    :param received: when each was received, s
+    :param times: when each was taken, ascending
+    :param received: when each was received, or what else tells two of one time apart
+    :param cells: what is written of each
     """
 
     topic: str
-    samples: Samples
+    times: numpy.ndarray
     received: numpy.ndarray
+    cells: Sequence[str]
 
 
-def header(fields: Sequence[str]) -> str:
+def header(*names: str) -> str:
     """Return the first row.
 
-    :param fields: their names
+    :param names: names of the columns, those of the times before those of the fields
     """
-    return ",".join(["time", "received"] + list(fields)) + "\n"
+    return ",".join(names) + "\n"
 
 
-def rows(columns: Sequence[Column]) -> Iterator[str]:
-    """Return the rows, in the order of time; each number with all of its digits.
+def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iterator[str]:
+    """Return the rows, in the order of time.
 
     :param columns: the fields; a cell stays empty where a row is of another topic
+    :param stamp: returns what a row begins with, of the time and the receipt of its message
     """
-    topics = sorted({column.topic for column in columns})
-    counts = [len(column.samples[0]) for column in columns]
-    column_of = numpy.repeat(numpy.arange(len(columns)), counts)
-    topic_of = numpy.repeat([topics.index(column.topic) for column in columns], counts)
-    times = numpy.concatenate([_NOTHING] + [column.samples[0] for column in columns])
-    values = numpy.concatenate([_NOTHING] + [column.samples[1] for column in columns])
-    received = numpy.concatenate([_NOTHING] + [column.received for column in columns])
+    filled = [(index, column) for index, column in enumerate(columns) if len(column.times)]
+    if not filled:
+        return
+    topics = sorted({column.topic for _, column in filled})
+    counts = [len(column.times) for _, column in filled]
+    topic_of = numpy.repeat([topics.index(column.topic) for _, column in filled], counts)
+    times = numpy.concatenate([column.times for _, column in filled])
+    received = numpy.concatenate([column.received for _, column in filled])
     order = numpy.lexsort((topic_of, received, times))
-    parts = (column_of, topic_of, times, received, values)
-    cells = zip(*(part[order].tolist() for part in parts))
-    for (_, time, came), group in groupby(cells, key=lambda cell: cell[1:4]):
+    written = [(index, cell) for index, column in filled for cell in column.cells]
+    stamps = zip(*(part[order].tolist() for part in (times, received, topic_of)))
+    in_order = zip(stamps, map(written.__getitem__, order.tolist()))
+    for (time, came, _), group in groupby(in_order, key=lambda one: one[0]):
         row: List[str] = [""] * len(columns)
-        for column_index, *_, value in group:
-            row[column_index] = repr(value)
-        yield ",".join([repr(time), repr(came)] + row) + "\n"
+        for _, (index, cell) in group:
+            row[index] = cell
+        yield ",".join([stamp(time, came)] + row) + "\n"

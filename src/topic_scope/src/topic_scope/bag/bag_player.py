@@ -12,8 +12,7 @@ from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, S
 
 import numpy
 
-from topic_scope.bag.bag_chunks import BagChunks, Part
-from topic_scope.bag.bag_reading import BagError
+from topic_scope.bag.bag_file import BagError, BagFile, Part
 from topic_scope.record.message_source import Batch
 
 #: How long one call may read, s: while pages are shown, and while they wait.
@@ -78,7 +77,7 @@ class BagPlayer:
     """
 
     def __init__(
-        self, bag: BagChunks, history: float, clock: Callable[[], float] = time.monotonic
+        self, bag: BagFile, history: float, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self._bag, self._clock = bag, clock
         self._history = round(history * _NS)
@@ -90,9 +89,9 @@ class BagPlayer:
         self._chunks: Deque[Tuple[int, int]] = deque()
         self._parts: List[Part] = []
         #: All messages up to this time have come; and where it is sent to, ns.
-        self._at = self._goal = self._start = self._recent = bag.begin
+        self._at = self._goal = self._start = self._recent = bag.start
         #: The time by which it counts, s, and where it was then, ns.
-        self._since, self._from = clock(), bag.begin
+        self._since, self._from = clock(), bag.start
         self._speed = 1.0
         self.is_loading = self.is_playing = self.lacks_past = False
         self.problems: Deque[str] = deque(maxlen=10)
@@ -100,9 +99,9 @@ class BagPlayer:
     # --- What somebody wants of it -----------------------------------------------------------
 
     @property
-    def begin(self) -> float:
+    def start(self) -> float:
         """Time of the first message, s since the epoch."""
-        return self._bag.begin / _NS
+        return self._bag.start / _NS
 
     @property
     def end(self) -> float:
@@ -140,8 +139,8 @@ class BagPlayer:
 
         :param moment: s since the epoch; the nearest one that there is counts
         """
-        self._goal = min(max(round(moment * _NS), self._bag.begin), self._bag.end)
-        self._at = self._start = max(self._goal - self._history, self._bag.begin) - 1
+        self._goal = min(max(round(moment * _NS), self._bag.start), self._bag.end)
+        self._at = self._start = max(self._goal - self._history, self._bag.start) - 1
         self._recent = self._goal - ASIDE_NS
         self._outlets, wanted = self._outlets_of(self._wanted)
         self.aside.open_outlets, besides = self._outlets_of(self.aside.wanted)

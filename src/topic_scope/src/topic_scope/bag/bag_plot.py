@@ -3,7 +3,7 @@
 import math
 import textwrap
 from array import array
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 import matplotlib
 import numpy
@@ -13,13 +13,11 @@ from matplotlib.colors import TABLEAU_COLORS
 from matplotlib.figure import Figure
 
 from topic_scope.analysis.xy import paired
-from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_reading import Sample
-from topic_scope.messages.definitions import layout_of
-from topic_scope.messages.derived import make, parts
-from topic_scope.messages.fields import Key, Path
-from topic_scope.messages.timestamp_source import longest_step, path_of, placed, said_in
-from topic_scope.messages.values import getter, value_at
+from topic_scope.bag.bag_file import Slice
+from topic_scope.bag.column_reader import ColumnReader
+from topic_scope.messages.derived import make
+from topic_scope.messages.fields import Path
+from topic_scope.messages.timestamp_source import longest_step, placed, said_in
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
@@ -43,7 +41,7 @@ class Series(NamedTuple):
     """A number over time.
 
     :param name: name of the field
-    :param times: when each message was made, since the begin of the bag, s
+    :param times: when each message was made, since the start of the bag, s
     :param values: the number in each message; NaN where there is none to plot
     """
 
@@ -55,48 +53,46 @@ class Series(NamedTuple):
 class _Recorded:
     """What is gathered of a column: when each message was recorded, what time it says, its number.
 
-    :param column: the column
+    :param reader: reads the column
     """
 
-    def __init__(self, column: Column) -> None:
-        self._column = column
-        self._is_named = any(isinstance(part, Key) for part in column.path)
-        self._getters = [getter(column.path + part) for part in parts(column.function)]
-        self._path: Optional[Path] = None
-        self._received, self._own = array("d"), array("d")
-        self._rows = [array("d") for _ in self._getters]
+    def __init__(self, reader: ColumnReader) -> None:
+        self._reader = reader
+        self._received: List[numpy.ndarray] = [numpy.empty(0)]
+        self._own: List[numpy.ndarray] = [numpy.empty(0)]
+        self._rows: List[numpy.ndarray] = []
 
-    def add(self, sample: Sample) -> None:
-        """Take the number from a message, unless that is about elements of other names."""
-        if self._is_named and value_at(sample.message, self._column.path) is None:
-            return
-        if not self._received:
-            self._path = path_of(self._column.timestamp, layout_of(type(sample.message)))
-        self._received.append(sample.time / 1e9)
-        self._own.append(getter(self._path)(sample.message) if self._path else math.nan)
-        for row, value in zip(self._rows, self._getters):
-            row.append(value(sample.message))
+    def add(self, found: Slice) -> None:
+        """Add the numbers in messages, but of those that are about elements of other names."""
+        there = self._reader.about(found.messages)
+        self._received.append(found.times[there] / 1e9)
+        self._own.append(self._reader.stamps(found.messages)[there])
+        self._rows.append(self._reader.rows(found.messages)[:, there])
 
     def series(self) -> Series:
         """Return all of it in the order of time; where the time was set back, the line ends."""
         times, values = array("d"), array("d")
-        function, rows = make(self._column.function), numpy.array(self._rows)
-        begin, own = 0, numpy.array(self._own)
-        path = self._path if said_in(self._path, own).any() else None
-        for part in placed(self._path, own, numpy.array(self._received)):
+        column, path = self._reader.column, self._reader.stamp_path
+        if not self._rows:
+            return Series(column.name, times, values)
+        function, rows = make(column.function), numpy.concatenate(self._rows, axis=1)
+        start, own = 0, numpy.concatenate(self._own)
+        parts = placed(path, own, numpy.concatenate(self._received))
+        path = path if said_in(path, own).any() else None
+        for part in parts:
             if times:
                 times.append(times[-1])
                 values.append(math.nan)
             order = numpy.argsort(part, kind="stable")
-            found = function(part[order], rows[:, begin : begin + len(part)][:, order])
+            found = function(part[order], rows[:, start : start + len(part)][:, order])
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
             # What is computed of two begins with the second.
             late = len(order) - len(found)
             part, found = _with_gaps(path, part[order][late:], found)
             times.extend(part)
             values.extend(found)
-            begin += len(order)
-        return Series(self._column.name, times, values)
+            start += len(order)
+        return Series(column.name, times, values)
 
 
 def _with_gaps(
@@ -107,20 +103,20 @@ def _with_gaps(
     return numpy.insert(times, ends, times[ends - 1]), numpy.insert(values, ends, numpy.nan)
 
 
-def collect(columns: List[Column], samples: Iterable[Sample]) -> List[Series]:
+def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[Series]:
     """Gather the numbers in messages.
 
-    :param columns: which numbers
-    :param samples: the messages
+    :param readers: read the numbers, column by column
+    :param slices: the messages
     :returns: a series for each column
+    :raises struct.error: if a message is cut off
     """
-    everything = [_Recorded(column) for column in columns]
-    by_topic: Dict[str, List[_Recorded]] = {}
-    for column, recorded in zip(columns, everything):
-        by_topic.setdefault(column.topic, []).append(recorded)
-    for sample in samples:
-        for recorded in by_topic.get(sample.topic, []):
-            recorded.add(sample)
+    everything = [_Recorded(reader) for reader in readers]
+    for found in slices:
+        for one in found:
+            for reader, recorded in zip(readers, everything):
+                if reader.column.topic == one.topic:
+                    recorded.add(one)
     return [recorded.series() for recorded in everything]
 
 

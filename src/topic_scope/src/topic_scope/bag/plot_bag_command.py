@@ -3,14 +3,16 @@
 import argparse
 import math
 import os
+import struct
 import sys
 from typing import Iterator, List, Optional
 
 from tqdm import tqdm
 
-from topic_scope.bag.bag_columns import Column, Elements, choose_lines
+from topic_scope.bag.bag_columns import choose_lines
 from topic_scope.bag.bag_csv import write_csv
-from topic_scope.bag.bag_reading import BagError, BagReader, Sample
+from topic_scope.bag.bag_file import BagError, BagFile, Slice
+from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.fields import FieldError
 
 #: As many lines as :mod:`.bag_plot` has styles and colours for.
@@ -28,7 +30,7 @@ def main() -> None:
         start, end = arguments.start / 1e9, arguments.end / 1e9
         _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
     try:
-        with BagReader(arguments.bag) as bag:
+        with BagFile(arguments.bag) as bag:
             _plot(bag, arguments)
     except (BagError, FieldError) as error:
         _fail(str(error))
@@ -66,13 +68,13 @@ def _parser() -> argparse.ArgumentParser:
         metavar="S",
         type=_nanoseconds,
         default=0,
-        help="leave out what came before, in s from the begin of the bag",
+        help="leave out what came before, in s from the start of the bag",
     )
     parser.add_argument(
         "--end",
         metavar="S",
         type=_nanoseconds,
-        help="leave out what came later, in s from the begin of the bag",
+        help="leave out what came later, in s from the start of the bag",
     )
     return parser
 
@@ -93,14 +95,15 @@ def _nanoseconds(text: str) -> int:
     except ValueError:
         seconds = math.nan
     if not 0.0 <= seconds < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time in s from the begin of the bag")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in s from the start of the bag")
     return round(seconds * 1e9)
 
 
-def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
-    messages = {topic: bag.first_message(topic) for topic in bag.topics}
-    lines = choose_lines(arguments.fields, messages)
+def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
+    first = bag.first_messages()
+    lines = choose_lines(arguments.fields, first)
     columns = list(dict.fromkeys(column for line in lines for column in line))
+    readers = [ColumnReader(column, first[column.topic]) for column in columns]
     if _format(arguments.output) == "csv":
         for line in lines:
             if len(line) > 1:
@@ -114,18 +117,18 @@ def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
             f"these are {len(lines)} lines, and {LINES} at most can be told apart: "
             "name fewer fields, or write a .csv"
         )
-    samples = _in_range(bag, columns, arguments.start, arguments.end)
+    slices = _in_range(bag, readers, arguments.start, arguments.end)
     # The file appears when it is complete.
     partial = arguments.output + ".part"
     try:
         with open(partial, "w", newline="") as file:
             if _format(arguments.output) == "csv":
-                write_csv(file, columns, samples)
+                write_csv(file, readers, slices)
             else:
                 # It takes a second to load, which an error need not wait for.
                 from topic_scope.bag.bag_plot import collect, difference, draw, save
 
-                series = dict(zip(columns, collect(columns, samples)))
+                series = dict(zip(columns, collect(readers, slices)))
                 drawn = [
                     difference(*(series[column] for column in line))
                     if len(line) > 1
@@ -134,28 +137,33 @@ def _plot(bag: BagReader, arguments: argparse.Namespace) -> None:
                 ]
                 save(draw(drawn), partial, _format(arguments.output))
         os.replace(partial, arguments.output)
+    except struct.error as error:
+        raise bag.broken(error) from error
     finally:
         if os.path.exists(partial):
             os.remove(partial)
 
 
 def _in_range(
-    bag: BagReader, columns: List[Column], start: int, end: Optional[int]
-) -> Iterator[Sample]:
+    bag: BagFile, readers: List[ColumnReader], start: int, end: Optional[int]
+) -> Iterator[List[Slice]]:
     """Read the messages of a range of time, and show how far it has got."""
-    topics, elements = sorted({column.topic for column in columns}), Elements(columns)
+    topics = sorted({reader.column.topic for reader in readers})
     until = bag.length if end is None else min(end, bag.length)
     # A bar for what is done at once only flickers, and in a file it is of no use.
     silent = None if bag.count(topics) >= LONG else True
-    count, at = 0, start
+    is_empty, at = True, start
     total = max(until - start, 0)
     with tqdm(total=total, bar_format=_BAR, disable=silent, leave=False) as done:
-        for count, sample in enumerate(bag.samples(topics, start, end), 1):
-            yield sample
-            elements.look(sample.topic, sample.message)
-            done.update(sample.time - at)
-            at = sample.time
-    if not count:
+        for slices in bag.slices(topics, start, end):
+            yield slices
+            for one in slices:
+                is_empty = False
+                last = int(one.times[-1])
+                done.update(max(last - at, 0))
+                at = max(last, at)
+    if is_empty:
         text = "nothing of %s was recorded in this time; the bag is %.3f s long"
         raise BagError(text % (", ".join(topics), bag.length / 1e9))
-    elements.check()
+    for reader in readers:
+        reader.check()

@@ -3,7 +3,7 @@
 import re
 import struct
 from functools import partial
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from topic_scope.messages.decoding import COUNT, NotThere, follow, steps_to, texts
 from topic_scope.messages.definitions import Array, Record
@@ -93,16 +93,34 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
     :param data: a serialized message
     :raises FieldError: if an array is too short, or none of its elements has the name
     """
+    place, part = first_missing(layout, path, data)
+    if isinstance(part, Key):
+        names = ", ".join(names_in(layout, data, place)[:_SHOWN])
+        raise FieldError(f"none of {to_text(place)} is called {part} now, but {names or '-'}")
+    if part is not None:
+        count = lengths_in(layout, data)(place)
+        raise FieldError(f"{to_text(place)} has {count} elements now")
+
+
+def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[str, int, None]]:
+    """Return the first array on the way to a place that lacks an element, and which.
+
+    :param layout: layout of the messages
+    :param path: the place
+    :param data: a serialized message
+    :returns: the place of the array, and the name or index; None for that where all are there
+    :raises FieldError: if nothing can stand there
+    """
     lengths = lengths_in(layout, data)
     for position, part in enumerate(path):
         place = path[:position]
         node = leaf_at(layout, place)
         if isinstance(part, Key) and part not in names_in(layout, data, place):
-            names = ", ".join(names_in(layout, data, place)[:_SHOWN])
-            raise FieldError(f"none of {to_text(place)} is called {part} now, but {names or '-'}")
+            return place, part
         if isinstance(part, int) and isinstance(node, Array) and node.length is None:
             if part >= lengths(place):
-                raise FieldError(f"{to_text(place)} has {lengths(place)} elements now")
+                return place, part
+    return path, None
 
 
 class Arrays:

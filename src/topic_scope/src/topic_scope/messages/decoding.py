@@ -7,7 +7,7 @@ and an array of undeclared length begin with a count of 32 bits).
 """
 
 import struct
-from typing import Callable, Iterator, List, Sequence, Tuple, Union
+from typing import Any, Callable, Iterator, List, Sequence, Tuple, Union
 
 import numpy
 
@@ -15,7 +15,7 @@ from topic_scope.messages.definitions import Array, Layout, Record, Scalar
 from topic_scope.messages.fields import FieldError, Key, Path, names_of
 
 #: How to get on: a number of bytes, or a function from data and offset to the next offset.
-Step = Union[int, Callable[[bytes, int], int]]
+Advance = Union[int, Callable[[bytes, int], int]]
 
 #: How many elements an array has, or bytes a text.
 COUNT = struct.Struct("<I")
@@ -31,21 +31,23 @@ class Decoder:
     :param layout: layout of the messages
     :param path: where the number stands
     :raises FieldError: if no number stands there
+
+    :ivar is_time: whether it is a time or a duration
     """
 
     def __init__(self, layout: Record, path: Path) -> None:
         steps, leaf = steps_to(layout, path)
         if not isinstance(leaf, Scalar):
-            raise FieldError("what stands there is no number")
+            raise FieldError("what stands there is not a number")
         self._steps = steps
         self._size = layout.size
-        self._is_time = leaf.datatype in ("time", "duration")
+        self.is_time = leaf.datatype in ("time", "duration")
         self._struct = struct.Struct("<" + leaf.format)
         if layout.size is not None:
             self._type = numpy.dtype(
                 {
                     "names": ["value"],
-                    "formats": [(_numpy_format(leaf), (2,) if self._is_time else ())],
+                    "formats": [(_numpy_format(leaf), (2,) if self.is_time else ())],
                     "offsets": [sum(step for step in steps if isinstance(step, int))],
                     "itemsize": layout.size,
                 }
@@ -58,7 +60,7 @@ class Decoder:
         """
         if self._size is not None and set(map(len, messages)) <= {self._size}:
             values = numpy.frombuffer(b"".join(messages), self._type)["value"]
-            if self._is_time:
+            if self.is_time:
                 return values[:, 0] + values[:, 1] * 1e-9
             return values.astype(numpy.float64)
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
@@ -71,15 +73,25 @@ class Decoder:
             return False
         return True
 
+    def value(self, message: bytes) -> Any:
+        """Return what stands in a message as it is.
+
+        :returns: the number; of a time or a duration, nanoseconds
+        :raises NotThere: if an element on the way to it is not there
+        :raises struct.error: if the message is cut off
+        """
+        values = self._struct.unpack_from(message, follow(self._steps, message))
+        return values[0] * 10**9 + values[1] if self.is_time else values[0]
+
     def _decode_one(self, data: bytes) -> float:
         try:
             values = self._struct.unpack_from(data, follow(self._steps, data))
         except (NotThere, struct.error):  # the latter: the message is cut off
             return float("nan")
-        return values[0] + values[1] * 1e-9 if self._is_time else float(values[0])
+        return values[0] + values[1] * 1e-9 if self.is_time else float(values[0])
 
 
-def follow(steps: Sequence[Step], data: bytes) -> int:
+def follow(steps: Sequence[Advance], data: bytes) -> int:
     """Return where in a message some steps from its start lead.
 
     :raises NotThere: if an element on the way is not there
@@ -91,9 +103,9 @@ def follow(steps: Sequence[Step], data: bytes) -> int:
     return offset
 
 
-def steps_to(layout: Record, path: Path) -> Tuple[List[Step], Layout]:
+def steps_to(layout: Record, path: Path) -> Tuple[List[Advance], Layout]:
     """Return the steps from the start of a message to a place in it, and what is there."""
-    steps: List[Step] = []
+    steps: List[Advance] = []
     node: Layout = layout
     for position, part in enumerate(path):
         if isinstance(part, Key) and isinstance(node, Array):
@@ -116,7 +128,7 @@ def steps_to(layout: Record, path: Path) -> Tuple[List[Step], Layout]:
     return _merged(steps), node
 
 
-def _skip(layout: Layout) -> List[Step]:
+def _skip(layout: Layout) -> List[Advance]:
     """Return the steps over a part of a message."""
     if layout.size is not None:
         return [layout.size]
@@ -127,7 +139,7 @@ def _skip(layout: Layout) -> List[Step]:
     return [lambda data, offset: offset + 4 + COUNT.unpack_from(data, offset)[0]]
 
 
-def _step_over_array(array: Array) -> Step:
+def _step_over_array(array: Array) -> Advance:
     over_elements = _step_over_elements(array.element)
 
     def step(data: bytes, offset: int) -> int:
@@ -138,7 +150,7 @@ def _step_over_array(array: Array) -> Step:
     return step
 
 
-def _step_to_element(array: Array, index: int) -> Step:
+def _step_to_element(array: Array, index: int) -> Advance:
     size = array.element.size
     if array.length is not None and index >= array.length:
         raise FieldError(f"the array has {array.length} elements only")
@@ -156,7 +168,7 @@ def _step_to_element(array: Array, index: int) -> Step:
     return step
 
 
-def _step_to_named(array: Array, name: bytes, names: Sequence[Step]) -> Step:
+def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advance:
     """Return the step to the element whose name stands at the same place among the names."""
     over_elements = _step_over_elements(array.element)
 
@@ -199,9 +211,9 @@ def _step_over_elements(element: Layout) -> Callable[[bytes, int, int], int]:
     return step
 
 
-def _merged(steps: Sequence[Step]) -> List[Step]:
+def _merged(steps: Sequence[Advance]) -> List[Advance]:
     """Return the same steps, with those of a known length put together."""
-    merged: List[Step] = []
+    merged: List[Advance] = []
     for step in steps:
         if isinstance(step, int) and merged and isinstance(merged[-1], int):
             merged[-1] += step

@@ -4,7 +4,7 @@ from typing import AsyncIterator, Optional, Sequence
 
 import numpy
 
-from topic_scope.analysis.csv_rows import Column, header, rows
+from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.record.recorder import Recorder
 from topic_scope.record.traces import Recorded
 
@@ -28,17 +28,22 @@ async def parts(
     spans = [trace.span for trace in map(recorder.trace, names) if trace and trace.span]
     begin = max(start, min([first for first, _ in spans], default=end))
     end = min(end, max([last for _, last in spans], default=start))
-    yield header(names)
+    yield header("time", "received", *names)
     while begin <= end:
         stop = begin + PART_S
         last = min(end, float(numpy.nextafter(stop, begin)))
         traces = [recorder.trace(name) for name in names]
-        yield "".join(rows([_column(trace, begin, last) for trace in traces]))
+        yield "".join(rows([_column(trace, begin, last) for trace in traces], _stamp))
         begin = stop
 
 
-def _column(trace: Optional[Recorded], start: float, end: float) -> Column:
+def _column(trace: Optional[Recorded], start: float, end: float) -> CsvColumn:
     if trace is None:
-        return Column("", (_NOTHING, _NOTHING), _NOTHING)
-    received = trace.received(start, end)
-    return Column(trace.stream.topic, trace.samples(start, end), received)
+        return CsvColumn("", _NOTHING, _NOTHING, ())
+    times, values = trace.samples(start, end)
+    cells = [repr(value) for value in values.tolist()]  # with all of its digits
+    return CsvColumn(trace.stream.topic, times, trace.received(start, end), cells)
+
+
+def _stamp(time: float, received: float) -> str:
+    return f"{time!r},{received!r}"

@@ -12,7 +12,7 @@ import rospy
 import tornado.ioloop
 
 from nodekit.entry_point import end
-from topic_scope.bag.bag_reading import BagError
+from topic_scope.bag.bag_file import BagError
 from topic_scope.protocol.options import Options
 from topic_scope.web import web
 from topic_scope.web.recording import Recording

@@ -6,7 +6,7 @@ from typing import Any, Dict, List
 import rospy
 import tornado.ioloop
 
-from topic_scope.bag.bag_chunks import BagChunks
+from topic_scope.bag.bag_file import BagFile
 from topic_scope.bag.bag_player import BagPlayer
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
@@ -34,7 +34,7 @@ class Recording:
 
     def __init__(self, path: str, history: float, window: float) -> None:
         self._name = os.path.basename(path)
-        bag = BagChunks(path)
+        bag = BagFile(path)
         self.source = BagPlayer(bag, history)
         self.layouts = Layouts()
         self._robots = RobotView(self.source.aside, self.layouts)
@@ -51,7 +51,7 @@ class Recording:
         """Show the first window of the bag, and wait for somebody who wants it to go on."""
         self._host = host
         host.on_topics(self._types)
-        self._seek(self.source.begin + self._window)
+        self._seek(self.source.start + self._window)
         tornado.ioloop.PeriodicCallback(self._look, _PERIOD_S * 1e3).start()
         tornado.ioloop.PeriodicCallback(self._show_robots, PERIOD_S * 1e3).start()
 
@@ -103,7 +103,7 @@ class Recording:
 
     def hello(self) -> Dict[str, Any]:
         """Return what the greeting of a page has besides."""
-        ends = {"begin": self.source.begin, "end": self.source.end}
+        ends = {"begin": self.source.start, "end": self.source.end}
         return {"readonly": False, "bag": {"name": self._name, **ends}}
 
     def messages(self) -> List[Dict[str, Any]]:
@@ -139,5 +139,5 @@ class Recording:
             self.source.pause()
         elif request.playing and not self.source.is_playing:
             if self.source.place >= self.source.end:
-                self._jump(self.source.begin)
+                self._jump(self.source.start)
             self.source.play()

@@ -50,4 +50,4 @@ class Waiting:
 
     async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
         """Return the file's first row alone: there are no samples."""
-        yield header(names)
+        yield header("time", "received", *names)

@@ -2,19 +2,21 @@
 
 A bag is a row of chunks, each with an index of its own behind it. rosbag.Bag reads all of these
 when it opens a bag, and keeps them: 6 s and 98 MB for 400 000 messages. Kept here is where the
-chunks are and which times they cover: 0.6 ms and 0.1 MB. The format:
-http://wiki.ros.org/Bags/Format/2.0.
+chunks are and which times they cover: 0.6 ms and 0.1 MB. Messages are not made into objects, but
+stay as they were sent. The format: http://wiki.ros.org/Bags/Format/2.0.
 """
 
 import bz2
+import os
 import struct
-from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple
+from typing import Collection, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.bag.bag_reading import BagError, broken, look_at_begin, without_index
+from topic_scope.messages import definitions
 
-_MAGIC = b"#ROSBAG V2.0\n"
+#: What all bags start with, and those of the version that is read.
+_ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
 #: Which kind of record it is.
 _OPERATIONS = {"file": 3, "index": 4, "chunk": 5, "chunk info": 6, "connection": 7}
 _U32, _U64, _TIME = struct.Struct("<I"), struct.Struct("<Q"), struct.Struct("<II")
@@ -22,6 +24,10 @@ _U32, _U64, _TIME = struct.Struct("<I"), struct.Struct("<Q"), struct.Struct("<II
 _ENTRY = numpy.dtype([("s", "<u4"), ("ns", "<u4"), ("offset", "<u4")])
 #: What may come of bytes that are broken.
 _ERRORS = (OSError, EOFError, LookupError, MemoryError, ValueError, struct.error)
+
+
+class BagError(Exception):
+    """A bag that cannot be read; the text is for its owner."""
 
 
 class Connection(NamedTuple):
@@ -47,9 +53,43 @@ class Part(NamedTuple):
     times: numpy.ndarray
     messages: List[bytes]
 
+    def between(self, start: int, end: int) -> "Part":
+        """Return those of them from one time to before another, since the epoch, ns."""
+        first, last = self.times.searchsorted([start, end]).tolist()
+        return Part(self.connection, self.times[first:last], self.messages[first:last])
+
+
+class Slice(NamedTuple):
+    """Messages of one topic.
+
+    :param topic: its global name
+    :param times: when they were recorded, ascending, since the start of the bag, ns
+    :param messages: as they were sent
+    """
+
+    topic: str
+    times: numpy.ndarray
+    messages: List[bytes]
+
+    @classmethod
+    def empty(cls, topic: str) -> "Slice":
+        """Return no messages."""
+        return cls(topic, numpy.empty(0, numpy.int64), [])
+
+
+class FirstMessage(NamedTuple):
+    """The message of a topic that tells what there is in it.
+
+    :param layout: its layout
+    :param data: the message as it was sent
+    """
+
+    layout: definitions.Record
+    data: bytes
+
 
 class Record(NamedTuple):
-    """The begin of a record.
+    """The start of a record.
 
     :param fields: of its header
     :param length: how long the data are that follow, bytes
@@ -59,42 +99,72 @@ class Record(NamedTuple):
     length: int
 
 
-class BagChunks:
-    """A bag that is open.
+class BagFile:
+    """A bag that is open; may be used in a ``with`` statement.
 
     :param path: the file
     :raises BagError: if it cannot be read, or holds nothing
 
     :ivar connections: by their numbers; only those with messages
-    :ivar begin: time of the first message, since the epoch, ns
+    :ivar start: time of the first message, since the epoch, ns
     :ivar end: time of the last one
     """
 
     def __init__(self, path: str) -> None:
-        look_at_begin(path)
         self._path = path
         try:
             self._file = open(path, "rb")
-            self._size = self._file.seek(0, 2)
-            self._file.seek(0)
             version = self._file.readline(80)
-            if version != _MAGIC:
-                shown = version.decode("ascii", "replace").strip()
-                raise BagError(f"{path} begins with {shown}: only bags of version 2.0 can be read")
+        except OSError as error:
+            raise BagError(f"{path}: {os.strerror(error.errno or 0)}") from error
+        if not version.startswith(_ANY):
+            raise BagError(f"{path} is not a bag")
+        if version != _MAGIC:
+            shown = version.decode("ascii", "replace").strip()
+            raise BagError(f"{path} begins with {shown}: only bags of version 2.0 can be read")
+        try:
+            self._size = self._file.seek(0, 2)
+            self._file.seek(len(_MAGIC))
             self._read_index()
         except _ERRORS as error:
-            raise broken(path, error) from error
+            raise self.broken(error) from error
         if not self.connections:
             raise BagError(f"{path} holds no messages")
-        self.begin = int(self._chunks["start"].min())
+        self.start = int(self._chunks["start"].min())
         self.end = int(self._chunks["end"].max())
+
+    def __enter__(self) -> "BagFile":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+    @property
+    def length(self) -> int:
+        """The time from the first message to the last of any topic, ns."""
+        return self.end - self.start
+
+    @property
+    def topics(self) -> List[str]:
+        """Global names of the topics, sorted."""
+        return sorted({connection.topic for connection in self.connections.values()})
+
+    def count(self, topics: Collection[str]) -> int:
+        """Return how many messages topics have.
+
+        :param topics: global names
+        """
+        return sum(self._counts[number] for number in self._numbers_of(topics))
 
     def _read_index(self) -> None:
         fields, length = self._record("file")
         if "encryptor" in fields and fields["encryptor"]:
             raise BagError(f"{self._path} is encrypted: make a plain one: rosbag decrypt")
         if _number(fields, "index_pos", _U64) == 0:
-            raise without_index(self._path)
+            raise BagError(
+                f"{self._path} has no index, as its recording was cut off; make one: "
+                f"rosbag reindex {self._path}"
+            )
         self._file.seek(_number(fields, "index_pos", _U64))
         known: Dict[int, Connection] = {}
         for _ in range(_number(fields, "conn_count")):
@@ -108,23 +178,98 @@ class BagChunks:
         chunks: List[Tuple[int, int, int]] = []
         #: By number of the connection, where the chunks are that hold messages of it.
         self._holding: Dict[int, List[int]] = {}
+        self._counts: Dict[int, int] = {}
         for _ in range(_number(fields, "chunk_count")):
             head, length = self._record("chunk info")
             counts = numpy.frombuffer(self._read(length), "<u4").reshape(-1, 2)
             place = _number(head, "chunk_pos", _U64)
             chunks.append((place, _time(head, "start_time"), _time(head, "end_time")))
-            for one in counts[counts[:, 1] > 0, 0].tolist():
+            for one, count in counts[counts[:, 1] > 0].tolist():
                 self._holding.setdefault(one, []).append(place)
+                self._counts[one] = self._counts.get(one, 0) + count
         names = [("position", "i8"), ("start", "i8"), ("end", "i8")]
         self._chunks = numpy.sort(numpy.array(chunks, names), order="start")
         self.connections = {number: known[number] for number in sorted(self._holding)}
 
+    def _numbers_of(self, topics: Collection[str]) -> List[int]:
+        """Return the numbers of the connections of some topics."""
+        return [number for number, one in self.connections.items() if one.topic in topics]
+
+    def first_messages(self) -> Dict[str, FirstMessage]:
+        """Return one of the first messages of each topic, by global name.
+
+        :raises BagError: if a part of the bag is broken
+        """
+        found: Dict[str, FirstMessage] = {}
+        for number, position in enumerate(self._chunks["position"].tolist()):
+            wanted = [
+                one
+                for one, connection in self.connections.items()
+                if connection.topic not in found and position in self._holding[one]
+            ]
+            for part in self.read(number, wanted) if wanted else []:
+                topic, header = self.connections[part.connection]
+                try:
+                    layout = definitions.parse(
+                        header.get("type", ""), header.get("message_definition", "")
+                    )
+                except definitions.DefinitionError as error:
+                    raise self.broken(error) from error
+                found.setdefault(topic, FirstMessage(layout, part.messages[0]))
+        return found
+
+    def slices(
+        self, topics: Collection[str], start: int = 0, end: Optional[int] = None
+    ) -> Iterator[List[Slice]]:
+        """Read the messages of some topics, a chunk or so at a time.
+
+        :param topics: global names
+        :param start: time of the first one, since the start of the bag, ns
+        :param end: time of the last one; None for the end of the bag
+        :returns: slices of the topics, at most one of each; what comes later in time comes later
+        :raises BagError: if a part of the bag is broken, or a topic changes its type
+        """
+        wanted = self._numbers_of(topics)
+        said = [self.connections[number] for number in wanted]
+        types = {(one.topic, one.header.get("md5sum")) for one in said}
+        for topic in topics:
+            if sum(name == topic for name, _ in types) > 1:
+                raise BagError(f"{self._path}: the messages of {topic} change their type")
+        first = self.start + start
+        last = self.end if end is None else min(self.start + end, self.end)
+        numbers, starts = self.chunks_after(first - 1)
+        waiting: List[Part] = []
+        for number, known_until in zip(numbers, [*starts[1:], last + 1]):
+            waiting += self.read(number, wanted)
+            until = min(known_until, last + 1)
+            yield self._sliced(waiting, first, until)
+            if known_until > last:
+                return
+            waiting = [part.between(until, self.end + 1) for part in waiting]
+            waiting = [part for part in waiting if part.messages]
+
+    def _sliced(self, parts: List[Part], start: int, end: int) -> List[Slice]:
+        """Put together what parts hold of each topic from one time to before another, ns."""
+        of_topic: Dict[str, List[Part]] = {}
+        for part in parts:
+            part = part.between(start, end)
+            if part.messages:
+                of_topic.setdefault(self.connections[part.connection].topic, []).append(part)
+        slices = []
+        for topic, found in of_topic.items():
+            times = numpy.concatenate([part.times for part in found])
+            messages = [message for part in found for message in part.messages]
+            order = numpy.argsort(times, kind="stable")
+            in_order = [messages[index] for index in order.tolist()]
+            slices.append(Slice(topic, times[order] - self.start, in_order))
+        return slices
+
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
-        """Return the numbers of the chunks that hold messages later than a time, and their begins.
+        """Return the numbers of the chunks that hold messages later than a time, and their starts.
 
         :param time: since the epoch, ns
         :param last: numbers of connections; of each the last chunk before that counts, too
-        :returns: in the order of their begins, ns
+        :returns: in the order of their starts, ns
         """
         counts = self._chunks["end"] > time
         over = numpy.flatnonzero(~counts)
@@ -144,20 +289,29 @@ class BagChunks:
         try:
             return self._read_chunk(int(self._chunks["position"][number]), wanted)
         except _ERRORS as error:
-            raise broken(self._path, error) from error
+            raise self.broken(error) from error
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
 
+    def broken(self, error: Exception) -> BagError:
+        """Return what is to be said of the bag.
+
+        :param error: what has shown that it is broken
+        """
+        reason = str(error) or type(error).__name__
+        text = "%s is broken (%s); what can be saved of it, this saves: rosbag reindex %s"
+        return BagError(text % (self._path, reason, self._path))
+
     def _read_chunk(self, position: int, wanted: Collection[int]) -> List[Part]:
         self._file.seek(position)
         head, length = self._record("chunk")
-        begin = self._file.tell()
-        entries = self._entries_behind(begin + length, wanted)
+        start = self._file.tell()
+        entries = self._entries_behind(start + length, wanted)
         if not entries:
             return []
-        self._file.seek(begin)
+        self._file.seek(start)
         data = self._unpacked(self._read(length), head)
         return [_part(data, connection, found) for connection, found in entries.items()]
 
@@ -193,7 +347,7 @@ class BagChunks:
         return data
 
     def _record(self, kind: str = "") -> Record:
-        """Read the begin of a record.
+        """Read the start of a record.
 
         :param kind: which it has to be; empty for any
         """
@@ -242,9 +396,9 @@ def _part(data: bytes, connection: int, entries: numpy.ndarray) -> Part:
 
 def _message(data: bytes, offset: int) -> bytes:
     """Return a message: a record whose header only repeats what the index says."""
-    begin = offset + 4 + _U32.unpack_from(data, offset)[0]
-    (length,) = _U32.unpack_from(data, begin)
-    message = data[begin + 4 : begin + 4 + length]
+    start = offset + 4 + _U32.unpack_from(data, offset)[0]
+    (length,) = _U32.unpack_from(data, start)
+    message = data[start + 4 : start + 4 + length]
     if len(message) != length:
         raise EOFError("a message ends too early")
     return message

@@ -1,20 +1,18 @@
-"""What is read of a bag by chunks is what rosbag reads; and what is said of one that is broken."""
+"""What is read of a bag is what rosbag reads; and what is said of one that is broken."""
 
-import io
 import struct
 from pathlib import Path
-from typing import Any, Dict, List, Set, Tuple
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 import genpy
 import pytest
 import rosbag
-from bags import BEGIN, write_bag
+from bags import BEGIN, serialized, write_bag
 from hypothesis import given
 from hypothesis import strategies as st
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64, Int32, String
 
-from topic_scope.bag.bag_chunks import BagChunks
-from topic_scope.bag.bag_reading import BagError
+from topic_scope.bag.bag_file import BagError, BagFile, Slice
 
 #: Topic, length of the text, time; small chunks hold some of them each, out of order.
 messages = st.lists(
@@ -29,7 +27,7 @@ def write(path: Path, told: List[Tuple[str, int, int]], compression: str = "none
     return str(path)
 
 
-def read(bag: BagChunks, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
+def read(bag: BagFile, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
     """Return time, topic and bytes of all messages of the chunks behind a time."""
     numbers = {number for number, one in bag.connections.items() if one.topic in wanted}
     found = []
@@ -59,9 +57,9 @@ def test_all_messages_of_the_wanted_topics_come(
     compression: str,
 ) -> None:
     path = write(tmp_path_factory.mktemp("bags") / "x.bag", told, compression)
-    bag = BagChunks(path)
+    bag = BagFile(path)
     assert read(bag, wanted, 0) == as_read_by_rosbag(path, wanted)
-    assert (bag.begin, bag.end) == tuple(
+    assert (bag.start, bag.end) == tuple(
         BEGIN + end(time for _, _, time in told) for end in (min, max)
     )
     bag.close()
@@ -71,7 +69,7 @@ def test_all_messages_of_the_wanted_topics_come(
 def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
     tmp_path_factory: "pytest.TempPathFactory", told: List[Tuple[str, int, int]], after: int
 ) -> None:
-    bag = BagChunks(write(tmp_path_factory.mktemp("bags") / "x.bag", told))
+    bag = BagFile(write(tmp_path_factory.mktemp("bags") / "x.bag", told))
     numbers, starts = bag.chunks_after(BEGIN + after)
     assert starts == sorted(starts)
     expected = [time for _, _, time in told if time > after]
@@ -85,15 +83,13 @@ def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
 
 def test_it_is_known_what_publishers_have_said(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "x.bag", [("/x", Float64(1), 0), ("/y", String("one"), 1)])
-    bag = BagChunks(path)
+    bag = BagFile(path)
     said: Dict[str, Any] = {one.topic: one.header for one in bag.connections.values()}
     assert sorted(said) == ["/x", "/y"]
     assert said["/x"]["type"] == "std_msgs/Float64"
     assert said["/x"]["message_definition"].strip() == "float64 data"
     ((_, _, data),) = read(bag, {"/x"}, 0)
-    buffer = io.BytesIO()
-    Float64(1).serialize(buffer)
-    assert data == buffer.getvalue()
+    assert data == serialized(Float64(1))
     bag.close()
 
 
@@ -106,16 +102,88 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
     entries = content[begin : begin + 24]
     swapped = entries[12:] + entries[:12]
     path.write_bytes(content[:begin] + swapped + content[begin + 24 :])
-    bag = BagChunks(str(path))
+    bag = BagFile(str(path))
     (part,) = bag.read(0, list(bag.connections))
     assert part.times.tolist() == [BEGIN, BEGIN + 1]
     assert [len(message) for message in part.messages] == [5, 6]
     bag.close()
 
 
+def in_order(slices: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
+    """Return time, topic and bytes of messages as they come; of one slice by time."""
+    found = []
+    for together in slices:
+        assert len({one.topic for one in together}) == len(together)
+        messages = [
+            (time, one.topic, data)
+            for one in together
+            for time, data in zip(one.times.tolist(), one.messages)
+        ]
+        found += sorted(messages)
+    return found
+
+
+@given(messages, st.integers(0, 10**10), st.none() | st.integers(0, 10**10))
+def test_messages_of_a_range_come_in_order_with_exact_times(
+    tmp_path_factory: "pytest.TempPathFactory",
+    told: List[Tuple[str, int, int]],
+    start: int,
+    end: Optional[int],
+) -> None:
+    told = [("a", 0, 0), *told]
+    path = write(tmp_path_factory.mktemp("bags") / "x.bag", told)
+    with BagFile(path) as bag:
+        assert bag.length == max(time for _, _, time in told)
+        found = in_order(list(bag.slices(["/a", "/c"], start, end)))
+    last = 10**10 if end is None else end
+    expected = [
+        (time - BEGIN, topic, data)
+        for time, topic, data in as_read_by_rosbag(path, {"/a", "/c"})
+        if start <= time - BEGIN <= last
+    ]
+    assert sorted(found) == expected
+    assert [time for time, _, _ in found] == [time for time, _, _ in expected]
+
+
+def test_only_the_topics_asked_for_come(tmp_path: Path) -> None:
+    messages = [("/a", Int32(1), 0), ("/b", Int32(2), 1), ("/a", Int32(3), 2), ("/c", Int32(4), 3)]
+    with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
+        assert bag.topics == ["/a", "/b", "/c"]
+        assert bag.count(["/a", "/c"]) == 3
+        found = in_order(list(bag.slices(["/a", "/c"])))
+        first = bag.first_messages()
+    wanted = [(0, "/a", Int32(1)), (2, "/a", Int32(3)), (3, "/c", Int32(4))]
+    assert found == [(time, topic, serialized(message)) for time, topic, message in wanted]
+    assert {topic: one.data for topic, one in first.items()} == {
+        topic: serialized(Int32(number)) for topic, number in (("/a", 1), ("/b", 2), ("/c", 4))
+    }
+    assert first["/a"].layout.datatype == "std_msgs/Int32"
+
+
+def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
+    path = write(tmp_path / "x.bag", [("a", 300, time) for time in range(20)] + [("b", 1, 99)])
+    with BagFile(path) as bag:
+        assert bag.first_messages()["/b"].data == serialized(String("x"))
+
+
+def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
+    with BagFile(write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])) as bag:
+        assert bag.topics == ["/a"]
+        found = in_order(list(bag.slices(["/a"])))
+    assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
+
+
+def test_topic_that_changes_its_type(tmp_path: Path) -> None:
+    # rosbag writes one type for each name, but recorded by somebody else these are one topic.
+    path = write_bag(tmp_path / "x.bag", [("/x", Int32(1), 0), ("x", Float64(1.0), 1)])
+    with BagFile(path) as bag, pytest.raises(BagError) as caught:
+        list(bag.slices(["/x"]))
+    assert str(caught.value).endswith("the messages of /x change their type")
+
+
 def refusal(path: Path) -> str:
     with pytest.raises(BagError) as caught:
-        bag = BagChunks(str(path))
+        bag = BagFile(str(path))
         read(bag, {one.topic for one in bag.connections.values()}, 0)
     text = str(caught.value)
     assert str(path) in text and "\n" not in text
@@ -124,10 +192,11 @@ def refusal(path: Path) -> str:
 
 def test_what_cannot_be_read_is_said_in_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "x.bag"
-    assert "No such file" in refusal(path)
-    assert "Is a directory" in refusal(tmp_path)
-    path.write_text("name,value\n")
-    assert "is no bag" in refusal(path)
+    assert refusal(path).endswith("x.bag: No such file or directory")
+    assert refusal(tmp_path).endswith("Is a directory")
+    for text in ("", "name,value\n"):
+        path.write_text(text)
+        assert refusal(path).endswith("x.bag is not a bag")
     path.write_bytes(b"#ROSBAG V1.2\n")
     assert "version 2.0" in refusal(path)
     path.write_bytes(b"#ROSBAG V2.0\n")
@@ -145,7 +214,26 @@ def test_a_recording_that_was_cut_off_is_told_from_a_broken_one(tmp_path: Path) 
     whole = path.read_bytes()
     bag.close()
     path.write_bytes(whole)
+    said = "has no index, as its recording was cut off; make one: rosbag reindex "
+    assert refusal(path).endswith(f"{said}{path}")
+
+
+@pytest.mark.parametrize("part", [0.02, 0.3, 0.5, 0.7, 0.9, 0.999])
+def test_bag_that_ends_early_can_be_made_whole(tmp_path: Path, part: float) -> None:
+    path = tmp_path / "x.bag"
+    write_bag(path, [("/x", String("some words" * 50), time) for time in range(100)])
+    content = path.read_bytes()
+    path.write_bytes(content[: int(part * len(content))])
     assert "rosbag reindex" in refusal(path)
+
+
+def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    write(path, [("a", 300, time) for time in range(1000)], "bz2")
+    content = path.read_bytes()
+    place = content.index(b"BZh") + 20
+    path.write_bytes(content[:place] + b"\xff" * 64 + content[place + 64 :])
+    assert "x.bag is broken (" in refusal(path)
 
 
 @given(st.data())
@@ -162,7 +250,7 @@ def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
         content[place] = data.draw(st.integers(0, 255))
     path.write_bytes(content[: data.draw(st.none() | st.integers(0, len(content)))])
     try:
-        bag = BagChunks(str(path))
+        bag = BagFile(str(path))
         read(bag, {one.topic for one in bag.connections.values()}, 0)
     except BagError as error:
         assert str(path) in str(error)

@@ -1,0 +1,128 @@
+"""Read a column out of the messages of a bag."""
+
+from typing import Any, Iterator, List
+
+import numpy
+
+from topic_scope.analysis.csv_rows import CsvColumn
+from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.bag_file import FirstMessage, Slice
+from topic_scope.messages.arrays import first_missing, lengths_in
+from topic_scope.messages.decoding import Decoder, NotThere
+from topic_scope.messages.derived import make, parts
+from topic_scope.messages.fields import FieldError, Key, to_text
+from topic_scope.messages.timestamp_source import path_of
+
+
+class ColumnReader:
+    """Reads a column, and notices whether what was asked for was ever there.
+
+    :param column: the column
+    :param first: the message that tells the layout of its topic
+
+    :ivar column: the column
+    :ivar stamp_path: where messages say when they were made; None where the time of receipt counts
+    """
+
+    def __init__(self, column: Column, first: FirstMessage) -> None:
+        self.column = column
+        self.stamp_path = path_of(column.timestamp, first.layout)
+        self._layout = first.layout
+        stamp = self.stamp_path
+        self._stamp = Decoder(self._layout, stamp) if stamp is not None else None
+        paths = [column.path + part for part in parts(column.function)]
+        self._decoders = [Decoder(self._layout, path) for path in paths]
+        self._function = make(column.function)
+        #: Where a message has no element of that name it is about others.
+        self._is_named = any(isinstance(part, Key) for part in column.path)
+        #: A field without elements is in each message.
+        self._was_there = not any(isinstance(part, (int, Key)) for part in column.path)
+        #: How many elements the array has had at most, and what is to be said of it.
+        self._longest = -1
+        self._missing = "it is not there"
+
+    def check(self) -> None:
+        """Check that what was asked for was there once.
+
+        :raises FieldError: if it was not
+        """
+        if not self._was_there:
+            raise FieldError(f"{self.column.name}: {self._missing}")
+
+    def rows(self, messages: List[bytes]) -> numpy.ndarray:
+        """Return what the function of the column needs: a row for each number, NaN where it lacks.
+
+        :raises struct.error: if a message is cut off
+        """
+        rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
+        unknown = numpy.flatnonzero(numpy.isnan(rows).any(axis=0)).tolist()
+        for index in unknown:
+            for decoder in self._decoders:
+                self._value(decoder, messages[index])
+        self._was_there = self._was_there or len(unknown) < len(messages)
+        return rows
+
+    def stamps(self, messages: List[bytes]) -> numpy.ndarray:
+        """Return when messages say that they were made, s; NaN where they say nothing."""
+        if self._stamp is None:
+            return numpy.full(len(messages), numpy.nan)
+        return self._stamp.decode(messages)
+
+    def about(self, messages: List[bytes]) -> "numpy.ndarray":
+        """Return which messages are about the element that was asked for by name: truth values."""
+        if not self._is_named:
+            return numpy.ones(len(messages), bool)
+        decoder = self._decoders[0]
+        return numpy.array([self._value(decoder, message) is not None for message in messages])
+
+    def cells(self, found: Slice) -> CsvColumn:
+        """Return what is written of messages, exactly as it was recorded.
+
+        :raises struct.error: if a message is cut off
+        """
+        count = len(found.messages)
+        if self.column.function:
+            stamps = self.stamps(found.messages)
+            times = found.times / 1e9 if self._stamp is None else stamps
+            values = self._function(times, self.rows(found.messages)).tolist()
+            # What is computed of two begins with the second.
+            texts = [""] * (count - len(values)) + [repr(value) for value in values]
+        else:
+            texts = list(self._texts(found.messages))
+        return CsvColumn(self.column.topic, found.times, numpy.arange(count), texts)
+
+    def _texts(self, messages: List[bytes]) -> Iterator[str]:
+        (decoder,) = self._decoders
+        for message in messages:
+            value = self._value(decoder, message)
+            if value is None:
+                yield ""
+            elif decoder.is_time:
+                yield exact_seconds(value)
+            else:
+                yield repr(int(value) if isinstance(value, bool) else value)
+
+    def _value(self, decoder: Decoder, message: bytes) -> Any:
+        """Return a number as it is, None where an element on the way to it is not there."""
+        try:
+            value = decoder.value(message)
+        except NotThere:
+            if not self._was_there:
+                self._explain(message)
+            return None
+        self._was_there = True
+        return value
+
+    def _explain(self, message: bytes) -> None:
+        place, part = first_missing(self._layout, self.column.path, message)
+        if isinstance(part, Key):
+            self._missing = f"none of {to_text(place)} is called {part}"
+        elif part is not None:
+            self._longest = max(self._longest, lengths_in(self._layout, message)(place))
+            self._missing = f"{to_text(place)} has {self._longest} elements at most"
+
+
+def exact_seconds(nanoseconds: int) -> str:
+    """Return a time in s, without rounding it."""
+    seconds, rest = divmod(abs(nanoseconds), 10**9)
+    return f"{'-' if nanoseconds < 0 else ''}{seconds}.{rest:09}"

@@ -9,7 +9,7 @@ from typing import Any, Dict, List
 
 from context import Bench, Figures
 from nodekit.groups.groups import Group, ReentrantGroup
-from nodekit.groups.line import Line, Source
+from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from peers import SCRIPTS, rclpy_environment
 from stacks import RCLPY
@@ -30,15 +30,15 @@ def call(bench: Bench, subject: str) -> Figures:
 def _ours() -> Figures:
     figures: Dict[str, float] = {}
     single, multi = SingleThreadedExecutor(), MultiThreadedExecutor(THREADS)
-    figures["single_us"] = _cpu_of_a_call(single._line, Group())
-    figures["multi_us"] = _cpu_of_a_call(multi._line, ReentrantGroup())
-    figures["hop_us"] = _hop(SingleThreadedExecutor()._line)
+    figures["single_us"] = _cpu_of_a_call(single._ready, Group())
+    figures["multi_us"] = _cpu_of_a_call(multi._ready, ReentrantGroup())
+    figures["hop_us"] = _hop(SingleThreadedExecutor()._ready)
     for executor in (single, multi):
         executor.shutdown()
     return figures
 
 
-def _cpu_of_a_call(line: Line, group: Group) -> float:
+def _cpu_of_a_call(ready: ReadyQueue, group: Group) -> float:
     """Return the processor time of a call from its arrival to its end, us; all arrive before."""
     filled, done = threading.Event(), threading.Event()
     left = [CALLS]
@@ -48,17 +48,17 @@ def _cpu_of_a_call(line: Line, group: Group) -> float:
         if things[0] == CALLS - 1:
             done.set()
 
-    source = Source(line, group, CALLS, run, lambda thing: left.clear())
+    calls = CallQueue(ready, group, CALLS, run, lambda thing: left.clear())
     began = time.process_time()
     for number in range(CALLS):
-        source.put(number)
+        calls.put(number)
     filled.set()
     if not done.wait(LIMIT) or not left:
         raise RuntimeError("calls were lost")
     return (time.process_time() - began) / CALLS * 1e6
 
 
-def _hop(line: Line) -> float:
+def _hop(ready: ReadyQueue) -> float:
     """Return the median time from an arrival to its call while the threads are idle, us."""
     delays: List[float] = []
     called = threading.Event()
@@ -67,10 +67,10 @@ def _hop(line: Line) -> float:
         delays.append(time.perf_counter() - things[0])
         called.set()
 
-    source = Source(line, Group(), 1, run, lambda thing: None)
+    calls = CallQueue(ready, Group(), 1, run, lambda thing: None)
     for _ in range(HOPS):
         called.clear()
-        source.put(time.perf_counter())
+        calls.put(time.perf_counter())
         called.wait(LIMIT)
         time.sleep(0.001)
     return statistics.median(delays) * 1e6

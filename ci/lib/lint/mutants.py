@@ -27,10 +27,10 @@ LONGER, LEAST_S = 5.0, 10.0
 #: What tests a module where that is not test_MODULE.py alone, by package and module.
 TESTS: Dict[str, Sequence[str]] = {
     "nodekit/declaration": ("judging", "parameters", "schema", "parameter_kinds"),
-    "nodekit/groups": ("groups", "line", "executors"),
+    "nodekit/groups": ("groups", "ready_queue", "executors"),
     "nodekit/judging": ("judging", "reconciler"),
     "nodekit/kinds": ("parameter_kinds", "bytes_parameter", "schema"),
-    "nodekit/line": ("line", "executors"),
+    "nodekit/ready_queue": ("ready_queue", "executors"),
     "nodekit/link": ("delivery",),
     "nodekit/machine": ("lifecycle",),
     "nodekit/number_kinds": ("parameter_kinds", "schema"),

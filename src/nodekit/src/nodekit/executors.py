@@ -17,7 +17,7 @@ import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit.groups.groups import Outside
-from nodekit.groups.line import Line
+from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
 from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node
@@ -41,13 +41,13 @@ class _Executor:
     def __init__(self, threads: int) -> None:
         if threads < 1:
             raise ValueError(f"threads: refused {threads!r}: must be a whole number from 1 on")
-        self._line = Line()
+        self._ready = ReadyQueue()
         self._reports: Dict[Node, Lifetime] = {}
         number = next(_numbers)
         for count in range(1, threads + 1):
             name = f"executor-{number}-{count}"
-            self._line.workers.add(threading.Thread(target=self._work, name=name, daemon=True))
-        for worker in self._line.workers:
+            self._ready.workers.add(threading.Thread(target=self._work, name=name, daemon=True))
+        for worker in self._ready.workers:
             worker.start()
         _executors.add(self)
 
@@ -64,7 +64,7 @@ class _Executor:
         if node.executor is not None:
             node.executor.remove_node(node)
         node.executor = self
-        node.attach(self._line)
+        node.attach(self._ready)
         with contextlib.suppress(Closed):  # by another thread, or before: it has no more calls
             report = self._reports[node] = node.lifetime()
             report.service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=Outside())
@@ -89,14 +89,14 @@ class _Executor:
         :param timeout: longest wait for that, s
         :returns: whether all calls were made
         """
-        return self._line.close(timeout)
+        return self._ready.close(timeout)
 
     def _work(self) -> None:
         while True:
-            turn = self._line.take()
+            turn = self._ready.next_turn()
             if turn is None:
                 return
-            self._line.serve(turn)
+            self._ready.make_call(turn)
 
 
 class SingleThreadedExecutor(_Executor):
@@ -124,20 +124,20 @@ def _tell_of(node: Node) -> TriggerResponse:
 
 def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
     """Return what is told of a callback; None if no executor makes its calls."""
-    source = callback.source
-    if source is None:
+    calls = callback.calls
+    if calls is None:
         return None
     return {
         "name": callback.what,
         "kind": callback.kind,
-        "waiting": source.waiting,
-        "running": source.running,
-        "made": source.made,
-        "dropped": source.dropped,
+        "waiting": calls.waiting,
+        "running": calls.running,
+        "made": calls.made,
+        "dropped": calls.dropped,
         "skipped": callback.skipped if isinstance(callback, NodeTimer) else 0,
         "failed": callback.failures.count,
-        "longest": round(source.longest, 6),
-        "longest_wait": round(source.longest_wait, 6),
+        "longest": round(calls.longest, 6),
+        "longest_wait": round(calls.longest_wait, 6),
     }
 
 

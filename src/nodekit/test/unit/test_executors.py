@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
 from nodekit.groups.groups import Group, ReentrantGroup
-from nodekit.groups.line import Line
+from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import DEPTH, Answering, Bell, Callback, Receiving
 from nodekit.node.names import Names
 from nodekit.node.node import Node
@@ -45,24 +45,28 @@ def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread
 
 
 def make(
-    kind: str, group: Group, function: Callable[[], Any], line: Optional[Line], clock: Scheduler
+    kind: str,
+    group: Group,
+    function: Callable[[], Any],
+    ready: Optional[ReadyQueue],
+    clock: Scheduler,
 ) -> Callable[[], Any]:
     """Return what has a callback called once, as what it is for would do it."""
     callback: Callback
     if kind == "timer":
         timer = NodeTimer(clock, group, 0.001, lambda elapsed: function(), 0.0, kind)
-        timer.attach(line)
+        timer.attach(ready)
         return lambda: NodeTimer.start_together([timer])
     if kind == "subscription":
         callback = receiving = Receiving(group, lambda message: function(), kind, batches=False)
-        callback.attach(line)
+        callback.attach(ready)
         return lambda: in_thread(receiving.receive, ["message"], True)
     if kind == "service":
         callback = answering = Answering(group, lambda request: function(), f"/{id(function)}")
-        callback.attach(line)
+        callback.attach(ready)
         return lambda: in_thread(answering.answer, "request")
     callback = bell = Bell(group, function, kind)
-    callback.attach(line)
+    callback.attach(ready)
     return lambda: in_thread(bell.ring)
 
 
@@ -80,7 +84,7 @@ def overlap(one: str, other: str, groups: str, name: str) -> bool:
 )
 def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, name: str) -> None:
     made = executor(name)
-    line = made._line if made is not None else None
+    ready = made._ready if made is not None else None
     first_group: Group = ReentrantGroup() if groups == "one reentrant" else Group()
     second_group = Group() if groups == "two exclusive" else first_group
     begun, may_end, second_begun = threading.Event(), threading.Event(), threading.Event()
@@ -96,9 +100,9 @@ def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, 
         order.append("second begins")
         second_begun.set()
 
-    make(one, first_group, first, line, scheduler)()
+    make(one, first_group, first, ready, scheduler)()
     assert begun.wait(TIMEOUT_S)
-    make(other, second_group, second, line, scheduler)()
+    make(other, second_group, second, ready, scheduler)()
     if overlap(one, other, groups, name):
         assert second_begun.wait(TIMEOUT_S), order
         may_end.set()
@@ -113,7 +117,7 @@ def receiving(
     made: _Executor, function: Callable[[Any], Any], group: Optional[Group] = None, depth: int = 10
 ) -> Receiving:
     callback = Receiving(group or Group(), function, "topic", False, depth)
-    callback.attach(made._line)
+    callback.attach(made._ready)
     return callback
 
 
@@ -138,10 +142,10 @@ def test_timer_goes_on_while_ten_slow_messages_wait(scheduler: Scheduler) -> Non
     slow = receiving(made, lambda message: may_end.wait(TIMEOUT_S), depth=11)
     slow.receive(list(range(11)), True)
     timer = NodeTimer(scheduler, Group(), 100.0, lambda elapsed: ticks.release(), 0.0, "timer")
-    timer.attach(made._line)
+    timer.attach(made._ready)
     NodeTimer.start_together([timer])
     assert all(ticks.acquire(timeout=TIMEOUT_S) for _ in range(5))
-    assert slow.source is not None and slow.source.waiting == 10
+    assert slow.calls is not None and slow.calls.waiting == 10
     timer.close()
     may_end.set()
     assert made.shutdown(TIMEOUT_S)
@@ -169,8 +173,8 @@ def test_newest_messages_are_kept_and_the_rest_is_counted() -> None:
     callback = receiving(made, heard.append, depth=3)
     with callback.group:
         callback.receive(list(range(10)), True)
-        assert callback.source is not None
-        assert (callback.source.waiting, callback.source.dropped) == (3, 7)
+        assert callback.calls is not None
+        assert (callback.calls.waiting, callback.calls.dropped) == (3, 7)
     assert made.shutdown(TIMEOUT_S)
     assert heard == [7, 8, 9]
 
@@ -178,7 +182,7 @@ def test_newest_messages_are_kept_and_the_rest_is_counted() -> None:
 def test_batch_takes_all_that_waits() -> None:
     made, heard = SingleThreadedExecutor(), []  # type: Any
     callback = Receiving(Group(), heard.append, "topic", True, 100)
-    callback.attach(made._line)
+    callback.attach(made._ready)
     with callback.group:
         callback.receive([1, 2], True)
         callback.receive([3], True)
@@ -196,7 +200,7 @@ def test_missed_periods_are_skipped_and_counted(scheduler: Scheduler) -> None:
         may_end.wait(TIMEOUT_S)
 
     timer = NodeTimer(scheduler, Group(), 200.0, tick, 0.0, "timer")
-    timer.attach(made._line)
+    timer.attach(made._ready)
     NodeTimer.start_together([timer])
     assert begun.wait(TIMEOUT_S)
     wait_until(lambda: timer.skipped >= 5, lambda: str(timer.skipped))
@@ -220,7 +224,7 @@ def test_timer_that_is_too_slow_for_its_rate_leaves_the_others_their_turns(
         NodeTimer(scheduler, Group(), 200.0, lambda elapsed: due.release(), 0.0, "quick"),
     ]
     for timer in timers:
-        timer.attach(made._line)
+        timer.attach(made._ready)
     NodeTimer.start_together(timers)
     assert all(due.acquire(timeout=TIMEOUT_S) for _ in range(5))
     for timer in timers:
@@ -249,7 +253,7 @@ def test_service_answers_with_the_error() -> None:
         raise ValueError("on purpose")
 
     answering = Answering(Group(), fail, "/fails")
-    answering.attach(made._line)
+    answering.attach(made._ready)
     for _ in range(2):
         with pytest.raises(rospy.ServiceException, match="on purpose"):
             answering.answer("request")
@@ -290,7 +294,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
     callback = receiving(made, hold)
     callback.receive([1, 2, 3], True)
     answering = Answering(callback.group, lambda request: None, "/waits")
-    answering.attach(made._line)
+    answering.attach(made._ready)
     errors: List[str] = []
 
     def call() -> None:
@@ -301,7 +305,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
 
     assert begun.wait(TIMEOUT_S)
     caller = in_thread(call)
-    wait_until(lambda: bool(answering.source and answering.source.waiting), lambda: "no call")
+    wait_until(lambda: bool(answering.calls and answering.calls.waiting), lambda: "no call")
     began = time.monotonic()
     assert not made.shutdown(0.05)
     assert time.monotonic() - began < TIMEOUT_S / 2
@@ -345,7 +349,7 @@ def test_number_of_threads_is_judged(threads: int) -> None:
 def test_threads_that_have_not_begun_count(monkeypatch: "pytest.MonkeyPatch") -> None:
     """Or a call to another thread, made early, would be refused as one to the only thread."""
     monkeypatch.setattr(threading.Thread, "start", lambda thread: None)
-    assert len(MultiThreadedExecutor(3)._line.workers) == 3
+    assert len(MultiThreadedExecutor(3)._ready.workers) == 3
 
 
 @pytest.mark.parametrize("queue_size, kept", [(None, DEPTH), (3, 3), (-1, 50)])
@@ -376,15 +380,15 @@ def test_node_that_leaves_an_executor_that_was_shut_down_goes_on(
     bell = Bell(Group(), rings.set, "bell")
     callbacks: List[Callback] = [timer, bell]
     for callback in callbacks:
-        callback.attach(gone._line)
+        callback.attach(gone._ready)
     assert gone.shutdown(TIMEOUT_S)
     bell.ring()
     NodeTimer.start_together([timer])
-    wait_until(lambda: timer.source and timer.source.dropped > 1, lambda: "no tick was dropped")
+    wait_until(lambda: timer.calls and timer.calls.dropped > 1, lambda: "no tick was dropped")
     assert not (ticks.is_set() or rings.is_set())
     new = SingleThreadedExecutor() if other else None
     for callback in callbacks:
-        callback.attach(new._line if new else None)
+        callback.attach(new._ready if new else None)
     bell.ring()
     assert rings.wait(TIMEOUT_S) and ticks.wait(TIMEOUT_S)
     timer.close()

@@ -8,7 +8,7 @@ from weakref import WeakValueDictionary
 import rospy
 
 from nodekit.groups.groups import Group, Outside
-from nodekit.groups.line import Line, Source
+from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
 from nodekit.messaging.seldom import Seldom
 
@@ -28,7 +28,7 @@ class Callback:
     :param what: names it in the log
 
     :ivar failures: what it has raised
-    :ivar source: what an executor makes its calls of, None without one
+    :ivar calls: what waits for an executor, None without one
     """
 
     #: What it is, in reports.
@@ -39,19 +39,19 @@ class Callback:
         self.function = function
         self.closed = False
         self.failures = Failures()
-        self.source: Optional[Source] = None
+        self.calls: Optional[CallQueue] = None
         self.what = what
 
-    def attach(self, line: Optional[Line]) -> None:
+    def attach(self, ready: Optional[ReadyQueue]) -> None:
         """Have the calls made by an executor, or none; what waits by then stays with the old one.
 
-        :param line: the executor's
+        :param ready: the executor's queue
         """
-        is_attached = line is not None and not isinstance(self.group, Outside)
-        self.source = self._source(line) if line is not None and is_attached else None
+        is_attached = ready is not None and not isinstance(self.group, Outside)
+        self.calls = self._new_queue(ready) if ready is not None and is_attached else None
 
-    def _source(self, line: Line) -> Source:
-        return Source(line, self.group, MOST_KEPT, lambda works: works[0](), self._drop)
+    def _new_queue(self, ready: ReadyQueue) -> CallQueue:
+        return CallQueue(ready, self.group, MOST_KEPT, lambda works: works[0](), self._drop)
 
     def _drop(self, _thing: Any) -> None:
         """Note that something is dropped: an executor has no time for it, or is shut down."""
@@ -61,11 +61,11 @@ class Callback:
 
         :param work: what to do; raises nothing
         """
-        source = self.source
-        if source is None:
+        calls = self.calls
+        if calls is None:
             self.group.offer(work)
         else:
-            source.put(work)
+            calls.put(work)
 
     def call(self, *arguments: Any) -> None:
         """Call the function when it is its turn; what it raises is logged and harms nothing else.
@@ -111,11 +111,11 @@ class Answering(Callback):
 
     def waits_for_caller(self) -> bool:
         """Tell whether a call now would have to wait for the calling thread."""
-        is_its_thread = self.source is not None and self.source.line.is_served_by_caller_alone()
+        is_its_thread = self.calls is not None and self.calls.ready.is_served_by_caller_alone()
         return not self.closed and (self.group.is_mine or is_its_thread)
 
-    def _source(self, line: Line) -> Source:
-        return Source(line, self.group, MOST_CALLS, self._answer_waiting, self._refuse)
+    def _new_queue(self, ready: ReadyQueue) -> CallQueue:
+        return CallQueue(ready, self.group, MOST_CALLS, self._answer_waiting, self._refuse)
 
     def answer(self, request: Any) -> Any:
         """Call the function when it is its turn.
@@ -124,10 +124,10 @@ class Answering(Callback):
         :returns: what it returns
         :raises rospy.ServiceException: if it is closed, or the function raises something
         """
-        source = self.source
-        if source is not None:
+        calls = self.calls
+        if calls is not None:
             answer: "Future[Any]" = Future()
-            source.put((request, answer))
+            calls.put((request, answer))
             return answer.result()
         self.group.enter()
         try:
@@ -204,8 +204,8 @@ class Receiving(Callback):
         self._bell = Bell(group, self._receive_kept, what)
         self._seldom = Seldom(10.0)
 
-    def _source(self, line: Line) -> Source:
-        return Source(line, self.group, self._depth, self._hand_over, self._drop, self._batches)
+    def _new_queue(self, ready: ReadyQueue) -> CallQueue:
+        return CallQueue(ready, self.group, self._depth, self._hand_over, self._drop, self._batches)
 
     def receive(self, messages: List[Any], may_wait: bool) -> None:
         """Hand messages over.
@@ -214,10 +214,10 @@ class Receiving(Callback):
         :param may_wait: whether the calling thread serves nobody else. One that has published
             these in a callback must not: two nodes of one process would wait for each other.
         """
-        source = self.source
-        if source is not None:
+        calls = self.calls
+        if calls is not None:
             for message in messages:
-                source.put(message)
+                calls.put(message)
         elif not may_wait:
             if not self._kept and self.group.try_enter():
                 self._hand_over(messages)

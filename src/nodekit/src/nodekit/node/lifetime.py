@@ -8,7 +8,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from nodekit.groups.groups import Group, Outside, ReentrantGroup
-from nodekit.groups.line import Line
+from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.seldom import Seldom
@@ -52,15 +52,15 @@ class Surroundings:
 
     :ivar group: the group of callbacks that are given none
     :ivar rates: timers whose rates follow the node's parameters
-    :ivar line: the executor's that makes their calls, None without one
+    :ivar ready: the queue of the executor that makes their calls, None without one
     """
 
-    __slots__ = ("names", "opener", "group", "rates", "line")
+    __slots__ = ("names", "opener", "group", "rates", "ready")
 
     def __init__(self, names: Names, opener: Opener) -> None:
         self.names, self.opener = names, opener
         self.group, self.rates = Group(), RateFollowers()
-        self.line: Optional[Line] = None
+        self.ready: Optional[ReadyQueue] = None
 
 
 class Lifetime(Owner, Maker):
@@ -92,17 +92,17 @@ class Lifetime(Owner, Maker):
     def own(self, thing: Thing) -> Thing:
         """Close something with the rest; see :meth:`.Owner.own`."""
         if isinstance(thing, Callback):
-            thing.attach(self._surroundings.line)
+            thing.attach(self._surroundings.ready)
         return super().own(thing)
 
-    def attach(self, line: Optional[Line]) -> None:
+    def attach(self, ready: Optional[ReadyQueue]) -> None:
         """Have an executor make the calls of this node from now on, or rospy's threads.
 
-        :param line: the executor's, None for none
+        :param ready: the executor's queue, None for none
         """
-        self._surroundings.line = line
+        self._surroundings.ready = ready
         for callback in self.callbacks():
-            callback.attach(line)
+            callback.attach(ready)
 
     def callbacks(self) -> Iterator[Callback]:
         """Return the callbacks of this node, but not those of nodes that it hosts."""

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 import rospy
 
 from nodekit.groups.groups import Group
-from nodekit.groups.line import Line
+from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
 from nodekit.timing.scheduler import Scheduler, Timer
 
@@ -54,11 +54,11 @@ class NodeTimer(Callback):
         #: The latest question for its rate that was answered, and the rate set.
         self._answered = 0
 
-    def attach(self, line: Optional[Line]) -> None:
+    def attach(self, ready: Optional[ReadyQueue]) -> None:
         """Have the calls made by an executor, or none; see :meth:`.Callback.attach`."""
-        super().attach(line)
-        source = self.source
-        self._timer.dispatch = self.group.offer if source is None else source.put
+        super().attach(ready)
+        calls = self.calls
+        self._timer.dispatch = self.group.offer if calls is None else calls.put
 
     def _drop(self, _thing: Any) -> None:
         self._timer.forget_one()

@@ -1,10 +1,10 @@
 """What waits to be called by an executor, and whose turn it is; without a thread of its own.
 
-Each source, such as a subscription or a timer, keeps what waits for it. It asks its group to be let
-in, and stands in line only when the group is kept for it: so no thread of the executor ever waits
-for a group. In line, the first comes first, but those of urgent groups come before all others. A
-source that has more goes to the end: so a timer is not kept from its turns by a slow subscription
-with many messages.
+Each subscription, timer or service keeps what waits for it in a call queue. That asks its group to
+be let in, and is ready only when the group is kept for it: so no thread of the executor ever waits
+for a group. In the ready queue, the first comes first, but those of urgent groups come before all
+others. A call queue that has more goes to the end: so a timer is not kept from its turns by a slow
+subscription with many messages.
 """
 
 import threading
@@ -23,10 +23,10 @@ class _Arrival(NamedTuple):
     at: float
 
 
-class Source:
-    """What calls are made for.
+class CallQueue:
+    """What the calls of one callback are made for.
 
-    :param line: where it stands
+    :param ready: where it waits for a thread, when its group is kept for it
     :param group: its group
     :param depth: how much may wait; of more, the newest is kept
     :param run: makes one call for a list of things, inside the group; raises nothing
@@ -42,14 +42,14 @@ class Source:
 
     def __init__(
         self,
-        line: "Line",
+        ready: "ReadyQueue",
         group: Group,
         depth: int,
         run: Callable[[List[Any]], None],
         drop: Callable[[Any], None],
         together: bool = False,
     ) -> None:
-        self.line, self.group, self.depth = line, group, depth
+        self.ready, self.group, self.depth = ready, group, depth
         self.run, self.drop = run, drop
         self.running = self.made = self.dropped = 0
         self.longest = self.longest_wait = 0.0
@@ -67,9 +67,9 @@ class Source:
 
         :param thing: what ``run`` and ``drop`` know
         """
-        self.line.put(self, thing)
+        self.ready.put(self, thing)
 
-    # For the line, which has locked itself:
+    # For the ready queue, which has locked itself:
 
     def add(self, thing: Any) -> List[Any]:
         """Add something that waits; return what is dropped for it."""
@@ -77,7 +77,7 @@ class Source:
         self._waiting.append(_Arrival(thing, time.monotonic()))
         return dropped
 
-    def take(self) -> List[Any]:
+    def begin_call(self) -> List[Any]:
         """Return what the next call is made for, which begins now."""
         count = min(self._most_at_once, len(self._waiting))
         self.longest_wait = max(self.longest_wait, time.monotonic() - self._waiting[0].at)
@@ -95,22 +95,22 @@ class Source:
 class Turn(NamedTuple):
     """A call to be made.
 
-    :param source: whose
+    :param calls: whose
     :param things: what it is made for
     """
 
-    source: Source
+    calls: CallQueue
     things: List[Any]
 
 
-class Line:
-    """The line that sources stand in; any thread may call its methods."""
+class ReadyQueue:
+    """The call queues whose groups are kept for them; any thread may call its methods."""
 
     def __init__(self) -> None:
         lock = threading.Lock()
         self._news, self._finished = threading.Condition(lock), threading.Condition(lock)
-        self._urgent: Deque[Source] = deque()
-        self._usual: Deque[Source] = deque()
+        self._urgent: Deque[CallQueue] = deque()
+        self._usual: Deque[CallQueue] = deque()
         self._unfinished = 0  # how much waits or is under way
         #: Threads that take from it.
         self.workers: Set[threading.Thread] = set()
@@ -120,61 +120,61 @@ class Line:
         """Tell whether all that waits has to wait for the calling thread."""
         return self.workers == {threading.current_thread()}
 
-    def put(self, source: Source, thing: Any) -> None:
-        """Have a call made for something, unless the line is closed.
+    def put(self, calls: CallQueue, thing: Any) -> None:
+        """Have a call made for something, unless this is closed.
 
-        :param source: what it is for
-        :param thing: see :class:`Source`
+        :param calls: where it waits
+        :param thing: see :class:`CallQueue`
         """
         dropped = [thing]
         with self._news:
             if not self._is_closed:
-                dropped = source.add(thing)
+                dropped = calls.add(thing)
                 self._unfinished += 1 - len(dropped)
-            source.dropped += len(dropped)
-            must_ask = source.must_ask()
+            calls.dropped += len(dropped)
+            must_ask = calls.must_ask()
         if must_ask:
-            self._ask(source)
+            self._ask(calls)
         for one in dropped:
-            source.drop(one)
+            calls.drop(one)
 
-    def take(self, wait: bool = True) -> Optional[Turn]:
-        """Return the next call to be made, which is then to be given to :meth:`serve`.
+    def next_turn(self, wait: bool = True) -> Optional[Turn]:
+        """Return the next call to be made, which is then to be given to :meth:`make_call`.
 
         :param wait: whether to wait until there is one
-        :returns: None if there is none, or will be none as the line is closed
+        :returns: None if there is none, or will be none as this is closed
         """
         with self._news:
             while not (self._urgent or self._usual):
                 if self._is_over or not wait:
                     return None
                 self._news.wait()
-            source = (self._urgent or self._usual).popleft()
-            things = source.take()
-            must_ask = source.must_ask()
+            calls = (self._urgent or self._usual).popleft()
+            things = calls.begin_call()
+            must_ask = calls.must_ask()
         if must_ask:
-            self._ask(source)
-        return Turn(source, things)
+            self._ask(calls)
+        return Turn(calls, things)
 
-    def serve(self, turn: Turn) -> None:
+    def make_call(self, turn: Turn) -> None:
         """Make a call.
 
-        :param turn: from :meth:`take`
+        :param turn: from :meth:`next_turn`
         """
-        source, things = turn
-        source.group.adopt()
+        calls, things = turn
+        calls.group.adopt()
         began = time.monotonic()
         try:
             if self._is_over:
                 for thing in things:
-                    source.drop(thing)
+                    calls.drop(thing)
             else:
-                source.run(things)
+                calls.run(things)
         finally:
-            source.group.leave()
+            calls.group.leave()
             with self._news:
-                source.longest = max(source.longest, time.monotonic() - began)
-                source.running -= 1
+                calls.longest = max(calls.longest, time.monotonic() - began)
+                calls.running -= 1
                 self._unfinished -= len(things)
                 if not self._unfinished:
                     self._finished.notify_all()
@@ -190,23 +190,23 @@ class Line:
             is_done = self._finished.wait_for(lambda: not self._unfinished, timeout)
             self._is_over = True
             self._news.notify_all()
-        self._clear()
+        self._drop_rest()
         return is_done
 
-    def _ask(self, source: Source) -> None:
-        source.group.admit(partial(self._stand, source))
+    def _ask(self, calls: CallQueue) -> None:
+        calls.group.admit(partial(self._append, calls))
 
-    def _stand(self, source: Source) -> None:
+    def _append(self, calls: CallQueue) -> None:
         with self._news:
-            (self._urgent if source.group.urgent else self._usual).append(source)
+            (self._urgent if calls.group.urgent else self._usual).append(calls)
             self._news.notify()
             is_over = self._is_over
         if is_over:  # there may be no thread left
-            self._clear()
+            self._drop_rest()
 
-    def _clear(self) -> None:
+    def _drop_rest(self) -> None:
         while True:
-            turn = self.take(wait=False)
+            turn = self.next_turn(wait=False)
             if turn is None:
                 return
-            self.serve(turn)
+            self.make_call(turn)

@@ -1,4 +1,4 @@
-"""Whose turn it is with an executor: the line against a model, and its rules one by one."""
+"""Whose turn it is with an executor: the ready queue against a model, and its rules one by one."""
 
 import itertools
 import random
@@ -11,20 +11,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodekit.groups.groups import Group, ReentrantGroup
-from nodekit.groups.line import Line, Source, Turn
+from nodekit.groups.ready_queue import CallQueue, ReadyQueue, Turn
 
 WORKERS = 3
 DEPTH = 3
 
 
 class Modelled:
-    """A source, and what a model that is as simple as can be says of it."""
+    """A call queue, and what a model that is as simple as can be says of it."""
 
-    def __init__(self, line: Line, group: Group, together: bool = False) -> None:
+    def __init__(self, ready: ReadyQueue, group: Group, together: bool = False) -> None:
         self.group, self.together = group, together
         self.run: List[Any] = []
         self.dropped: List[Any] = []
-        self.source = Source(line, group, DEPTH, self.run.extend, self.dropped.append, together)
+        self.calls = CallQueue(ready, group, DEPTH, self.run.extend, self.dropped.append, together)
         self.waiting: List[Any] = []
         self.expected_run: List[Any] = []
         self.expected_dropped: List[Any] = []
@@ -32,17 +32,17 @@ class Modelled:
 
 
 class World:
-    """A line with workers, driven step by step by one thread; each step is checked."""
+    """A ready queue with workers, driven step by step by one thread; each step is checked."""
 
     def __init__(self) -> None:
-        self.line = Line()
+        self.ready = ReadyQueue()
         shared, urgent, free = Group(), Group(urgent=True), ReentrantGroup()
-        self.sources = [
-            Modelled(self.line, shared),
-            Modelled(self.line, shared, together=True),
-            Modelled(self.line, Group()),
-            Modelled(self.line, urgent),
-            Modelled(self.line, free),
+        self.queues = [
+            Modelled(self.ready, shared),
+            Modelled(self.ready, shared, together=True),
+            Modelled(self.ready, Group()),
+            Modelled(self.ready, urgent),
+            Modelled(self.ready, free),
         ]
         self.things = itertools.count()
         self.turns: List[Tuple[Modelled, Turn]] = []
@@ -63,9 +63,9 @@ class World:
             self.standing.append(one)
 
     def put(self, number: int) -> None:
-        one = self.sources[number % len(self.sources)]
+        one = self.queues[number % len(self.queues)]
         thing = next(self.things)
-        one.source.put(thing)
+        one.calls.put(thing)
         if len(one.waiting) == DEPTH:
             one.expected_dropped.append(one.waiting.pop(0))
         one.waiting.append(thing)
@@ -74,10 +74,10 @@ class World:
     def take(self) -> None:
         if len(self.turns) == WORKERS:
             return
-        turn = self.line.take(wait=False)
+        turn = self.ready.next_turn(wait=False)
         urgent = [one for one in self.standing if one.group.urgent]
         expected = (urgent or list(self.standing) or [None])[0]
-        assert (turn and turn.source) is (expected and expected.source)
+        assert (turn and turn.calls) is (expected and expected.calls)
         if turn is None or expected is None:
             return
         self.standing.remove(expected)
@@ -92,7 +92,7 @@ class World:
         if not self.turns:
             return
         one, turn = self.turns.pop(number % len(self.turns))
-        self.line.serve(turn)
+        self.ready.make_call(turn)
         one.expected_run += turn.things
         if isinstance(one.group, ReentrantGroup):
             return
@@ -103,11 +103,11 @@ class World:
             self.kept.remove(one.group)
 
     def check(self) -> None:
-        for one in self.sources:
+        for one in self.queues:
             assert one.run == one.expected_run
             assert one.dropped == one.expected_dropped
-            assert one.source.waiting == len(one.waiting)
-            assert one.source.dropped == len(one.dropped)
+            assert one.calls.waiting == len(one.waiting)
+            assert one.calls.dropped == len(one.dropped)
 
     def go(self, steps: List[int]) -> None:
         for step in steps:
@@ -126,13 +126,13 @@ class World:
             self.take()
             self.finish(0)
         self.check()
-        assert not any(one.waiting for one in self.sources)
-        assert self.line.close(0.0)
+        assert not any(one.waiting for one in self.queues)
+        assert self.ready.close(0.0)
 
 
 @settings(deadline=None, max_examples=200)
 @given(st.lists(st.integers(0, 29), max_size=60))
-def test_line_is_as_the_model_says(steps: List[int]) -> None:
+def test_queue_is_as_the_model_says(steps: List[int]) -> None:
     world = World()
     world.go(steps)
     world.end()
@@ -146,92 +146,92 @@ def test_ten_thousand_schedules() -> None:
         world.end()
 
 
-def served(line: Line) -> Optional[Source]:
+def served(ready: ReadyQueue) -> Optional[CallQueue]:
     """Have the next call made; return whose it was."""
-    turn = line.take(wait=False)
+    turn = ready.next_turn(wait=False)
     if turn is None:
         return None
-    line.serve(turn)
-    return turn.source
+    ready.make_call(turn)
+    return turn.calls
 
 
-def make(line: Line, group: Optional[Group] = None, depth: int = 10) -> Source:
-    return Source(line, group or Group(), depth, lambda things: None, lambda thing: None)
+def make(ready: ReadyQueue, group: Optional[Group] = None, depth: int = 10) -> CallQueue:
+    return CallQueue(ready, group or Group(), depth, lambda things: None, lambda thing: None)
 
 
 def test_ten_slow_messages_do_not_keep_a_timer_from_its_turns() -> None:
-    line = Line()
-    slow, timer = make(line), make(line)
+    ready = ReadyQueue()
+    slow, timer = make(ready), make(ready)
     for number in range(10):
         slow.put(number)
     order = []
     for _ in range(10):
         timer.put("tick")
-        order += [served(line), served(line)]
+        order += [served(ready), served(ready)]
     assert order == [slow, timer] * 10
 
 
-def test_source_in_a_reentrant_group_overlaps_itself_and_lets_others_in_between() -> None:
-    line = Line()
+def test_calls_in_a_reentrant_group_overlaps_itself_and_lets_others_in_between() -> None:
+    ready = ReadyQueue()
     group = ReentrantGroup()
-    one, other = make(line, group), make(line, group)
+    one, other = make(ready, group), make(ready, group)
     for number in range(3):
         one.put(number)
     other.put(0)
-    turns = [line.take(wait=False) for _ in range(4)]
-    assert [turn and turn.source for turn in turns] == [one, other, one, one]
+    turns = [ready.next_turn(wait=False) for _ in range(4)]
+    assert [turn and turn.calls for turn in turns] == [one, other, one, one]
     assert one.running == 3
 
 
-def test_group_that_somebody_else_is_in_keeps_only_its_own_sources_out() -> None:
-    line = Line()
+def test_group_that_somebody_else_is_in_keeps_only_its_own_calls_out() -> None:
+    ready = ReadyQueue()
     group = Group()
-    kept_out, free = make(line, group), make(line)
+    kept_out, free = make(ready, group), make(ready)
     with group:
         kept_out.put(1)
         free.put(1)
-        assert served(line) is free
-        assert line.take(wait=False) is None
-    assert served(line) is kept_out
+        assert served(ready) is free
+        assert ready.next_turn(wait=False) is None
+    assert served(ready) is kept_out
     assert not group._inside.locked()
 
 
 def test_closed_line_gives_up_what_is_left_and_frees_the_groups() -> None:
-    line = Line()
+    ready = ReadyQueue()
     group = Group()
     given_up: List[int] = []
-    sources = [Source(line, group, 10, lambda things: None, given_up.append) for _ in range(3)]
-    for source in sources:
-        source.put(1)
-        source.put(2)
-    under_way = line.take(wait=False)
+    queues = [CallQueue(ready, group, 10, lambda things: None, given_up.append) for _ in range(3)]
+    for calls in queues:
+        calls.put(1)
+        calls.put(2)
+    under_way = ready.next_turn(wait=False)
     assert under_way is not None
-    assert not line.close(0.0)
-    line.serve(under_way)
+    assert not ready.close(0.0)
+    ready.make_call(under_way)
     assert sorted(given_up) == [1, 1, 1, 2, 2, 2]
     assert group.try_enter()
     group.leave()
-    sources[0].put(3)
-    assert given_up[-1] == 3 and sources[0].dropped == 1
-    assert line.take() is None
+    queues[0].put(3)
+    assert given_up[-1] == 3 and queues[0].dropped == 1
+    assert ready.next_turn() is None
 
 
 def test_line_tells_how_long_calls_take_and_wait() -> None:
-    line = Line()
-    source = Source(line, Group(), 10, lambda things: None, lambda thing: None, together=True)
-    assert source.longest == source.longest_wait == 0.0
-    source.put(1)
+    ready = ReadyQueue()
+    calls = CallQueue(ready, Group(), 10, lambda things: None, lambda thing: None, together=True)
+    assert calls.longest == calls.longest_wait == 0.0
+    calls.put(1)
     time.sleep(0.02)
-    source.put(2)
-    served(line)
-    assert source.made == 1 and source.running == 0
-    assert 0.02 <= source.longest_wait < 10.0 and 0.0 <= source.longest < 10.0
+    calls.put(2)
+    served(ready)
+    assert calls.made == 1 and calls.running == 0
+    assert 0.02 <= calls.longest_wait < 10.0 and 0.0 <= calls.longest < 10.0
 
 
 def test_line_knows_whether_the_caller_is_all_it_has() -> None:
-    line = Line()
-    assert not line.is_served_by_caller_alone()
-    line.workers.add(threading.current_thread())
-    assert line.is_served_by_caller_alone()
-    line.workers.add(threading.Thread())
-    assert not line.is_served_by_caller_alone()
+    ready = ReadyQueue()
+    assert not ready.is_served_by_caller_alone()
+    ready.workers.add(threading.current_thread())
+    assert ready.is_served_by_caller_alone()
+    ready.workers.add(threading.Thread())
+    assert not ready.is_served_by_caller_alone()

@@ -1,4 +1,4 @@
-"""A node of ROS 2 that repeats on /heard what it hears on /chatter, as one would write it."""
+"""A node of ROS 2 that repeats on /heard what comes on /chatter, written as users do."""
 
 import contextlib
 

@@ -1,4 +1,4 @@
-"""One end of a hop within a ROS or through the bridge, as one would write it.
+"""One end of a hop within a ROS or through the bridge, written as users do.
 
 Usage: hop.py send|hear 1|2 RATE SECONDS TOPICS FILE. Each message holds the moment when it was
 sent; whoever hears writes into FILE, as JSON, how long each took, us, and how many were lost.
@@ -27,7 +27,7 @@ class Heard:
         self.took: List[float] = []
         self.latest = time.monotonic()
 
-    def take(self, message: Any) -> None:
+    def add_sample(self, message: Any) -> None:
         now = time.monotonic()
         if message.signal_y < 0.0:  # only to get going
             self.latest = now
@@ -85,7 +85,7 @@ def main(at_end: contextlib.ExitStack) -> None:
             send([out.publish for out in outs], [out.get_num_connections for out in outs], cls)
             return
         for name in NAMES:
-            rospy.Subscriber(name, cls, heard.take, tcp_nodelay=True)
+            rospy.Subscriber(name, cls, heard.add_sample, tcp_nodelay=True)
     else:
         import rclpy
         from basic_comms.msg import SignalMsg as cls2
@@ -100,7 +100,7 @@ def main(at_end: contextlib.ExitStack) -> None:
             send([one.publish for one in made], [one.get_subscription_count for one in made], cls2)
             return
         for name in NAMES:
-            node.create_subscription(cls2, name, heard.take, 1000)
+            node.create_subscription(cls2, name, heard.add_sample, 1000)
 
         def spin() -> None:
             with contextlib.suppress(ExternalShutdownException):

@@ -4,8 +4,9 @@ import timeit
 from typing import Callable, List
 
 from context import Bench, Figures
+
+from nodekit import Group
 from nodekit.node.callbacks import Callback
-from nodekit.groups.groups import Group
 
 CALLS = 100_000
 

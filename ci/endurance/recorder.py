@@ -9,8 +9,9 @@ from typing import Any, List
 
 import rosbag
 import rospy
-from nodekit.messaging.subscription import Subscription
 from roslib.message import get_message_class
+
+from nodekit import Subscription
 
 
 class Recorder:

@@ -7,10 +7,11 @@ the node validates by, so the table cannot say anything else than the node does.
 import importlib
 from typing import Any, Dict, List
 
-from nodekit.parameters.declaration import ParameterSet, format_value
-from nodekit.parameters.schema import describe
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
+
+from nodekit import ParameterSet, describe, format_value
+
 from .tables import table
 
 HEADERS = ["Parameter", "Type", "Default", "Allowed", "Unit", "What it is"]

@@ -6,8 +6,7 @@ from typing import Any, Dict, List
 from scenarios import CALL_S, SCENARIOS, TICK_S, Observation, Scenario
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from nodekit import MultiThreadedExecutor, Node
-from nodekit.process.run import register
+from nodekit import MultiThreadedExecutor, Node, init_node
 
 
 def observe(root: Node, number: int, scenario: Scenario) -> List[int]:
@@ -35,7 +34,7 @@ def observe(root: Node, number: int, scenario: Scenario) -> List[int]:
 
 def main() -> None:
     """Observe and print."""
-    root = register("overlap")
+    root = init_node("overlap")
     root.start()
     results: Dict[str, List[int]] = {}
     for number, (name, scenario) in enumerate(SCENARIOS.items()):

@@ -7,8 +7,7 @@ from typing import Any, Callable, Dict, List
 import transitions
 
 from lifecycle_msgs import msg, srv
-from nodekit import Client, ManagedNode, Node, Outcome
-from nodekit.process.run import register
+from nodekit import Client, ManagedNode, Node, Outcome, init_node
 
 #: Longest wait for an answer, s.
 LIMIT = 10.0
@@ -107,7 +106,7 @@ def _pair(message: Any) -> List[Any]:
 
 def main() -> None:
     """Observe and print."""
-    root = register("transitions")
+    root = init_node("transitions")
     root.start()
     results = {}
     for name, case in transitions.cases().items():

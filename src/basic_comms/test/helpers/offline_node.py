@@ -4,9 +4,7 @@ import copy
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, List
 
-from nodekit.messaging.subscription import Subscription
-from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit import Names, Node, Subscription
 from nodekit.node.opening import Opener
 
 

@@ -11,7 +11,7 @@ from helpers.process_facts import usage
 from roslib.packages import find_node
 from std_msgs.msg import String
 
-from nodekit.messaging.publisher import Publisher
+from nodekit import Publisher
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until

@@ -27,8 +27,7 @@ from std_srvs.srv import Trigger
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
-from nodekit import Node
-from nodekit.process.run import register
+from nodekit import Node, init_node
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -154,7 +153,7 @@ class Dumped(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.root = register("test_dumped_parameters")
+        cls.root = init_node("test_dumped_parameters")
         cls.root.start()
         promised = promises.read()["nodes"]
         for module, settings in cls.started("/before"):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from basic_comms.conditioning.conditioner import Conditioner
 from basic_comms.conditioning.process_parameters import ProcessParameters
-from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit import LARGEST_FLOAT32
 
 TURN = 2.0 * math.pi
 METHODS = ProcessParameters.method.choices

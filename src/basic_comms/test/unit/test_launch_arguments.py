@@ -12,7 +12,7 @@ from launch_loading import listed_arguments, load
 from basic_comms.nodes.process import ProcessParameters
 from basic_comms.nodes.talker import TalkerParameters
 from basic_comms.signals.signal_parameters import SignalParameters
-from nodekit.parameters.declaration import Parameter, ParameterSet, to_wire
+from nodekit import Parameter, ParameterSet, to_wire
 
 #: Launch file, start of its arguments' names, what the node declares, name of the node.
 NODES = [

@@ -27,8 +27,7 @@ from bot_controller_demo_msgs.msg import (
     Progress,
 )
 from bot_controller_demo_msgs.srv import SetGoal
-from nodekit import Node
-from nodekit.node.names import Names
+from nodekit import Names, Node
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process

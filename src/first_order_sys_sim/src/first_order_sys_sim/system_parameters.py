@@ -1,8 +1,7 @@
 """The parameters of the first-order system, under the names that the course gave them."""
 
 from first_order_sys_sim.first_order_plant import EXACT, METHODS, PlantSettings
-from nodekit import EnumParameter, FloatParameter, ParameterSet
-from nodekit.messaging.finite import to_float32
+from nodekit import EnumParameter, FloatParameter, ParameterSet, to_float32
 
 
 class SystemParameters(ParameterSet):

@@ -11,7 +11,7 @@ import rospy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
 
-from nodekit.messaging.finite import to_float32
+from nodekit import to_float32
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun

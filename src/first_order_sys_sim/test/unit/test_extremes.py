@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
-from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit import LARGEST_FLOAT32
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.reconciler import Reconciler, Seen
 

@@ -6,7 +6,7 @@ import pytest
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
 from first_order_sys_sim.system_parameters import SystemParameters
-from nodekit.messaging.finite import LARGEST_FLOAT32, to_float32
+from nodekit import LARGEST_FLOAT32, to_float32
 
 
 def test_plant_is_as_the_parameters_say() -> None:

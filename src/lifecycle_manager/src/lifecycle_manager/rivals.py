@@ -1,9 +1,7 @@
 """Whether a node has a manager already."""
 
-import contextlib
 from typing import Optional, Sequence
 
-import rosgraph
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest
 
@@ -26,8 +24,7 @@ def rival(node: Node, names: Sequence[str]) -> Optional[str]:
     :param names: of the nodes
     :raises nodekit.MasterUnreachable: if the master does not answer
     """
-    master = MasterClient(rosgraph.get_master_uri(), node.name, "", TIMEOUT_S)
-    with contextlib.closing(master):
+    with MasterClient(node.name, timeout=TIMEOUT_S) as master:
         state = master.system_state()
     managers = {
         owner: service[: -len(SERVICE)]

@@ -15,9 +15,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from lifecycle_manager.nodes.lifecycle_manager import LifecycleManager
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
-from nodekit import ManagedNode, Node, ParameterError
-from nodekit.node.names import Names
-from nodekit.process.run import register
+from nodekit import ManagedNode, Names, Node, ParameterError, init_node
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server, is_stopped
 from nodekit.testing.running import rosrun
@@ -367,5 +365,5 @@ class Elsewhere(Managing):
 
 
 if __name__ == "__main__":
-    register("test_lifecycle_manager")
+    init_node("test_lifecycle_manager")
     rosrun("lifecycle_manager", "lifecycle_manager", "test_lifecycle_manager")

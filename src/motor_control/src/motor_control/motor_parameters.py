@@ -1,8 +1,7 @@
 """The parameters of the motor, under the names that the course gave them."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from nodekit import FloatParameter, ParameterSet
-from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit import LARGEST_FLOAT32, FloatParameter, ParameterSet
 
 
 class MotorParameters(ParameterSet):

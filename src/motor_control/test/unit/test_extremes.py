@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.nodes.set_point import SetPointParameters
-from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit import LARGEST_FLOAT32
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.reconciler import Reconciler, Seen
 

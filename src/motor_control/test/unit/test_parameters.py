@@ -9,7 +9,7 @@ from basic_comms.signals.signal_source import SignalSource
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.nodes.set_point import SetPointParameters
-from nodekit.parameters.declaration import ParameterError
+from nodekit import ParameterError
 
 
 def test_motor_has_the_courses_values() -> None:

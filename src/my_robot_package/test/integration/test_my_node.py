@@ -12,8 +12,7 @@ from std_srvs.srv import Trigger
 
 from my_robot_package.nodes.my_node import MyRobotNode
 from my_robot_package.nodes.service_client_node import ServiceClientNode
-from nodekit import Node
-from nodekit.process.run import register
+from nodekit import Node, init_node
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
@@ -24,7 +23,7 @@ class TestMyRobotNode(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.node = register("my_robot_node")
+        cls.node = init_node("my_robot_node")
         cls.robot = MyRobotNode(cls.node)
         cls.node.start()
 

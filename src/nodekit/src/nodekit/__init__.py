@@ -15,16 +15,27 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.managed.managed_node import ManagedNode as ManagedNode
     from nodekit.managed.table import Outcome as Outcome
     from nodekit.master import MasterUnreachable as MasterUnreachable
+    from nodekit.messaging.finite import LARGEST_FLOAT32 as LARGEST_FLOAT32
+    from nodekit.messaging.finite import to_float32 as to_float32
     from nodekit.messaging.publisher import Publisher as Publisher
     from nodekit.messaging.subscription import Latest as Latest
+    from nodekit.messaging.subscription import Subscription as Subscription
     from nodekit.node.clients import CallCancelled as CallCancelled
+    from nodekit.node.clients import CallError as CallError
     from nodekit.node.clients import CallFuture as CallFuture
+    from nodekit.node.clients import CallTimeout as CallTimeout
     from nodekit.node.clients import Client as Client
     from nodekit.node.clients import NestedCall as NestedCall
+    from nodekit.node.clients import call_service as call_service
+    from nodekit.node.clients import probe_service as probe_service
+    from nodekit.node.legal_names import LEGAL_NAME as LEGAL_NAME
+    from nodekit.node.legal_names import IllegalName as IllegalName
+    from nodekit.node.legal_names import is_legal_name as is_legal_name
     from nodekit.node.maker import Maker as Maker
+    from nodekit.node.names import Names as Names
     from nodekit.node.node import Node as Node
-    from nodekit.node.server import CallError as CallError
-    from nodekit.node.server import CallTimeout as CallTimeout
+    from nodekit.node.parameter_client import ChangeRefused as ChangeRefused
+    from nodekit.node.parameter_client import ParameterClient as ParameterClient
     from nodekit.parameter_server.live_parameters import LiveParameters as LiveParameters
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
@@ -36,46 +47,71 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.parameters.kinds import Parameter as Parameter
     from nodekit.parameters.kinds import ParameterError as ParameterError
     from nodekit.parameters.kinds import StringParameter as StringParameter
+    from nodekit.parameters.kinds import format_value as format_value
+    from nodekit.parameters.kinds import to_wire as to_wire
     from nodekit.parameters.number_kinds import FloatParameter as FloatParameter
     from nodekit.parameters.number_kinds import IntParameter as IntParameter
     from nodekit.parameters.number_kinds import RateParameter as RateParameter
+    from nodekit.parameters.schema import DescriptionError as DescriptionError
+    from nodekit.parameters.schema import describe as describe
+    from nodekit.parameters.schema import parameter_of as parameter_of
     from nodekit.process.host import host as host
     from nodekit.process.host import host_all as host_all
+    from nodekit.process.run import give_up as give_up
+    from nodekit.process.run import init_node as init_node
     from nodekit.process.run import run as run
 
 _HOMES: Dict[str, str] = {
-    "Group": "groups.groups",
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
-    "CallCancelled": "node.clients",
-    "CallFuture": "node.clients",
-    "Client": "node.clients",
-    "NestedCall": "node.clients",
-    "Maker": "node.maker",
-    "CallError": "node.server",
-    "CallTimeout": "node.server",
+    "Group": "groups.groups",
     "ManagedNode": "managed.managed_node",
     "Outcome": "managed.table",
-    "LiveParameters": "parameter_server.live_parameters",
     "MasterUnreachable": "master",
+    "LARGEST_FLOAT32": "messaging.finite",
+    "to_float32": "messaging.finite",
     "Publisher": "messaging.publisher",
     "Latest": "messaging.subscription",
+    "Subscription": "messaging.subscription",
+    "call_service": "node.clients",
+    "CallCancelled": "node.clients",
+    "CallError": "node.clients",
+    "CallFuture": "node.clients",
+    "CallTimeout": "node.clients",
+    "Client": "node.clients",
+    "NestedCall": "node.clients",
+    "probe_service": "node.clients",
+    "IllegalName": "node.legal_names",
+    "is_legal_name": "node.legal_names",
+    "LEGAL_NAME": "node.legal_names",
+    "Maker": "node.maker",
+    "Names": "node.names",
     "Node": "node.node",
+    "ChangeRefused": "node.parameter_client",
+    "ParameterClient": "node.parameter_client",
+    "LiveParameters": "parameter_server.live_parameters",
     "ParameterSet": "parameters.declaration",
     "read_once": "parameters.declaration",
     "rule": "parameters.declaration",
     "BoolParameter": "parameters.kinds",
     "BytesParameter": "parameters.kinds",
     "EnumParameter": "parameters.kinds",
-    "FloatParameter": "parameters.number_kinds",
-    "IntParameter": "parameters.number_kinds",
+    "format_value": "parameters.kinds",
     "ListParameter": "parameters.kinds",
     "Parameter": "parameters.kinds",
     "ParameterError": "parameters.kinds",
-    "RateParameter": "parameters.number_kinds",
     "StringParameter": "parameters.kinds",
+    "to_wire": "parameters.kinds",
+    "FloatParameter": "parameters.number_kinds",
+    "IntParameter": "parameters.number_kinds",
+    "RateParameter": "parameters.number_kinds",
+    "describe": "parameters.schema",
+    "DescriptionError": "parameters.schema",
+    "parameter_of": "parameters.schema",
     "host": "process.host",
     "host_all": "process.host",
+    "give_up": "process.run",
+    "init_node": "process.run",
     "run": "process.run",
 }
 

@@ -7,6 +7,7 @@ http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%2
 """
 
 import contextlib
+import difflib
 import functools
 import http.client
 import threading
@@ -24,6 +25,8 @@ from typing import (
     Tuple,
     TypeVar,
 )
+
+import rosgraph
 
 # What a reading holds is public as this module is.
 from nodekit.parameters.kinds import MISSING as MISSING
@@ -114,24 +117,30 @@ class MasterClient:
 
     All of them raise :class:`MasterUnreachable` if the master does not answer.
 
-    :param master_uri: URI of the master
     :param node_name: name of the node, global
     :param node_uri: XML-RPC URI of the node, where the master sends updates
     :param timeout: longest wait for an answer, s
+    :param master_uri: URI of the master; by default, of the one of this process
     :raises MasterUnreachable: if the URI is none of HTTP
     """
 
     def __init__(
-        self, master_uri: str, node_name: str, node_uri: str, timeout: float = 5.0
+        self, node_name: str, node_uri: str = "", timeout: float = 5.0, master_uri: str = ""
     ) -> None:
-        self._uri = master_uri
+        self._uri = master_uri or rosgraph.get_master_uri()
         self._node_name = node_name
         self._node_uri = node_uri
         self._lock = threading.Lock()
         try:
-            self._proxy = xmlrpc.client.ServerProxy(master_uri, transport=_Transport(timeout))
+            self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport(timeout))
         except OSError as error:
             raise self._unreachable(error) from None
+
+    def __enter__(self) -> "MasterClient":
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Close the connection; another request would open it again."""
@@ -237,8 +246,7 @@ class MasterClient:
         :param keys: global names, as they were subscribed
         :param timeout: longest wait for an answer, s
         """
-        client = MasterClient(self._uri, self._node_name, self._node_uri, timeout)
-        with contextlib.closing(client):
+        with MasterClient(self._node_name, self._node_uri, timeout, self._uri) as client:
             client.request([("unsubscribeParam", self._node_uri, key) for key in keys])
 
     def system_state(self) -> SystemState:
@@ -257,6 +265,29 @@ class MasterClient:
         """Ask for the URI of a service, None where there is none."""
         code, _, uri = self.request([("lookupService", name)])[0]
         return str(uri) if code == _SUCCESS else None
+
+    def namespaces_offering(self, service: str, below: str = "/") -> List[str]:
+        """List the namespaces where a service is offered.
+
+        :param service: base name of the service
+        :param below: global name; only namespaces at or below it are listed
+        :returns: global names, sorted
+        """
+        prefix, suffix = below.rstrip("/") + "/", "/" + service
+        names = [name for name, _ in self.system_state().services if name.endswith(suffix)]
+        found = [name[: -len(suffix)] for name in names]
+        return sorted(owner for owner in found if (owner + "/").startswith(prefix))
+
+    def who_offers(self, service: str, instead_of: str) -> str:
+        """Say which nodes offer a service, to whoever has named one that does not.
+
+        :param service: base name of the service
+        :param instead_of: the global name that was asked for
+        :returns: half a sentence: the nearest name if there is one, or else all of them
+        """
+        all_names = self.namespaces_offering(service)
+        near = difflib.get_close_matches(instead_of.rstrip("/"), all_names, n=1) or all_names
+        return f"there is {', '.join(near)}" if near else "no such node is running"
 
 
 def _value(answer: Tuple[int, str, Any]) -> Any:

@@ -26,7 +26,7 @@ from nodekit import (
 from nodekit.node.clients import MOST_CALLS
 from nodekit.node.names import Names
 from nodekit.node.node import Node
-from nodekit.process.run import register
+from nodekit.process.run import init_node
 from nodekit.testing.processes import Process, is_stopped
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -270,5 +270,5 @@ class Clients(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    register("test_clients")
+    init_node("test_clients")
     rosrun("nodekit", "clients", "test_clients")

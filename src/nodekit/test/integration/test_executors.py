@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from nodekit import FloatParameter, MultiThreadedExecutor, ParameterSet, SingleThreadedExecutor
 from nodekit.node.names import Names
 from nodekit.node.node import Node
-from nodekit.process.run import register
+from nodekit.process.run import init_node
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -254,5 +254,5 @@ class Executors(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    register("test_executors")
+    init_node("test_executors")
     rosrun("nodekit", "executors", "test_executors")

@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger, TriggerRequest
 
 from nodekit import CallError, SingleThreadedExecutor
 from nodekit.node.node import Node
-from nodekit.process.run import register
+from nodekit.process.run import init_node
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -61,5 +61,5 @@ class OnAClockThatStandsStill(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    register("test_executors_clock")
+    init_node("test_executors_clock")
     rosrun("nodekit", "executors_clock", "test_executors_clock")

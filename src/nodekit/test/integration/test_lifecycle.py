@@ -49,7 +49,7 @@ from nodekit.managed.gate import ManagedPublisher, ManagedTimer
 from nodekit.node.names import Names
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import reconfigure
-from nodekit.process.run import register
+from nodekit.process.run import init_node
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server
@@ -826,7 +826,7 @@ class Command(Managed):
         status, out, err = self.typed("get", self.space + "/drive")
         self.assertEqual((status, out), (1, ""))
         self.assertIn("lifecycle: /drive is no managed node; there is /driver", err)
-        with mock.patch.object(lifecycle, "master", side_effect=KeyboardInterrupt):
+        with mock.patch.object(lifecycle, "MasterClient", side_effect=KeyboardInterrupt):
             self.assertEqual(self.typed("get", node), (130, "", ""))
 
     def test_transitions(self) -> None:
@@ -907,5 +907,5 @@ class Ends(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    register("test_lifecycle")
+    init_node("test_lifecycle")
     rosrun("nodekit", "lifecycle", "test_lifecycle")

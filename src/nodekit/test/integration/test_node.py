@@ -28,7 +28,7 @@ from nodekit.parameters.declaration import (
     RateParameter,
 )
 from nodekit.process.host import host_all
-from nodekit.process.run import register
+from nodekit.process.run import init_node
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -530,5 +530,5 @@ class Hosting(OnMaster):
 
 
 if __name__ == "__main__":
-    register("test_node")
+    init_node("test_node")
     rosrun("nodekit", "node", "test_node")

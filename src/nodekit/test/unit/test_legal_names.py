@@ -5,7 +5,7 @@ import rosgraph.names
 
 from nodekit.node.legal_names import (
     IllegalName,
-    is_legal,
+    is_legal_name,
     judge_base_name,
     judge_namespace,
     judged,
@@ -15,14 +15,14 @@ from nodekit.node.names import Names
 
 @pytest.mark.parametrize("name", ["/", "/a", "/a/b_1/C", "/a/", "/5", "/_a", "/a" * 5000])
 def test_legal_names(name):
-    assert is_legal(name) and rosgraph.names.is_legal_name(name)
+    assert is_legal_name(name) and rosgraph.names.is_legal_name(name)
 
 
 @pytest.mark.parametrize(
     "name", ["", "a", "/a b", "/a:b", "//", "/a//b", "/a-b", "/a\n", "/~a", "/ä", "/a" * 5000 + " "]
 )
 def test_illegal_names_are_told_with_what_a_name_may_be(name):
-    assert not is_legal(name)
+    assert not is_legal_name(name)
     with pytest.raises(IllegalName) as error:
         judged(name, "topic")
     assert str(error.value) == (

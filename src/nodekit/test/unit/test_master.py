@@ -51,7 +51,7 @@ def answering(body: bytes) -> Iterator[MasterClient]:
             pass
 
     with served(http.server.HTTPServer(("localhost", 0), Handler)) as uri:
-        yield MasterClient(uri, "/n", "http://localhost:1/", timeout=5.0)
+        yield MasterClient("/n", "http://localhost:1/", master_uri=uri)
 
 
 class Master:
@@ -104,7 +104,7 @@ def master() -> Iterator[Any]:
     server = SimpleXMLRPCServer(("localhost", 0), logRequests=False)
     server.register_instance(instance)
     with served(server) as uri:
-        client = MasterClient(uri, "/n", "http://localhost:1/")
+        client = MasterClient("/n", "http://localhost:1/", master_uri=uri)
         with contextlib.closing(client):
             yield instance, client
 
@@ -213,7 +213,7 @@ def test_nonsense_is_no_master(body: bytes) -> None:
 )
 def test_uri_that_leads_nowhere(uri: str) -> None:
     with pytest.raises(MasterUnreachable, match=uri[:4]):
-        MasterClient(uri, "/n", "").read([])
+        MasterClient("/n", master_uri=uri).read([])
 
 
 def test_nobody_listens() -> None:
@@ -221,14 +221,14 @@ def test_nobody_listens() -> None:
         chooser.bind(("localhost", 0))
         port = chooser.getsockname()[1]
     with pytest.raises(MasterUnreachable, match="refused"):
-        MasterClient(f"http://localhost:{port}/", "/n", "").read([])
+        MasterClient("/n", master_uri=f"http://localhost:{port}/").read([])
 
 
 def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:
     with socket.socket() as silent:
         silent.bind(("localhost", 0))
         silent.listen(5)
-        client = MasterClient(f"http://localhost:{silent.getsockname()[1]}/", "/n", "", 0.1)
+        client = MasterClient("/n", "", 0.1, f"http://localhost:{silent.getsockname()[1]}/")
         before = time.monotonic()
         with pytest.raises(MasterUnreachable, match="timed out"):
             client.read(["/n"])
@@ -241,7 +241,7 @@ def test_master_that_is_stopped_is_waited_for_no_longer_than_the_time_out() -> N
     real = processes.Master()
     try:
         # Over a connection that exists: opening one has a time-out of its own.
-        client = MasterClient(real.uri, "/n", "http://localhost:1/", timeout=1.0)
+        client = MasterClient("/n", "http://localhost:1/", 1.0, real.uri)
         with contextlib.closing(client):
             pid = client.read([]).master_pid
             real.send_signal(signal.SIGSTOP)
@@ -250,7 +250,7 @@ def test_master_that_is_stopped_is_waited_for_no_longer_than_the_time_out() -> N
                 client.read([])
             assert time.monotonic() - before < 4.0
             real.send_signal(signal.SIGCONT)
-            answered = MasterClient(real.uri, "/n", "http://localhost:1/")
+            answered = MasterClient("/n", "http://localhost:1/", master_uri=real.uri)
             with contextlib.closing(answered):
                 assert answered.read([]).master_pid == pid
     finally:
@@ -267,6 +267,6 @@ def test_unset_key_is_missing() -> None:
     server = SimpleXMLRPCServer(("localhost", 0), logRequests=False)
     server.register_instance(Empty())
     with served(server) as uri:
-        client = MasterClient(uri, "/n", "")
+        client = MasterClient("/n", master_uri=uri)
         with contextlib.closing(client):
             assert client.read(["/n"]).values == {"/n": MISSING}

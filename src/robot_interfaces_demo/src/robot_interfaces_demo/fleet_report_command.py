@@ -8,8 +8,8 @@ import rosgraph
 import rospy
 from std_srvs.srv import Trigger
 
-from nodekit import CallError, MasterUnreachable
-from nodekit.commands.calling import ask, master, say_what_there_is
+from nodekit import CallError, MasterUnreachable, call_service
+from nodekit.master import MasterClient
 
 #: Base name of the service of a fleet_monitor.
 SERVICE = "report"
@@ -22,12 +22,10 @@ def main() -> None:
     arguments = _parser().parse_args(rospy.myargv()[1:])
     node = rosgraph.names.make_global_ns(arguments.node).rstrip("/")
     try:
-        client = master("fleet_report")
-        if client.lookup_service(f"{node}/{SERVICE}") is None:
-            problem = f"fleet_report: there is no fleet_monitor {node}"
-            say_what_there_is(client, SERVICE, node, problem)
-            sys.exit(NO_ANSWER)
-        answer = ask(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
+        master = MasterClient("/fleet_report")
+        if master.lookup_service(f"{node}/{SERVICE}") is None:
+            _give_up(f"there is no fleet_monitor {node}; {master.who_offers(SERVICE, node)}")
+        answer = call_service(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
     except MasterUnreachable as error:
         _give_up(f"no master at {error}")
     except CallError as error:

@@ -4,12 +4,10 @@ import threading
 import traceback
 from typing import Any, Dict, Set
 
-import rosgraph
 import rospy
 
-from nodekit import MasterUnreachable, Node
+from nodekit import LiveParameters, MasterUnreachable, Node
 from nodekit.master import MasterClient
-from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import MISSING
 from ros2_bridge.node_bridge import NodeBridge
@@ -45,7 +43,7 @@ class Looking:
         self._node, self._parameters = node, parameters
         self._master = get_watcher().client
         # Of its own: it remembers the latest answers.
-        self._asking = MasterClient(rosgraph.get_master_uri(), node.name, "", _MASTER_S)
+        self._asking = MasterClient(node.name, timeout=_MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
         self._renaming = names = parameters.values.names()

@@ -12,8 +12,8 @@ from nodekit import (
     ListParameter,
     ParameterSet,
     StringParameter,
+    describe,
 )
-from nodekit.parameters.schema import describe
 from ros2_bridge.parameters import parameter_values as values
 
 

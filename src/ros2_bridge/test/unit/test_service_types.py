@@ -6,7 +6,7 @@ from typing import Any, Counter, Dict, Iterator, List, cast
 
 import pytest
 
-from nodekit.node.server import CallError
+from nodekit import CallError
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.types import service_types
 
@@ -18,19 +18,13 @@ class Servers:
         self.asked: "Counter[str]" = collections.Counter()
         self.places: Dict[str, str] = {}
 
-    def __call__(self, name: str, _: Any) -> Any:
+    def probe(self, name: str, _: float) -> Dict[str, str]:
         self.asked[name] += 1
-        server, answers = self, name.startswith("/good")
-
-        class One:
-            def look(self, call: Any) -> None:
-                if name == "/defect":
-                    raise ValueError(server)
-                if not answers:
-                    raise CallError(name)
-                call.said["type"] = "std_srvs/Trigger"
-
-        return One()
+        if name == "/defect":
+            raise ValueError(self)
+        if not name.startswith("/good"):
+            raise CallError(name)
+        return {"type": "std_srvs/Trigger"}
 
     def request(self, calls: List[Any]) -> List[Any]:
         """Answer as the master does that is asked where they are."""
@@ -40,7 +34,7 @@ class Servers:
 @pytest.fixture
 def servers(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Servers]:
     made = Servers()
-    monkeypatch.setattr(service_types, "Server", made)
+    monkeypatch.setattr(service_types, "probe_service", made.probe)
     monkeypatch.setattr(threading, "excepthook", lambda _: None)
     yield made
 

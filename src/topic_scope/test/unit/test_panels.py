@@ -9,16 +9,17 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodekit.parameters.declaration import (
+from nodekit import (
     BoolParameter,
+    BytesParameter,
     EnumParameter,
     FloatParameter,
     IntParameter,
     ListParameter,
+    ParameterError,
     ParameterSet,
     StringParameter,
 )
-from nodekit.parameters.kinds import BytesParameter, ParameterError
 from nodekit.parameters.schema import as_yaml, describe
 from topic_scope.controls.panels import DescriptionError, Panel
 

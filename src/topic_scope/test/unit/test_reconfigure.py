@@ -4,8 +4,8 @@ import pytest
 import yaml
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
+from nodekit import ParameterError
 from nodekit.parameter_server.reconfigure import config_of
-from nodekit.parameters.kinds import ParameterError
 from topic_scope.controls.panels import Panel
 from topic_scope.controls.reconfigure import _words, described, values_in
 

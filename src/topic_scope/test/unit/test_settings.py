@@ -4,8 +4,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import pytest
 
-from nodekit.parameters.declaration import FloatParameter, ListParameter, ParameterSet, rule
-from nodekit.parameters.kinds import ParameterError, to_wire
+from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, rule, to_wire
 from nodekit.parameters.reconciler import Reconciler
 from nodekit.parameters.schema import as_yaml, describe
 from topic_scope.controls.panels import Panel

@@ -16,7 +16,7 @@ from typing import Optional
 from basic_comms.conditioning.delay_line import PhaseDelayLine
 from basic_comms.conditioning.phase_tracking import PhaseTracker
 from basic_comms.conditioning.process_parameters import ProcessParameters
-from nodekit.messaging.finite import LARGEST_FLOAT32
+from nodekit import LARGEST_FLOAT32
 
 
 class Conditioner:

@@ -2,13 +2,7 @@
 
 import math
 
-from nodekit.parameters.declaration import (
-    BoolParameter,
-    EnumParameter,
-    FloatParameter,
-    ParameterSet,
-    RateParameter,
-)
+from nodekit import BoolParameter, EnumParameter, FloatParameter, ParameterSet, RateParameter
 
 
 class ProcessParameters(ParameterSet):

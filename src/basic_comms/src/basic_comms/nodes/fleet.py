@@ -7,16 +7,17 @@ import rospy
 from basic_comms.nodes.process import Process
 from basic_comms.nodes.signal_generator import SignalGenerator
 from nodekit import (
+    LEGAL_NAME,
     IntParameter,
     Node,
     ParameterSet,
     StringParameter,
     host_all,
+    is_legal_name,
     read_once,
     rule,
     run,
 )
-from nodekit.node.legal_names import MUST_BE_GLOBAL, is_legal
 
 #: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
 #: that connects would wait as long at each of its steps while the members' signals are made.
@@ -34,8 +35,8 @@ class FleetParameters(ParameterSet):
     @rule("prefix")
     def _gives_legal_names(self) -> None:
         start = self.prefix[1:] if self.prefix.startswith(("/", "~")) else self.prefix
-        if not is_legal(f"/{start}1"):
-            raise ValueError(MUST_BE_GLOBAL)
+        if not is_legal_name(f"/{start}1"):
+            raise ValueError(LEGAL_NAME)
 
 
 class Fleet:

@@ -4,7 +4,7 @@ import math
 from typing import Any, Optional
 
 from basic_comms.signals.replay import Series, SeriesError, load_series
-from nodekit.parameters.declaration import (
+from nodekit import (
     BoolParameter,
     EnumParameter,
     FloatParameter,

@@ -25,10 +25,10 @@ from nodekit import (
     ParameterError,
     ParameterSet,
     StringParameter,
+    give_up,
     read_once,
     run,
 )
-from nodekit.process.run import give_up
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 
 #: How often it looks around, Hz.

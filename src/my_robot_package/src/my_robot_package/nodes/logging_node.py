@@ -1,9 +1,7 @@
 """How to log, and what a node can say of itself."""
 
-import contextlib
 from typing import List
 
-import rosgraph
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -55,8 +53,7 @@ class LoggingNode:
         """Log who this is, and which topics and services there are."""
         namespace, _, name = self._node.name.rpartition("/")
         # With a time-out, which rosgraph.Master has not: where it is over, the caller is told so.
-        master = MasterClient(rosgraph.get_master_uri(), self._node.name, "")
-        with contextlib.closing(master):
+        with MasterClient(self._node.name) as master:
             state = master.system_state()
         topics = sorted({topic for kind in state[:2] for topic, _ in kind})
         services = sorted(service for service, _ in state[2])

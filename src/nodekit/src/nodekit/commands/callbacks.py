@@ -9,8 +9,10 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
+from nodekit.commands.calling import ending_with_a_sentence
 from nodekit.executors import SERVICE
+from nodekit.master import MasterClient
+from nodekit.node.clients import call_service
 
 #: Keys of which the table shows milliseconds.
 _TIMES = ("longest", "longest_wait")
@@ -26,12 +28,11 @@ def main() -> None:
     parser.add_argument("node", metavar="NODE", help="its name")
     node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
     with ending_with_a_sentence("callbacks", node):
-        client = master("callbacks")
-        if client.lookup_service(f"{node}/{SERVICE}") is None:
-            problem = f"callbacks: {node} has no executor"
-            say_what_there_is(client, SERVICE, node, problem)
-            sys.exit(1)
-        print(as_table(yaml.safe_load(ask(f"{node}/{SERVICE}", Trigger).result().message)))
+        master = MasterClient("/callbacks")
+        if master.lookup_service(f"{node}/{SERVICE}") is None:
+            sys.exit(f"callbacks: {node} has no executor; {master.who_offers(SERVICE, node)}")
+        answer = call_service(f"{node}/{SERVICE}", Trigger).result()
+        print(as_table(yaml.safe_load(answer.message)))
 
 
 def as_table(entries: List[Dict[str, Any]]) -> str:

@@ -8,9 +8,10 @@ import rosgraph
 import rospy
 import yaml
 
-from nodekit.commands.calling import ask, ending_with_a_sentence, master, say_what_there_is
+from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.master import MasterClient
+from nodekit.node.parameter_client import ChangeRefused, ParameterClient
 from nodekit.parameter_server.services import CHANGE
-from nodekit_msgs.srv import SetParameters
 
 
 def main() -> None:
@@ -42,16 +43,16 @@ def _settings(words: List[str]) -> Dict[str, Any]:
 
 
 def _change(namespace: str, settings: Dict[str, Any]) -> int:
-    client, node = master("change"), namespace.rstrip("/")
-    if client.lookup_service(f"{node}/{CHANGE}") is None:
-        problem = f"change: nothing at {namespace} takes changes"
-        say_what_there_is(client, CHANGE, namespace, problem)
+    master, node = MasterClient("/change"), namespace.rstrip("/")
+    if master.lookup_service(f"{node}/{CHANGE}") is None:
+        hint = master.who_offers(CHANGE, node)
+        print(f"change: nothing at {namespace} takes changes; {hint}", file=sys.stderr)
         return 1
-    answer = ask(f"{node}/{CHANGE}", SetParameters, yaml.safe_dump(settings)).result()
-    if not answer.success:
-        print(f"change: {answer.message}", file=sys.stderr)
+    try:
+        in_force = ParameterClient(node).change(settings)
+    except ChangeRefused as refusal:
+        print(f"change: {refusal}", file=sys.stderr)
         return 1
-    in_force = yaml.safe_load(answer.values)
     asked = {name: in_force[name] for name in settings}
     print(yaml.safe_dump(asked, sort_keys=False, allow_unicode=True, width=1000), end="")
     return 0

@@ -10,16 +10,11 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import (
-    ask,
-    ending_with_a_sentence,
-    master,
-    owners,
-    say_what_there_is,
-)
-from nodekit.node.server import CallError
+from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.master import MasterClient
+from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.services import DESCRIBE
-from nodekit.parameters.schema import as_table
+from nodekit.parameters.schema import DescriptionError, as_table, description_in
 
 #: How long those that answer may keep others that did waiting, for the order of the names, s.
 _ORDER_S = 0.5
@@ -41,11 +36,11 @@ def main() -> None:
 
 
 def _describe(namespace: str, wants_yaml: bool) -> int:
-    client = master("describe")
-    names = owners(client, DESCRIBE, namespace)
+    master = MasterClient("/describe")
+    names = master.namespaces_offering(DESCRIBE, namespace)
     if not names:
-        problem = f"describe: nothing at {namespace} describes itself"
-        say_what_there_is(client, DESCRIBE, namespace, problem)
+        hint = master.who_offers(DESCRIBE, namespace)
+        print(f"describe: nothing at {namespace} describes itself; {hint}", file=sys.stderr)
     parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
     answered = [_describe_together(part, wants_yaml) for part in parts]
     return 0 if names and all(answered) else 1
@@ -53,18 +48,18 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, those that are slow to answer last; tell whether all have answered."""
-    calls = {name: ask(f"{name}/{DESCRIBE}", Trigger) for name in names}
+    calls = {name: call_service(f"{name}/{DESCRIBE}", Trigger) for name in names}
     _, late = futures.wait(calls.values(), _ORDER_S)
     missing = 0
     for name in sorted(names, key=lambda name: (calls[name] in late, name)):
         try:
-            entries = yaml.safe_load(calls[name].result().message)
+            entries = description_in(calls[name].result().message)
             text = f"{name}\n{as_table(entries)}\n"
         except CallError as error:
             print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1
             continue
-        except (yaml.YAMLError, LookupError, TypeError):  # of that name, but somebody else's
+        except (DescriptionError, LookupError, TypeError):  # of that name, but somebody else's
             print(f"describe: {name}/{DESCRIBE} does not describe parameters", file=sys.stderr)
             missing += 1
             continue

@@ -9,15 +9,10 @@ import rospy
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
-from nodekit.commands.calling import (
-    ask,
-    ending_with_a_sentence,
-    master,
-    owners,
-    say_what_there_is,
-)
+from nodekit.commands.calling import ending_with_a_sentence
 from nodekit.managed.table import NotAllowed, State, requested
-from nodekit.node.server import CallError
+from nodekit.master import MasterClient
+from nodekit.node.clients import CallError, call_service
 
 #: What managed nodes are known by: a service of which nobody else has the name.
 SERVICE = "get_transition_graph"
@@ -32,11 +27,11 @@ def main() -> None:
     node = node and rosgraph.names.make_global_ns(node).rstrip("/")
     try:
         with ending_with_a_sentence("lifecycle", node or "a node"):
-            client = master("lifecycle")
-            if node and client.lookup_service(f"{node}/{SERVICE}") is None:
-                say_what_there_is(client, SERVICE, node, f"lifecycle: {node} is no managed node")
-                sys.exit(1)
-            names = [node] if node else owners(client, SERVICE)
+            master = MasterClient("/lifecycle")
+            if node and master.lookup_service(f"{node}/{SERVICE}") is None:
+                hint = master.who_offers(SERVICE, node)
+                sys.exit(f"lifecycle: {node} is no managed node; {hint}")
+            names = [node] if node else master.namespaces_offering(SERVICE)
             sys.exit(arguments.verb(names, arguments))
     except ValueError as error:  # a time-out that is none
         sys.exit(f"lifecycle: {error}")
@@ -71,7 +66,7 @@ def _nodes(names: List[str], _: Any) -> int:
 
 
 def _get(names: List[str], arguments: Any) -> int:
-    calls = {name: ask(f"{name}/get_state", GetState) for name in names}
+    calls = {name: call_service(f"{name}/get_state", GetState) for name in names}
     missing = 0
     for name, call in calls.items():
         try:
@@ -86,7 +81,7 @@ def _get(names: List[str], arguments: Any) -> int:
 
 def _list(names: List[str], arguments: Any) -> int:
     service = SERVICE if arguments.all else "get_available_transitions"
-    answer = ask(f"{names[0]}/{service}", GetAvailableTransitions).result()
+    answer = call_service(f"{names[0]}/{service}", GetAvailableTransitions).result()
     for each in answer.available_transitions:
         print(f"- {each.transition.label} [{each.transition.id}]")
         print(f"\tStart: {each.start_state.label}\n\tGoal: {each.goal_state.label}")
@@ -101,7 +96,7 @@ def _set(names: List[str], arguments: Any) -> Optional[str]:
         return f"lifecycle: {name}: {refusal}"
     request = Transition(transition.id, transition.label)
     timeout = arguments.timeout
-    if ask(f"{name}/change_state", ChangeState, request, timeout=timeout).result().success:
+    if call_service(f"{name}/change_state", ChangeState, request, timeout=timeout).result().success:
         print("Transitioning successful")
         return None
     state = _state(name).label
@@ -109,5 +104,5 @@ def _set(names: List[str], arguments: Any) -> Optional[str]:
 
 
 def _state(name: str) -> State:
-    answer = ask(f"{name}/get_state", GetState).result().current_state
+    answer = call_service(f"{name}/get_state", GetState).result().current_state
     return State(answer.id, answer.label)

@@ -2,26 +2,41 @@
 
 import concurrent.futures
 import contextlib
+import io
 import math
+import socket
 import threading
 import time
 import weakref
 from functools import partial
-from typing import Any, Callable, Optional, Set
+from typing import Any, Callable, Dict, NoReturn, Optional, Set, Tuple
 
+import genpy
 import rospy
+from rosgraph.network import parse_http_host_and_port as host_and_port
 
+from nodekit.groups.groups import Outside
+from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Answering, Callback
-from nodekit.node.server import CallError, CallTimeout, Server
 from nodekit.rospy_internals.shutdown import Ending, at_end
-from nodekit.transport.service_call import ServiceCall
+from nodekit.transport.service_call import CallFailed, ServiceCall
 
 #: How long a call takes at most where the user does not say, and what he may say, s.
 TIMEOUT_S, LONGEST_S = 5.0, 1e9
+#: How long a node may take to answer whoever only looks, s.
+ANSWER_S = 2.0
 #: Most calls of one client that are under way at once.
 MOST_CALLS = 200
 #: Time between two looks for a service that is not there yet, s, and between two lines about it.
 _LOOK_EVERY_S, _TELL_EVERY_S = 0.1, 1.0
+
+
+class CallError(rospy.ServiceException):
+    """A call without an answer; the text names the service and says why."""
+
+
+class CallTimeout(CallError):
+    """A call that was not answered in time."""
 
 
 class CallCancelled(CallError):
@@ -30,6 +45,82 @@ class CallCancelled(CallError):
 
 class NestedCall(CallError):
     """A call that would wait for its own caller; it is refused."""
+
+
+class _Server:
+    """Whoever offers a service at the moment.
+
+    :param name: of the service, resolved
+    :param service_class: its type
+    """
+
+    def __init__(self, name: str, service_class: Any) -> None:
+        self.name = name
+        self._class = service_class
+
+    def serialised(self, request: Any) -> bytes:
+        """Return a request as it is sent.
+
+        :param request: of the service's request class
+        :raises CallError: if it is none, or holds what its fields cannot
+        """
+        expected = self._class._request_class
+        if not isinstance(request, expected):
+            self._refuse(f"refused {request!r}: must be a {expected.__name__}")
+        buffer = io.BytesIO()
+        try:
+            request.serialize(buffer)
+        except genpy.SerializationError as error:
+            self._refuse(f"its request is refused: {error}")
+        return buffer.getvalue()
+
+    def _refuse(self, why: str) -> NoReturn:
+        raise CallError(f"{self.name} is not called: {why}") from None
+
+    def answer(self, call: ServiceCall, request: bytes) -> Any:
+        """Send a request and wait for the answer.
+
+        :param call: how, and how long
+        :param request: from :meth:`serialised`
+        :raises CallError: if there is no answer
+        """
+        header = {"md5sum": self._class._md5sum, "type": self._class._type}
+        try:
+            return self._class._response_class().deserialize(self._send(call, header, request))
+        except genpy.DeserializationError as error:
+            raise CallError(f"{self.name} answers what makes no sense: {error}") from None
+
+    def probe(self, call: ServiceCall) -> Dict[str, str]:
+        """Return what it says of itself, if it could answer.
+
+        :param call: how, and how long
+        :raises CallError: if it could not
+        """
+        self._send(call, {"md5sum": "*", "probe": "1"}, None)
+        return call.said
+
+    def _send(self, call: ServiceCall, header: Dict[str, str], request: Optional[bytes]) -> bytes:
+        header = {"callerid": rospy.get_name(), "service": self.name, **header}
+        try:
+            return call.run(self._address(call.left()), header, request)
+        except CallFailed as error:
+            raise CallError(f"{self.name} answers with an error: {error}") from None
+        except socket.timeout:
+            raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
+        except (OSError, MasterUnreachable) as error:
+            raise CallError(f"{self.name} cannot be called: {error}") from None
+
+    def _address(self, timeout: float) -> Tuple[str, int]:
+        with MasterClient(rospy.get_name(), timeout=timeout) as master:
+            found = master.lookup_service(self.name)
+        if found is None:
+            raise ConnectionError("nobody offers it")
+        try:
+            host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
+            host.encode("idna")  # as connecting to it does
+        except ValueError as error:
+            raise ConnectionError(f"it is offered at {found!r}: {error}") from None
+        return host, port
 
 
 class CallFuture(concurrent.futures.Future):
@@ -111,7 +202,7 @@ class Client:
 
     def __init__(self, name: str, service_class: Any, done: Callback) -> None:
         self.name, self.done = name, done
-        self.server = Server(name, service_class)
+        self.server = _Server(name, service_class)
         self.under_way: Set[CallFuture] = set()
         self._is_closed = False
         _clients.add(self)
@@ -162,7 +253,7 @@ class Client:
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
             with contextlib.suppress(CallError):
-                self.server.look(ServiceCall(min(max(left, _LOOK_EVERY_S), _TELL_EVERY_S)))
+                self.server.probe(ServiceCall(min(max(left, _LOOK_EVERY_S), _TELL_EVERY_S)))
                 return True
             if time.monotonic() >= told + _TELL_EVERY_S:
                 told = time.monotonic()
@@ -190,6 +281,35 @@ class Client:
                 " that would wait for it; give the service a group of its own, or call it"
                 " asynchronously"
             )
+
+
+def call_service(
+    name: str, service_class: Any, *fields: Any, timeout: float = ANSWER_S
+) -> CallFuture:
+    """Call a service once, without a node's class, as a command or another node's tool does.
+
+    :param name: global name of the service
+    :param service_class: its type
+    :param fields: of the request, in their order
+    :param timeout: longest time to the answer, s
+    :returns: the answer, which comes later
+    :raises CallError: if the request cannot be sent
+    """
+    done = Callback(Outside(), lambda function, future: function(future), name)
+    client = Client(name, service_class, done)
+    return client.call_async(service_class._request_class(*fields), timeout)
+
+
+def probe_service(name: str, timeout: float = ANSWER_S) -> Dict[str, str]:
+    """Ask a service of any type what it is, without calling it.
+
+    :param name: global name of the service
+    :param timeout: longest wait, s
+    :returns: what its server says of itself: ``type`` and ``md5sum`` of the service, ``callerid``
+        for the name of the node
+    :raises CallError: if it does not answer
+    """
+    return _Server(name, None).probe(ServiceCall(timeout))
 
 
 _clients: "weakref.WeakSet[Client]" = weakref.WeakSet()

@@ -13,15 +13,15 @@ from rosgraph.names import get_ros_namespace
 _BASE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _GLOBAL = re.compile(r"/|(/[A-Za-z0-9_]+)+/?")
 _MUST_BE_BASE = "must be a letter (a-z, A-Z), then letters, digits and underscores"
-#: What :func:`is_legal` judges by, in words.
-MUST_BE_GLOBAL = "must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
+#: What :func:`is_legal_name` judges by, in words.
+LEGAL_NAME = "must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
 
 
 class IllegalName(ValueError):
     """A name that ROS does not allow; the text says which, and what a name may be."""
 
 
-def is_legal(name: str) -> bool:
+def is_legal_name(name: str) -> bool:
     """Tell whether a global name is legal.
 
     :param name: of a node, topic, service, parameter or namespace
@@ -36,8 +36,8 @@ def judged(name: str, what: str = "name") -> str:
     :param what: what it is the name of, for the error
     :raises IllegalName: if it is not legal
     """
-    if not is_legal(name):
-        raise IllegalName(f"{what} '{name}': {MUST_BE_GLOBAL}")
+    if not is_legal_name(name):
+        raise IllegalName(f"{what} '{name}': {LEGAL_NAME}")
     return name
 
 
@@ -62,5 +62,5 @@ def judge_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     try:
         namespace = get_ros_namespace(environ, argv)
     except ValueError as error:  # private
-        raise IllegalName(f"namespace: {error}: {MUST_BE_GLOBAL}") from None
+        raise IllegalName(f"namespace: {error}: {LEGAL_NAME}") from None
     judged(namespace, "namespace")

@@ -12,7 +12,6 @@ import time
 import traceback
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
-import rosgraph
 import rospy
 
 from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
@@ -243,6 +242,5 @@ def get_watcher() -> Watcher:
     global _watcher
     with _watcher_lock:
         if _watcher is None:
-            uri = rosgraph.get_master_uri()
-            _watcher = Watcher(MasterClient(uri, rospy.get_name(), rospy.get_node_uri()))
+            _watcher = Watcher(MasterClient(rospy.get_name(), rospy.get_node_uri()))
         return _watcher

@@ -1,6 +1,5 @@
 """The life of a node's process, the same for every node: start, spin, exit status."""
 
-import contextlib
 import importlib
 import os
 import sys
@@ -8,7 +7,6 @@ import threading
 import time
 from typing import Any, Callable, List
 
-import rosgraph
 import rospy
 
 from nodekit.entry_point import end
@@ -74,7 +72,7 @@ def give_up(why: object) -> None:
     rospy.signal_shutdown(str(why))
 
 
-def register(name: str) -> Node:
+def init_node(name: str) -> Node:
     """Make this process a node of the graph, whose class is to be made and started next.
 
     :func:`run` does this; a test that has a node within itself calls it instead of
@@ -110,10 +108,8 @@ def _wait_for_master(name: str) -> None:
 
     ``rospy.init_node`` waits too, but holds a lock that the answer to a signal needs.
     """
-    uri = rosgraph.get_master_uri()
-    master = MasterClient(uri, "/" + name, "", timeout=1.0)
     told = False
-    with contextlib.closing(master):
+    with MasterClient("/" + name, timeout=1.0) as master:
         while not rospy.is_shutdown():
             try:
                 master.read([])
@@ -140,7 +136,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
 
     def work() -> None:
         try:
-            node = register(name)
+            node = init_node(name)
             with get_watcher().reading_ahead([node.name]) as held:
                 made.extend([node, as_wanted(cls, node.name, held[node.name])(node)])
             node.start()

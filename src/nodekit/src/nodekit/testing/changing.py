@@ -3,9 +3,8 @@
 from typing import Any
 
 import rospy
-import yaml
 
-from nodekit_msgs.srv import SetParameters
+from nodekit.node.parameter_client import ParameterClient
 
 
 def change(node: str, **values: Any) -> None:
@@ -16,8 +15,7 @@ def change(node: str, **values: Any) -> None:
 
     :param node: its global name
     :param values: by name
-    :raises AssertionError: if they are refused
+    :raises ChangeRefused: if the node refuses them
     """
     rospy.wait_for_service(f"{node}/change", 30.0)
-    answer = rospy.ServiceProxy(f"{node}/change", SetParameters)(yaml.safe_dump(values))
-    assert answer.success, answer.message
+    ParameterClient(node, timeout=30.0).change(values)

@@ -10,25 +10,8 @@ import os
 import pathlib
 import sys
 
+import nodekit
 from nodekit.entry_point import import_ros
-
-#: The parts of nodekit that the bridge uses. All of them are imported before rclpy: one that came
-#: later would find ROS 2's std_srvs.
-_NODEKIT = (
-    *(
-        "nodekit.node.server",
-        "nodekit.master",
-        "nodekit.parameter_server.watcher",
-        "nodekit.node.node",
-    ),
-    *("nodekit.parameters.schema", "nodekit.process.run", "nodekit.rospy_internals.shutdown"),
-    *(
-        "nodekit.parameter_server.following",
-        "nodekit.parameter_server.live_parameters",
-        "nodekit.messaging.publisher",
-    ),
-    *("nodekit.node.clients", "nodekit.parameters.number_kinds"),
-)
 
 
 def join() -> None:
@@ -37,8 +20,10 @@ def join() -> None:
     To be called first of all, by the environment's Python with ROS 1's packages in PYTHONPATH.
     """
     import_ros()
-    for name in ("rospy", "genmsg", "rospkg", "ros2_bridge.environment.ros1", *_NODEKIT):
+    for name in ("rospy", "genmsg", "rospkg", "nodekit.master", "ros2_bridge.environment.ros1"):
         importlib.import_module(name)
+    for name in nodekit.__all__:  # what is imported later would find ROS 2's std_srvs
+        getattr(nodekit, name)
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     clashing = set(os.listdir(str(index / "rosidl_interfaces")))
     for name in list(sys.modules):

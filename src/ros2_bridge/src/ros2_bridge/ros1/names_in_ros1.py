@@ -69,8 +69,7 @@ class NamesInRos1:
         self._request(name, *call, self._address.uri)
 
     def _request(self, name: str, *call: str) -> Any:
-        uri, own = rosgraph.get_master_uri(), self._address.uri
-        with contextlib.closing(MasterClient(uri, name, own, _TIMEOUT_S)) as client:
+        with MasterClient(name, self._address.uri, _TIMEOUT_S) as client:
             return client.request([call])[0]
 
 

@@ -7,11 +7,8 @@ import uuid
 
 import rosgraph
 
-from nodekit import CallError
+from nodekit import CallError, probe_service
 from nodekit.entry_point import end
-from nodekit.node.server import Server
-from nodekit.transport.service_call import ServiceCall
-from ros2_bridge.environment.ros1 import Trigger
 
 #: The highest number of a domain: ports follow from it, and there is none for the next one.
 _LAST_DOMAIN = 232
@@ -44,9 +41,8 @@ def refuse_second() -> None:
     except ValueError as error:
         end(f"bridge: {error}")
     with contextlib.suppress(CallError):
-        call = ServiceCall(1.0)
-        Server(name, Trigger).look(call)
-        end(f"bridge: {call.said.get('callerid')} joins this master and this domain already")
+        other = probe_service(name, 1.0).get("callerid")
+        end(f"bridge: {other} joins this master and this domain already")
     # One that is starting too, or that is stopped, does not answer.
     master = uuid.uuid5(uuid.NAMESPACE_URL, rosgraph.get_master_uri().rstrip("/"))
     try:

@@ -4,9 +4,8 @@ import itertools
 import threading
 from typing import Dict, Optional, Sequence, Set
 
-from nodekit.master import MasterClient, MasterUnreachable, Turns
-from nodekit.node.server import CallError, Server
-from nodekit.transport.service_call import ServiceCall
+from nodekit import CallError, MasterUnreachable, probe_service
+from nodekit.master import MasterClient, Turns
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
@@ -70,18 +69,18 @@ class ServiceTypes:
         return {name: str(uri) for name, (_, _, uri) in zip(names, answers)}
 
     def _ask(self, name: str) -> None:
-        call, places = ServiceCall(_TIMEOUT_S), {}
+        said, places = {}, {}
         try:
             places = self._look_up([name])
-            Server(name, None).look(call)
+            said = probe_service(name, _TIMEOUT_S)
         except (CallError, MasterUnreachable):
             pass  # it is asked again when its turn comes
         finally:
             with self._lock:
                 self._asked.discard(name)
                 self._silent.pop(name, None)
-                if "type" in call.said:
-                    self._found[name] = call.said["type"]
+                if "type" in said:
+                    self._found[name] = said["type"]
                     self._places.update(places)
                 else:
                     self._silent[name] = None

@@ -8,9 +8,9 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ask
-from nodekit.parameter_server.services import CHANGE, DESCRIBE
+from nodekit import call_service
 from nodekit.parameter_server.following import Following, open_all
+from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
 from topic_scope.controls import reconfigure, services
@@ -184,7 +184,7 @@ class Controls:
     def _describe(self, node: str) -> str:
         if node in self._foreign:
             return reconfigure.describe(node)
-        return str(ask(node + _END, Trigger).result().message)
+        return str(call_service(node + _END, Trigger).result().message)
 
     def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
         """Have a node change parameters.
@@ -194,5 +194,5 @@ class Controls:
         if node in self._foreign:
             return reconfigure.change(node, values)
         text = yaml.safe_dump(dict(values))
-        answer = ask(f"{node}/{CHANGE}", SetParameters, text).result()
+        answer = call_service(f"{node}/{CHANGE}", SetParameters, text).result()
         return Changed(answer.success, answer.message, yaml.safe_load(answer.values))

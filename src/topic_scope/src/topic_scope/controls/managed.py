@@ -6,8 +6,7 @@ from typing import Any, Callable, Collection, Dict, List
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
-
-from nodekit.commands.calling import ask
+from nodekit import call_service
 from topic_scope.graph.background import Background
 
 #: A node is asked again after this time, s; longest wait for a transition, s.
@@ -87,12 +86,12 @@ class Managed:
 
 
 def _look(node: str) -> Dict[str, Any]:
-    state = ask(f"{node}/get_state", GetState).result().current_state.label
-    offered = ask(f"{node}/get_available_transitions", GetAvailableTransitions).result()
+    state = call_service(f"{node}/get_state", GetState).result().current_state.label
+    offered = call_service(f"{node}/get_available_transitions", GetAvailableTransitions).result()
     labels: List[str] = [one.transition.label for one in offered.available_transitions]
     return {"node": node, "state": state, "transitions": labels}
 
 
 def _change(service: str, label: str) -> bool:
-    answer = ask(service, ChangeState, Transition(label=label), timeout=_CHANGE_S)
+    answer = call_service(service, ChangeState, Transition(label=label), timeout=_CHANGE_S)
     return bool(answer.result().success)

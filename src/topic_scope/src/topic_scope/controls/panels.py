@@ -9,14 +9,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 import yaml
 
-from nodekit.parameters.kinds import (
-    BytesParameter,
-    ListParameter,
-    Parameter,
-    ParameterError,
-    to_wire,
-)
-from nodekit.parameters.schema import parameter_of
+from nodekit import BytesParameter, ListParameter, Parameter, ParameterError, parameter_of, to_wire
 
 _KINDS = {"bool": "bool", "int": "int", "float": "float", "enum": "enum"}  # else: text
 _ENDS = ("minimum", "maximum", "above", "below")

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Mapping
 import rospy
 import yaml
 
-from nodekit.commands.calling import TIMEOUT_S, ask
+from nodekit import call_service
 from nodekit.parameter_server.reconfigure import config_of
 from topic_scope.controls.settings import Changed
 
@@ -26,6 +26,8 @@ except ImportError:  # the package is optional
 
 #: Last part of the name of the service, and its type.
 SERVICE, TYPE = "set_parameters", "dynamic_reconfigure/Reconfigure"
+#: How long a node may take to tell its parameters, s.
+_ANSWER_S = 2.0
 _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
 #: What an int or a float has for an end where there is none.
 _NO_END = {"int": 2**31 - 1, "float": 1e300}
@@ -39,7 +41,7 @@ def describe(node: str) -> str:
     :raises rospy.ROSException: if the node does not tell it
     """
     description, values = (
-        rospy.wait_for_message(f"{node}/{topic}", kind, TIMEOUT_S)
+        rospy.wait_for_message(f"{node}/{topic}", kind, _ANSWER_S)
         for topic, kind in (
             ("parameter_descriptions", ConfigDescription),
             ("parameter_updates", Config),
@@ -55,7 +57,7 @@ def change(node: str, values: Mapping[str, Any]) -> Changed:
     :param values: by name
     :raises CallError: if it does not answer in good time
     """
-    answer = ask(f"{node}/{SERVICE}", Reconfigure, config_of(values)).result()
+    answer = call_service(f"{node}/{SERVICE}", Reconfigure, config_of(values)).result()
     known = values_in(answer.config)
     made = {name: known[name] for name in values if name in known}
     other = [f"{name} = {made[name]!r}" for name in made if made[name] != values[name]]

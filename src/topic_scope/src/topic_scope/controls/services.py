@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List
 import rosservice
 from std_srvs.srv import SetBool, Trigger
 
-from nodekit.commands.calling import ask
+from nodekit import call_service
 from topic_scope.graph.background import Background
 
 #: Longest wait for an answer, s: some do their work first, as a robot that drives home.
@@ -60,7 +60,7 @@ def call(
         answer({"type": "called", "service": service, "success": success, "message": text})
 
     def work() -> Any:
-        return ask(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
+        return call_service(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
 
     if not background.run(("call", service), work, told):
         told(RuntimeError("an earlier call has not been answered yet"))

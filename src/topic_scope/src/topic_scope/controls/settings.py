@@ -9,8 +9,7 @@ lists that must have one length are changed, one after the other.
 from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
-from nodekit import ParameterError
-from nodekit.parameters.kinds import to_wire
+from nodekit import ParameterError, to_wire
 from topic_scope.controls.panels import Panel
 from topic_scope.graph.background import Background
 

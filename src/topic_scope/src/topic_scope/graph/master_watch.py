@@ -48,9 +48,7 @@ class MasterWatch:
     def __init__(self, subscriptions: RawSubscriptions, layouts: Layouts) -> None:
         self._subscriptions = subscriptions
         self._layouts = layouts
-        self._master = MasterClient(
-            rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
-        )
+        self._master = MasterClient(rospy.get_name(), rospy.get_node_uri())
         self._bell = threading.Event()
 
     def start(

@@ -8,7 +8,7 @@ from typing import Any, Collection, Dict, List, Mapping
 
 import rospy
 
-from nodekit.messaging.subscription import Subscription
+from nodekit import Subscription
 from topic_scope.record.message_source import Batch
 
 #: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is

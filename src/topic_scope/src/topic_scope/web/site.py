@@ -1,7 +1,6 @@
 """The web server, in a thread of its own: it is there before the graph is, and stays."""
 
 import asyncio
-import contextlib
 import socket
 import threading
 from typing import Callable, List, Optional
@@ -74,9 +73,8 @@ class Site:
     def _look_for_master(self) -> None:
         """Say where the page is, and what it waits for, if that will not be said soon."""
         try:
-            client = MasterClient(rosgraph.get_master_uri(), "/scope", "", timeout=1.0)
-            with contextlib.closing(client):
-                client.read([])
+            with MasterClient("/scope", timeout=1.0) as master:
+                master.read([])
         except MasterUnreachable:
             rospy.logwarn("the scope is at %s already", self._options.url)
             self._loop.add_callback(self._waiting.miss)

@@ -1,4 +1,4 @@
-"""Where a talker looks for its message: the namespaces of ROS names.
+"""Where a talker looks up its message: the namespaces of ROS names.
 
 The candidates of a node ``/Group1/talker``, nearest first, are
 ``/Group1/talker/Message``, ``/Group1/Message`` and ``/Message``.
@@ -29,7 +29,7 @@ def message_text(found: Mapping[str, Optional[str]], keys: List[str], scope: str
     :param found: text by global name, None or absent where nothing is set
     :param keys: what :func:`candidates` returned for the node
     :param scope: one of SCOPES
-    :returns: the text in the scope, or a text that says that there is none
+    :returns: the text in the scope, or a text that says that none is set
     """
     if scope == "closest":
         set_ones = [found[key] for key in keys if found.get(key) is not None]
@@ -43,7 +43,7 @@ def as_text(raw: Any) -> Optional[str]:
     """Turn a scalar of the parameter server into text.
 
     :param raw: the value as the server holds it, None where nothing is set
-    :returns: the text; None for nothing, a list or a namespace, which are no message
+    :returns: the text; None where nothing is set, or a list or a namespace
     """
     if raw is None or isinstance(raw, (dict, list)):
         return None

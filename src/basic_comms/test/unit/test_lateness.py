@@ -18,7 +18,7 @@ class Sample(NamedTuple):
     time_x: float
 
 
-def take(monitor: LatenessMonitor, now: float, times: List[float]) -> None:
+def feed(monitor: LatenessMonitor, now: float, times: List[float]) -> None:
     """Have a monitor take in samples; it is to say whether they change what it thinks."""
     was_late = monitor.is_late
     changes = monitor.update(now, [Sample(time_x) for time_x in times])
@@ -37,7 +37,7 @@ def fed(*parts: List[Tuple[float, List[float]]]) -> LatenessMonitor:
     monitor = LatenessMonitor()
     for part in parts:
         for now, times in part:
-            take(monitor, now, times)
+            feed(monitor, now, times)
     return monitor
 
 
@@ -47,7 +47,7 @@ def was_ever_late(*parts: List[Tuple[float, List[float]]]) -> bool:
     late = False
     for part in parts:
         for now, times in part:
-            take(monitor, now, times)
+            feed(monitor, now, times)
             late |= monitor.is_late
     return late
 
@@ -65,30 +65,30 @@ def test_nothing_is_late_before_anything_has_come() -> None:
 def test_first_samples_may_come_before_the_simulated_clock() -> None:
     monitor = fed([(0.0, [0.0]), (0.0, [0.1]), (BEGIN + 0.2, [0.2]), (BEGIN + 0.3, [0.3])])
     assert (monitor.is_late, monitor.worst) == (False, 0.0)
-    take(monitor, BEGIN + 0.4 + LATE_S, [0.4])
+    feed(monitor, BEGIN + 0.4 + LATE_S, [0.4])
     assert monitor.is_late
 
 
 def test_late_begins_at_one_bound_and_is_over_beyond_the_other() -> None:
     monitor = fed([(BEGIN, [0.0])])
-    take(monitor, BEGIN + 1.0 + LATE_S, [1.0])
+    feed(monitor, BEGIN + 1.0 + LATE_S, [1.0])
     assert (monitor.is_late, monitor.count, monitor.worst) == (True, 1, LATE_S)
-    take(monitor, BEGIN + 1.0 + LATE_S + SETTLED_S, [1.0 + SETTLED_S])
+    feed(monitor, BEGIN + 1.0 + LATE_S + SETTLED_S, [1.0 + SETTLED_S])
     assert monitor.is_late
-    take(monitor, BEGIN + 1.5 + LATE_S + SETTLED_S, [1.5 + SETTLED_S])
+    feed(monitor, BEGIN + 1.5 + LATE_S + SETTLED_S, [1.5 + SETTLED_S])
     assert not monitor.is_late
 
 
 def test_lag_is_that_of_the_last_of_those_that_came_together() -> None:
     monitor = fed(steady(0.0, 5.0), [(BEGIN + 5.9, held_back(5.0, 5.9))])
-    take(monitor, BEGIN + 7.1, [5.9])
+    feed(monitor, BEGIN + 7.1, [5.9])
     assert monitor.worst == pytest.approx(1.1)
 
 
 @given(st.floats(1.5, 1e4))
 def test_samples_held_back_are_late_by_as_long(outage: float) -> None:
     monitor = fed(steady(0.0, 5.0))
-    take(monitor, BEGIN + 5.0 + outage, [5.0])
+    feed(monitor, BEGIN + 5.0 + outage, [5.0])
     assert monitor.is_late
     assert monitor.worst == pytest.approx(outage)
 
@@ -176,9 +176,9 @@ def test_a_clock_that_jumps_before_the_signal_makes_nothing_late(jump: float) ->
 def test_what_a_jump_makes_late_is_withdrawn_by_the_first_sample_in_time() -> None:
     jumped = [(now, [times[0] + 4.0]) for now, times in steady(5.0, 6.0)]
     monitor = fed(steady(0.0, 5.0), jumped)
-    take(monitor, BEGIN + 8.0, [10.0])  # half of what the clock will jump
+    feed(monitor, BEGIN + 8.0, [10.0])  # half of what the clock will jump
     assert monitor.is_late
-    take(monitor, BEGIN + 10.1, [10.1])
+    feed(monitor, BEGIN + 10.1, [10.1])
     assert not monitor.is_late
 
 
@@ -191,7 +191,7 @@ def test_clocks_that_take_turns_in_being_first_make_nothing_late() -> None:
 def test_an_outage_after_a_jump_of_the_signal_alone_is_noticed(outage: float) -> None:
     ahead = [(now - 100.0, times) for now, times in steady(105.0, 108.0)]
     monitor = fed(steady(0.0, 5.0), ahead)
-    take(monitor, BEGIN + 8.0 + outage, [108.0])
+    feed(monitor, BEGIN + 8.0 + outage, [108.0])
     assert monitor.is_late
     assert monitor.worst == pytest.approx(outage)
 
@@ -200,7 +200,7 @@ def test_a_jump_is_forgotten_when_the_signal_has_gone_on_for_long() -> None:
     ahead = [(now - 100.0, times) for now, times in steady(105.0, 105.2 + SETTLED_S)]
     monitor = fed(steady(0.0, 5.0), ahead)
     time_x = 105.3 + SETTLED_S
-    take(monitor, BEGIN + time_x, [time_x])
+    feed(monitor, BEGIN + time_x, [time_x])
     assert monitor.is_late
 
 

@@ -12,7 +12,7 @@ TOLERANCE = LEAST_TOLERANCE + 1e-7
 phases = st.floats(-math.pi, math.pi)
 
 
-def take(estimate, phase, angle, slack=1e-9, other=None):
+def feed(estimate, phase, angle, slack=1e-9, other=None):
     """Take in an exact sample; return the cosine and, if that was searched for, which angle."""
     value = math.sin(phase)
     cosine = estimate.follow(angle, slack, value, TOLERANCE)
@@ -22,24 +22,24 @@ def take(estimate, phase, angle, slack=1e-9, other=None):
 def two_samples(phase, angle=1.0):
     """Return an estimate that has seen a sine at a phase, and an angle before."""
     estimate = PhaseEstimate()
-    take(estimate, phase - angle, 0.0)
-    take(estimate, phase, angle)
+    feed(estimate, phase - angle, 0.0)
+    feed(estimate, phase, angle)
     return estimate
 
 
 @given(phases)
 def test_first_sample_leaves_the_falling_phase_open_too(phase):
     estimate = PhaseEstimate()
-    take(estimate, phase, 0.0)
-    take(estimate, phase + 1.0, 1.0)
-    cosine, _ = take(estimate, phase + 2.0, 1.0)
+    feed(estimate, phase, 0.0)
+    feed(estimate, phase + 1.0, 1.0)
+    cosine, _ = feed(estimate, phase + 2.0, 1.0)
     assert cosine == pytest.approx(math.cos(phase + 2.0), abs=1e-5)
 
 
 @given(phases.filter(lambda phase: abs(math.cos(phase)) > 0.1))
 def test_two_samples_make_the_usual_case(phase):
     estimate = two_samples(phase)
-    cosine, searched = take(estimate, phase + 0.3, 0.3)
+    cosine, searched = feed(estimate, phase + 0.3, 0.3)
     assert cosine == pytest.approx(math.cos(phase + 0.3), abs=1e-6)
     assert searched is None
 
@@ -48,7 +48,7 @@ def test_a_sample_cuts_what_slack_has_widened():
     estimate = two_samples(0.2)
     for number in range(1, 200):
         # Each step alone may be wrong by as much; together they are not narrow any more.
-        cosine, searched = take(estimate, 0.2 + 0.01 * number + 3e-7 * number, 0.01, 3e-6)
+        cosine, searched = feed(estimate, 0.2 + 0.01 * number + 3e-7 * number, 0.01, 3e-6)
         assert cosine == pytest.approx(math.cos(0.2 + (0.01 + 3e-7) * number), abs=1e-4)
         assert searched is None
 
@@ -57,16 +57,16 @@ def test_slack_without_samples_ends_the_usual_case():
     estimate = two_samples(0.2)
     estimate.advance(0.1, 1e-3)
     assert estimate.phase == pytest.approx(0.3, abs=1e-6)
-    cosine, searched = take(estimate, 0.4005, 0.1)
+    cosine, searched = feed(estimate, 0.4005, 0.1)
     assert searched is False
     assert cosine == pytest.approx(math.cos(0.4005), abs=1e-6)
-    assert take(estimate, 0.5005, 0.1)[1] is None, "narrow again"
+    assert feed(estimate, 0.5005, 0.1)[1] is None, "narrow again"
 
 
 @pytest.mark.parametrize("further", [0.05, -0.05])
 def test_a_contradicted_angle_is_told_from_the_other_one(further):
     estimate = two_samples(0.2)
-    cosine, other_was_right = take(estimate, 0.3 + further, 0.1, other=(further, 1e-6))
+    cosine, other_was_right = feed(estimate, 0.3 + further, 0.1, other=(further, 1e-6))
     assert other_was_right is True
     assert cosine == pytest.approx(math.cos(0.3 + further), abs=1e-6)
     assert estimate.phase == pytest.approx(0.3 + further, abs=1e-6)
@@ -75,18 +75,18 @@ def test_a_contradicted_angle_is_told_from_the_other_one(further):
 def test_of_two_phases_the_one_nearest_to_the_other_angle_is_more_likely():
     estimate = PhaseEstimate()
     estimate.start(0.2)
-    take(estimate, 0.2, 0.0)
-    _, other_was_right = take(estimate, 0.2, 2.5, other=(-2.5, 1e-6))
+    feed(estimate, 0.2, 0.0)
+    _, other_was_right = feed(estimate, 0.2, 2.5, other=(-2.5, 1e-6))
     assert other_was_right is True
     assert estimate.phase == pytest.approx(0.2, abs=1e-6)
 
 
 def test_neither_angle_need_be_right():
     estimate = two_samples(0.2)
-    cosine, other_was_right = take(estimate, 0.53, 0.1, other=(0.05, 1e-6))
+    cosine, other_was_right = feed(estimate, 0.53, 0.1, other=(0.05, 1e-6))
     assert other_was_right is False
     assert cosine == pytest.approx(math.cos(0.3), abs=1e-6), "an outlier leaves it on its course"
-    cosine, _ = take(estimate, 0.4, 0.1)
+    cosine, _ = feed(estimate, 0.4, 0.1)
     assert cosine == pytest.approx(math.cos(0.4), abs=1e-6)
 
 
@@ -95,7 +95,7 @@ def test_neither_angle_need_be_right():
 def test_start_forgets_all_but_a_guess(phase):
     estimate = two_samples(phase + 2.0)
     estimate.start(phase + 1000.0 * math.tau)
-    cosine, searched = take(estimate, phase, 0.0, 0.0)
+    cosine, searched = feed(estimate, phase, 0.0, 0.0)
     assert searched is False
     # Around a crest one sample tells no more than that it is one: 1 - sin x = x^2 / 2.
     assert cosine == pytest.approx(math.cos(phase), abs=math.sqrt(2.0 * TOLERANCE))

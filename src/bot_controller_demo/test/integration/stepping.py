@@ -37,7 +37,7 @@ class SteppedClock:
         """The time, s."""
         return self._steps / STEPS_HZ
 
-    def hear(self, topic: str, data_class: Any, rate: float) -> None:
+    def subscribe(self, topic: str, data_class: Any, rate: float) -> None:
         """Wait at each step for messages with stamps that come at a rate.
 
         :param topic: name
@@ -46,7 +46,7 @@ class SteppedClock:
         """
         self._heard[topic] = []
         self.expect(topic, rate)
-        rospy.Subscriber(topic, data_class, self._take, topic, tcp_nodelay=True)
+        rospy.Subscriber(topic, data_class, self._on_message, topic, tcp_nodelay=True)
 
     def expect(self, topic: str, rate: float) -> None:
         """Change the rate at which messages come.
@@ -68,7 +68,7 @@ class SteppedClock:
         with self._changed:
             self._heard = {topic: messages[-1:] for topic, messages in self._heard.items()}
 
-    def _take(self, message: Any, topic: str) -> None:
+    def _on_message(self, message: Any, topic: str) -> None:
         with self._changed:
             self._heard[topic].append(message)
             self._changed.notify_all()

@@ -66,11 +66,11 @@ class Robots(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.graph = Graph()
         cls.clock = clock = SteppedClock()
-        clock.hear(ODOM, Odometry, 30.0)
-        clock.hear(CMD_VEL, TwistStamped, 0.0)
-        clock.hear(PROGRESS, Progress, FRESH_HZ)
-        clock.hear(WAY_ODOM, Odometry, 30.0)
-        clock.hear(WAY_PROGRESS, Progress, FRESH_HZ)
+        clock.subscribe(ODOM, Odometry, 30.0)
+        clock.subscribe(CMD_VEL, TwistStamped, 0.0)
+        clock.subscribe(PROGRESS, Progress, FRESH_HZ)
+        clock.subscribe(WAY_ODOM, Odometry, 30.0)
+        clock.subscribe(WAY_PROGRESS, Progress, FRESH_HZ)
         cls.arrived = Ear(CONTROLLER + "/arrived", Bool)
         cls.current = Ear(CONTROLLER + "/current_goal", PoseStamped)
         cls.log = Ear("/rosout", Log)
@@ -182,14 +182,14 @@ class Robots(unittest.TestCase):
         turns = [command.angular for command in self.commands() if command.angular]
         self.assertEqual(len({turn > 0.0 for turn in turns}), 1)
         self.goals.publish(pose(1.0, 0.0, 0.0, "map"))
-        self.logged("the goal is left out", "frame_id 'map': must be 'odom'")
+        self.logged("ignoring the goal", "frame_id 'map': must be 'odom'")
         self.goals.publish(pose(math.nan, 0.0, 0.0))
-        self.logged("the goal is left out", "must be from -1e6 to 1e6")
+        self.logged("ignoring the goal", "must be in [-1e6, 1e6]")
         self.goals.publish(PoseStamped())
-        self.logged("the goal is left out", "must be a quaternion")
+        self.logged("ignoring the goal", "must be a quaternion")
         answer = self.set_goal(math.inf, 0.0, 0.0)
         self.assertFalse(answer.success)
-        self.assertIn("must be from -1e6 to 1e6", answer.message)
+        self.assertIn("must be in [-1e6, 1e6]", answer.message)
         self.clock.step()
         self.assertEqual(self.phase(), "arrived")
 
@@ -229,7 +229,7 @@ class Robots(unittest.TestCase):
         self.until(lambda: self.commands()[-1].linear > 0.0, "it stays", 5.0, PROGRESS)
         self.act("nowhere", pose(2.0, 0.0, 0.0, "map"))
         self.assertEqual(self.outcome("nowhere").status.status, GoalStatus.ABORTED)
-        self.logged("the goal is left out", "frame_id 'map'")
+        self.logged("ignoring the goal", "frame_id 'map'")
         for _ in range(6):
             self.clock.step()
         self.assertGreater(self.commands()[-1].linear, 0.0, "nobody has told it to stop")
@@ -265,7 +265,7 @@ class Robots(unittest.TestCase):
         finally:
             os.kill(simulator, signal.SIGCONT)
         self.until(lambda: self.commands()[-1].linear > 0.0, "it stays", 10.0, *silent)
-        self.logged("there is odometry")
+        self.logged("receiving odometry")
 
     def test_law_of_the_course_is_warned_of(self) -> None:
         change = rospy.ServiceProxy(CONTROLLER + "/change", SetParameters)
@@ -312,7 +312,7 @@ class Robots(unittest.TestCase):
         )
         self.addCleanup(node.end)
         topic = "/any/cmd_vel"
-        self.clock.hear(topic, TwistStamped, 0.0)
+        self.clock.subscribe(topic, TwistStamped, 0.0)
         self.addCleanup(self.clock.expect, topic, 0.0)
 
         def gaps() -> List[float]:

@@ -31,7 +31,7 @@ def test_without_actionlib_it_says_so_once_and_does_nothing(
     server = go_to_server.GoToServer(node, calls.append, lambda: calls.append("stop"))
     for _ in range(2):
         server.poll()
-        server.tell(Progress(phase=Progress.ARRIVED))
-        server.drop()
+        server.publish_progress(Progress(phase=Progress.ARRIVED))
+        server.preempt()
     assert calls == []
     assert warnings == ["no action go_to: python3-actionlib is not installed; the rest works"]

@@ -14,14 +14,14 @@ from nodekit import (
     StringParameter,
 )
 
-#: Who commands the robot: the type of its commands goes by that, as with the controllers.
+#: What commands the robot: that decides the type of its commands, as with the controllers.
 RVIZ, GAZEBO = "rviz", "gazebo"
 
 _LENGTH = FloatParameter(0.0, minimum=-1e6, maximum=1e6, unit="m", help="")
 
 
 class RobotParameters(ParameterSet):
-    """What a robot is like, where it is and what it tells; all of it may change live."""
+    """What a robot is like, where it starts and what it publishes; all of it may change live."""
 
     controller_type = EnumParameter(
         RVIZ,
@@ -42,35 +42,35 @@ class RobotParameters(ParameterSet):
         minimum=0.01,
         maximum=100.0,
         unit="m",
-        help="radius of the circle that keeps off walls",
+        help="radius of the circle that stops at walls",
     )
     max_linear_velocity = FloatParameter(
-        0.22, above=0.0, maximum=100.0, unit="m/s", help="fastest speed, forward or backward"
+        0.22, above=0.0, maximum=100.0, unit="m/s", help="highest speed, forward or backward"
     )
     max_angular_velocity = FloatParameter(
-        2.84, above=0.0, maximum=1000.0, unit="rad/s", help="fastest rate of turn"
+        2.84, above=0.0, maximum=1000.0, unit="rad/s", help="highest turning rate"
     )
     max_wheel_speed = FloatParameter(
-        8.06, above=0.0, maximum=10000.0, unit="rad/s", help="fastest speed of a wheel"
+        8.06, above=0.0, maximum=10000.0, unit="rad/s", help="highest speed of a wheel"
     )
     max_wheel_acceleration = FloatParameter(
         0.0,
         minimum=0.0,
         maximum=1e5,
         unit="rad/s^2",
-        help="quickest change of a wheel's speed; 0 for no limit",
+        help="largest acceleration of a wheel; 0 for no limit",
     )
     command_timeout = FloatParameter(
         1.0, minimum=0.0, maximum=1e6, unit="s", help="how long a command acts; 0 for ever"
     )
     initial_x = FloatParameter(
-        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and is after ~reset"
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and returns at ~reset"
     )
     initial_y = FloatParameter(
-        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and is after ~reset"
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and returns at ~reset"
     )
     initial_theta = FloatParameter(
-        0.0, minimum=-10.0, maximum=10.0, unit="rad", help="its heading then, 0 along x"
+        0.0, minimum=-10.0, maximum=10.0, unit="rad", help="its initial heading, 0 along x"
     )
     odometry_noise = FloatParameter(
         0.0,
@@ -79,10 +79,8 @@ class RobotParameters(ParameterSet):
         unit="m",
         help="standard deviation of a wheel's measured path after 1 m; 0 for no error",
     )
-    seed = IntParameter(
-        0, minimum=0, help="of the noise; the same one gives the same errors, from ~reset on"
-    )
-    frame_prefix = StringParameter("", help="what stands before the names of all frames")
+    seed = IntParameter(0, minimum=0, help="seed of the noise; ~reset starts its sequence again")
+    frame_prefix = StringParameter("", help="what is put before the names of all frames")
     publish_tf = BoolParameter(True, help="whether odom to base_footprint is published on /tf")
     scan_rate = RateParameter(
         0.0, pausable=True, maximum=100.0, help="how often the laser scans; 0 for never"

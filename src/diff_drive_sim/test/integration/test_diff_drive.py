@@ -234,12 +234,12 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(self.reset("/lab"), "at x 0 m, y 1.5 m, heading 0.5 rad")
         self.assert_at(Pose(0.0, 1.5, 0.5), "/lab")
 
-    def test_what_is_not_finite_is_left_out_with_a_warning(self) -> None:
+    def test_what_is_not_finite_is_ignored_with_a_warning(self) -> None:
         self.send(math.nan, 0.0)
         line = self.log.wait_for(lambda line: "must be finite" in line.msg)
         self.assertEqual(line.level, Log.WARN)
         self.assertEqual(
-            line.msg, "/cmd_vel: a command of nan m/s and 0.0 rad/s is left out: must be finite"
+            line.msg, "/cmd_vel: ignored a command of nan m/s and 0.0 rad/s: must be finite"
         )
         self.advance(1.0)
         self.assertEqual(self.at(), Pose())
@@ -250,12 +250,12 @@ class DiffDrive(unittest.TestCase):
             start = self.at(robot)
             self.hush(robot, expected)
             self.send(0.2, 0.0, robot, sent)
-            line = self.log.wait_for(lambda line: "is expected" in line.msg)
+            line = self.log.wait_for(lambda line: "ignoring the messages" in line.msg)
             self.assertEqual(line.level, Log.WARN)
             self.assertEqual(
                 line.msg,
-                f"{robot}/cmd_vel: /test_diff_drive sends {sent._type}, and {expected._type} is "
-                "expected: its messages are left out; "
+                f"{robot}/cmd_vel: ignoring the messages of /test_diff_drive: they are "
+                f"{sent._type}, not {expected._type}; "
                 "controller_type must be the same in both nodes",
             )
             self.advance(1.0)

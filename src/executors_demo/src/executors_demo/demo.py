@@ -1,4 +1,4 @@
-"""What the demos have in common: an executor that a parameter chooses, and lines that tell."""
+"""What the demos have in common: an executor that a parameter chooses, and a log of all calls."""
 
 import contextlib
 import sys
@@ -41,10 +41,10 @@ class ExecutorParameters(ParameterSet):
 def period_of(default: float, what: str) -> FloatParameter:
     """Declare how often something is called.
 
-    :param default: time from one call to the next, s
+    :param default: time between calls, s
     :param what: what is called
     """
-    text = f"time from one call of {what} to the next"
+    text = f"time between calls of {what}"
     return FloatParameter(default, minimum=0.001, maximum=3600.0, unit="s", help=text)
 
 
@@ -81,7 +81,7 @@ class Demo(Generic[Settings]):
         return self.parameters.values
 
     def add_node(self, node: Node) -> None:
-        """Have the executor make the calls of a node, too.
+        """Have the executor call the callbacks of a node, too.
 
         :param node: another node of this process
         """

@@ -1,4 +1,4 @@
-"""Says who runs when, and in which thread."""
+"""Says which call runs when, and in which thread."""
 
 import itertools
 import threading
@@ -30,13 +30,13 @@ class Diary:
         :param note: what the call is about
         """
         number = next(self._numbers.setdefault(who, itertools.count(1)))
-        self._tell(who, number, True, " ".join(note.split()))
+        self._print_event(who, number, True, " ".join(note.split()))
         try:
             yield
         finally:
-            self._tell(who, number, False)
+            self._print_event(who, number, False)
 
-    def _tell(self, who: str, number: int, begins: bool, note: str = "") -> None:
+    def _print_event(self, who: str, number: int, begins: bool, note: str = "") -> None:
         thread = threading.current_thread().name
         with self._lock:  # so that the lines come in the order of their times
             elapsed = self._now() - self._start

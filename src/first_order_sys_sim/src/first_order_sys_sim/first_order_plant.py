@@ -24,7 +24,7 @@ class PlantSettings(NamedTuple):
     :ivar max_output: largest magnitude of the output, > 0
     :ivar min_input: dead zone: an input of this magnitude or less acts as 0
     :ivar method: EXACT, or EULER for the forward difference, whose output changes only when the
-        input is held anew
+        input is held again
     """
 
     gain: float
@@ -53,7 +53,7 @@ class FirstOrderPlant:
         self._now = 0.0
         self._held = 0.0
         # The state at the last moment at which the held input or a setting changed.
-        self._begun, self._begun_at = output, 0.0
+        self._start, self._changed_at = output, 0.0
 
     @property
     def held(self) -> float:
@@ -67,7 +67,7 @@ class FirstOrderPlant:
         :param value: the input u
         """
         self._now = max(time, self._now)
-        self._begin(self._response(self._now - self._begun_at))
+        self._restart(self._response(self._now - self._changed_at))
         self._held = value
 
     def output(self, time: float) -> float:
@@ -77,8 +77,8 @@ class FirstOrderPlant:
         :returns: y
         """
         self._now = max(time, self._now)
-        # Until the input is held anew, the forward difference knows nothing new.
-        seconds = self._now - self._begun_at if self._settings.method == EXACT else 0.0
+        # Until the input is held again, the forward difference knows nothing new.
+        seconds = self._now - self._changed_at if self._settings.method == EXACT else 0.0
         return self._response(seconds)
 
     def change(self, time: float, settings: PlantSettings) -> None:
@@ -89,7 +89,7 @@ class FirstOrderPlant:
         :param time: the moment, s
         :param settings: what the plant is like from now on
         """
-        self._begin(self.output(time))
+        self._restart(self.output(time))
         self._settings = settings
 
     def set_output(self, time: float, value: float) -> None:
@@ -99,16 +99,16 @@ class FirstOrderPlant:
         :param value: the output; cut off at the limit
         """
         self._now = max(time, self._now)
-        self._begin(value)
+        self._restart(value)
 
-    def _begin(self, output: float) -> None:
-        self._begun, self._begun_at = output, self._now
+    def _restart(self, output: float) -> None:
+        self._start, self._changed_at = output, self._now
 
     def _response(self, seconds: float) -> float:
         """Return the output a time after the last change, s."""
         gain, time_constant, limit, dead_zone, method = self._settings
         target = gain * self._held if abs(self._held) > dead_zone else 0.0
-        # Finite also where tau is next to nothing: 0 times infinity would be no number.
+        # Finite also where tau is next to nothing: 0 times infinity would be NaN.
         ratio = min(seconds / time_constant, sys.float_info.max)
         approached = -math.expm1(-ratio) if method == EXACT else ratio
-        return max(-limit, min(limit, self._begun + (target - self._begun) * approached))
+        return max(-limit, min(limit, self._start + (target - self._start) * approached))

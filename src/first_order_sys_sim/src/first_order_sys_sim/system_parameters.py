@@ -5,19 +5,23 @@ from nodekit import EnumParameter, FloatParameter, ParameterSet, to_float32
 
 
 class SystemParameters(ParameterSet):
-    """What the system is like and how often it tells its output; all of it may change live."""
+    """What the system is like, and how often its output is published; all of it may change live."""
 
     system_node_rate = FloatParameter(
         150.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
     )
     system_sample_time = FloatParameter(
-        0.02, minimum=1e-4, maximum=1e3, unit="s", help="how often the input is sampled, to be held"
+        0.02,
+        minimum=1e-4,
+        maximum=1e3,
+        unit="s",
+        help="time between samples of the input, which is held",
     )
     system_param_K = FloatParameter(
         13.2, minimum=-1e6, maximum=1e6, help="gain: steady output for each unit of input"
     )
     system_param_T = FloatParameter(
-        0.05, above=0.0, maximum=1e6, unit="s", help="time constant: 63 % of a step pass in it"
+        0.05, above=0.0, maximum=1e6, unit="s", help="time constant: time for 63 % of a step"
     )
     system_initial_conditions = FloatParameter(
         0.0, minimum=-1e9, maximum=1e9, help="output at the start; a change puts the output there"
@@ -31,7 +35,7 @@ class SystemParameters(ParameterSet):
     method = EnumParameter(
         EXACT,
         choices=METHODS,
-        help="how the state is computed; euler as on the slides, for comparison",
+        help="how the state is computed; euler as in the course, for comparison",
     )
 
     @property

@@ -1,4 +1,4 @@
-"""Sends the robot somewhere, and tells how far it is until it is there."""
+"""Sends the robot somewhere, and logs how far it is until it has arrived."""
 
 from typing import Optional
 
@@ -18,13 +18,13 @@ def _coordinate(unit: str, what: str) -> FloatParameter:
 class RobotControlParameters(ParameterSet):
     """Parameters of robot_control; a change sends the robot there."""
 
-    x = _coordinate("m", "where to go, in the frame of the odometry: x")
-    y = _coordinate("m", "the same: y")
-    theta = _coordinate("rad", "the same: heading")
+    x = _coordinate("m", "x of the goal, in the frame of the odometry")
+    y = _coordinate("m", "y of the goal")
+    theta = _coordinate("rad", "heading at the goal")
 
 
 class RobotControl:
-    """Asks the controller to go there, again and again until it answers; ends on arrival.
+    """Calls the controller until it accepts the goal; ends on arrival.
 
     :ROS Services called:
         - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)
@@ -60,10 +60,10 @@ class RobotControl:
         try:
             answer = call.result()
         except CallError as error:
-            rospy.logwarn("the robot cannot be sent: %s", error)
+            rospy.logwarn("cannot send the robot: %s", error)
             return
         if not answer.success:
-            rospy.logwarn("the robot cannot be sent: %s", answer.message)
+            rospy.logwarn("cannot send the robot: %s", answer.message)
             return
         rospy.loginfo("the robot goes to %s", answer.message)
         self._set_at = rospy.Time.now()
@@ -80,5 +80,5 @@ class RobotControl:
 
 
 def main() -> None:
-    """Run the node until the robot is there."""
+    """Run the node until the robot has arrived."""
     run("robot_control", RobotControl)

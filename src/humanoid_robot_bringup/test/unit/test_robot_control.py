@@ -107,4 +107,4 @@ def test_refused_goal_is_sent_again(monkeypatch: "pytest.MonkeyPatch") -> None:
     node.calls[0].answer(node.calls[0])
     node.tick(0.0)
     assert node.goals == [0.0, 0.0]
-    assert warnings == ["the robot cannot be sent: too far"]
+    assert warnings == ["cannot send the robot: too far"]

@@ -1,4 +1,4 @@
-"""What a manager may be told, as nav2's."""
+"""The commands that a manager takes, which are nav2's."""
 
 from typing import NamedTuple, Sequence
 
@@ -7,11 +7,11 @@ from lifecycle_manager.plan import Level
 
 
 class Command(NamedTuple):
-    """What a manager may be told.
+    """A command.
 
     :param name: nav2's name
     :param goal: how far up it leads
-    :param starts: how far up the system has to be meant to be before
+    :param starts: goals of the system from which it is allowed
     """
 
     name: str
@@ -35,8 +35,8 @@ def judged(number: int, meant: Level) -> Command:
     """Return the command of a number.
 
     :param number: the number
-    :param meant: how far up the system is meant to be
-    :raises ValueError: if there is no such command, or not where the system is
+    :param meant: the present goal of the system
+    :raises ValueError: if there is no such command, or it is not allowed now
     """
     if number >= len(COMMANDS):
         names = ", ".join(f"{index} {each.name}" for index, each in enumerate(COMMANDS))
@@ -44,5 +44,7 @@ def judged(number: int, meant: Level) -> Command:
     if meant not in COMMANDS[number].starts:
         allowed = ", ".join(each.name for each in COMMANDS if meant in each.starts)
         name = COMMANDS[number].name
-        raise ValueError(f"{name} is refused: all are to be {STATES[meant]}; allowed: {allowed}")
+        raise ValueError(
+            f"{name} is refused while all are to be {STATES[meant]}; allowed: {allowed}"
+        )
     return COMMANDS[number]

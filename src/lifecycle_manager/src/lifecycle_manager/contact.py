@@ -1,4 +1,4 @@
-"""What a manager says to one node and hears from it."""
+"""A manager's connection to one node."""
 
 import time
 from typing import Callable, Optional
@@ -6,7 +6,7 @@ from typing import Callable, Optional
 import rospy
 from std_msgs.msg import Header
 
-from lifecycle_manager.member import LOOK, Member
+from lifecycle_manager.member import GET_STATE, Member
 from lifecycle_manager.system import System
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, ChangeStateRequest, GetState, GetStateRequest
@@ -14,39 +14,42 @@ from nodekit import CallError, CallFuture, Node
 
 
 class Contact:
-    """The wires to one node. Whatever comes over them is noted in the manager's default group.
+    """A manager's subscriptions to one node and its service clients.
+
+    All callbacks run in the manager's default group.
 
     :param node: the manager
     :param system: what is known of all nodes
     :param member: what is known of this one
-    :param work: called after each note
+    :param work: called after each change of what is known
     """
 
     def __init__(
         self, node: Node, system: System, member: Member, work: Callable[[], None]
     ) -> None:
         self.member = member
-        self._system, self._work = system, work
-        self._heartbeat = node.subscribe(f"{member.name}/heartbeat", Header, self._hear)
-        node.subscribe(f"{member.name}/state", State, self._tell)
+        self._system = system
+        self._work = work
+        self._heartbeat = node.subscribe(f"{member.name}/heartbeat", Header, self._on_heartbeat)
+        node.subscribe(f"{member.name}/state", State, self._on_state)
         self._change = node.client(f"{member.name}/change_state", ChangeState)
         self._get = node.client(f"{member.name}/get_state", GetState)
         self._call: Optional[CallFuture] = None
         self._connections = 0
 
-    def look(self) -> None:
-        """Notice if the node has hung up, as it does when its process ends in whatever way."""
+    def check_connection(self) -> None:
+        """Mark the node as lost if its connection is gone: then its process has ended."""
         before, self._connections = self._connections, self._heartbeat.get_num_connections()
         if self._connections < before and self.member.is_heard:
-            self._system.lose(self.member, "it has ended", time.monotonic())
+            self._system.mark_lost(self.member, "it has ended", time.monotonic())
 
-    def ask(self, timeout: float) -> None:
-        """Ask the node what is noted as under way; then for its state, which alone counts.
+    def send_request(self, timeout: float) -> None:
+        """Send the node the request that is under way; then ask for its state, which alone counts.
 
         :param timeout: longest wait for each answer, s
         """
         label = self.member.under_way
-        if label == LOOK:
+        if label == GET_STATE:
             self._ask_state("", timeout)
             return
         rospy.loginfo("%s: %s", self.member.name, label)
@@ -58,25 +61,25 @@ class Contact:
         if call is not None and call is not self._call:
             return  # it was dropped
         self._call = self._get.call_async(GetStateRequest(), timeout)
-        self._call.add_done_callback(lambda call: self._end(call, why))
+        self._call.add_done_callback(lambda call: self._on_answer(call, why))
 
-    def _end(self, call: CallFuture, why: str) -> None:
+    def _on_answer(self, call: CallFuture, why: str) -> None:
         if call is not self._call:
             return
         self._call = None
-        self.look()
+        self.check_connection()
         if self.member.under_way:
             state = 0 if _error_of(call) else call.result().current_state.id
-            self._system.end(self.member, state, why, time.monotonic())
+            self._system.record_answer(self.member, state, why, time.monotonic())
         self._work()
 
-    def _hear(self, _: Header) -> None:
-        self.look()
-        self._system.hear(self.member, time.monotonic())
+    def _on_heartbeat(self, _: Header) -> None:
+        self.check_connection()
+        self._system.record_heartbeat(self.member, time.monotonic())
         self._work()
 
-    def _tell(self, message: State) -> None:
-        self._system.tell(self.member, message.id, time.monotonic())
+    def _on_state(self, message: State) -> None:
+        self._system.record_state(self.member, message.id, time.monotonic())
         self._work()
 
 

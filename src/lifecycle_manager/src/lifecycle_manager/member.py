@@ -4,8 +4,8 @@ import math
 
 from lifecycle_manager.plan import Level
 
-#: What is asked of a node whose state is in doubt.
-LOOK = "look"
+#: The request to a node whose state is in doubt.
+GET_STATE = "get_state"
 
 #: How far up a node is in each of ROS 2's states. One in a transition counts as what is the safer
 #: for the others: not configured until it is, active until it is not.
@@ -16,11 +16,11 @@ LEVELS = {
     13: Level.ACTIVE,
     14: Level.ACTIVE,
 }
-#: The states in which a node rests; 0 is that of one that has not answered.
-STATES = ("not there", "unconfigured", "inactive", "active", "finalized")
-#: Those from which it can be led on.
+#: The primary states; 0 is that of a node that does not answer.
+STATES = ("absent", "unconfigured", "inactive", "active", "finalized")
+#: Those from which a transition is possible.
 _ON = (1, 2, 3)
-#: The state that each step leads to.
+#: The state that each transition leads to.
 RESULTS = {"configure": 2, "activate": 3, "deactivate": 2, "cleanup": 1, "shutdown": 4}
 
 
@@ -39,11 +39,11 @@ class Member:
     :param now: the time
 
     :ivar state: number of its state; 0 while it does not answer
-    :ivar is_heard: whether its heart beats
-    :ivar heard_at: when it has beaten last
-    :ivar look_at: when to ask it for its state; infinite where that is not in doubt
-    :ivar under_way: what it was asked, empty where nothing is
-    :ivar is_stuck: whether it has failed to come down
+    :ivar is_heard: whether its heartbeat is received
+    :ivar heard_at: time of the last heartbeat
+    :ivar query_at: when to ask for its state; infinite where that is not in doubt
+    :ivar under_way: the request that it has not answered yet; empty where there is none
+    :ivar is_stuck: whether a transition down has failed
     """
 
     def __init__(self, name: str, now: float) -> None:
@@ -51,7 +51,7 @@ class Member:
         self.state = 0
         self.is_heard = False
         self.heard_at = -math.inf
-        self.look_at = math.inf
+        self.query_at = math.inf
         self.under_way = ""
         self.is_stuck = False
         self._restless_since = now
@@ -63,8 +63,8 @@ class Member:
 
     @property
     def is_busy(self) -> bool:
-        """Whether it is not known yet what it has come to."""
-        return bool(self.under_way) or self.look_at < math.inf
+        """Whether its state is yet to be learnt."""
+        return bool(self.under_way) or self.query_at < math.inf
 
     @property
     def is_moving(self) -> bool:
@@ -73,11 +73,11 @@ class Member:
 
     @property
     def rests(self) -> bool:
-        """Whether it is where it can be led on from."""
+        """Whether it is in a state from which a transition is possible."""
         return self.state in _ON
 
     def enter(self, state: int, now: float) -> None:
-        """Note its state."""
+        """Record its state."""
         if state != self.state:
             self.is_stuck = False
         if self.rests and state not in _ON:

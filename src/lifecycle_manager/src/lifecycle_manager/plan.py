@@ -4,7 +4,7 @@ All nodes are configured in order, then all are activated in order. So a node ma
 while all before it are, and active while all are configured and all before it active. Who is
 further up than that comes down, the furthest up and the last one first; then who may be further up
 goes up, the first one first. There is no more to it: a loss, a return, or whatever a new manager
-finds are only other levels to begin with.
+finds are only other levels to start from.
 """
 
 import enum
@@ -26,10 +26,10 @@ UP = {Level.UNCONFIGURED: "configure", Level.INACTIVE: "activate"}
 DOWN = {Level.UNCONFIGURED: "shutdown", Level.INACTIVE: "cleanup", Level.ACTIVE: "deactivate"}
 
 
-class Step(NamedTuple):
-    """Something to be asked of a node.
+class Instruction(NamedTuple):
+    """A transition that is to be requested of a node.
 
-    :param place: in the order, from 0
+    :param place: the node's place in the order, from 0
     :param label: of the transition
     """
 
@@ -52,18 +52,18 @@ def highest(place: int, goal: Level, levels: Sequence[Level]) -> Level:
     return goal
 
 
-def next_step(
+def next_instruction(
     goal: Level,
     levels: Sequence[Level],
     under_way: Mapping[int, str] = {},
     stuck: Collection[int] = (),
-) -> Optional[Step]:
-    """Return what is to be asked now, None where there is nothing or something has to end first.
+) -> Optional[Instruction]:
+    """Return the next request, None where there is none or another one has to end first.
 
     :param goal: how far up all nodes are to be
     :param levels: how far up they are, in order
-    :param under_way: what each node is busy with, by its place; a transition or anything else
-    :param stuck: places of nodes that have failed to come down
+    :param under_way: the request that each node has not answered yet, by its place
+    :param stuck: places of nodes whose transition down has failed
     """
     if any(label in DOWN.values() for label in under_way.values()):
         return None
@@ -73,8 +73,8 @@ def next_step(
     for place in sorted(too_high, key=levels.__getitem__, reverse=True):
         # It stays configured while one that was built on it does not let itself be deactivated.
         if levels[place] is Level.ACTIVE or Level.ACTIVE not in levels[place:]:
-            return Step(place, DOWN[levels[place]])
+            return Instruction(place, DOWN[levels[place]])
     for place in free:
         if not under_way and Level.GONE < levels[place] < limits[place]:
-            return Step(place, UP[levels[place]])
+            return Instruction(place, UP[levels[place]])
     return None

@@ -1,4 +1,4 @@
-"""A system of nodes in the words of /diagnostics."""
+"""The state of a system, as messages for /diagnostics."""
 
 from typing import List
 
@@ -40,7 +40,7 @@ def _report(manager: str, member: Member) -> DiagnosticStatus:
         hardware_id="none",
         values=[
             KeyValue("state", str(member.state)),
-            KeyValue("heartbeat", "heard" if member.is_heard else "silent"),
+            KeyValue("heartbeat", "received" if member.is_heard else "silent"),
             KeyValue("under way", member.under_way or "nothing"),
         ],
     )

@@ -1,4 +1,4 @@
-"""Whether a node has a manager already."""
+"""Another manager of the same nodes."""
 
 from typing import Optional, Sequence
 
@@ -8,17 +8,17 @@ from std_srvs.srv import Trigger, TriggerRequest
 from nodekit import CallError, CallTimeout, Node
 from nodekit.master import MasterClient
 
-#: What a manager is known by, besides a heartbeat that it hears.
+#: The service by which a manager is recognised, besides its subscription to a heartbeat.
 SERVICE = "/manage_nodes"
 #: Longest wait for an answer of the master, and of another manager, s.
 TIMEOUT_S = 1.0
 
 
 def rival(node: Node, names: Sequence[str]) -> Optional[str]:
-    """Return in words which of some nodes has which other manager, None where none has one.
+    """Return a sentence that names a node with another manager, None where there is none.
 
-    A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. Who starts looks after
-    it has subscribed itself, so of two that start at once the later one sees the other.
+    A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. It looks for others
+    after it has subscribed itself, so of two that start at once the later one sees the other.
 
     :param node: the manager that asks
     :param names: of the nodes
@@ -32,9 +32,9 @@ def rival(node: Node, names: Sequence[str]) -> Optional[str]:
         if service.endswith(SERVICE)
         for owner in owners
     }
-    hearers = dict(state.subscribers)
+    subscribers = dict(state.subscribers)
     for name in names:
-        for other in hearers.get(f"{name}/heartbeat", ()):
+        for other in subscribers.get(f"{name}/heartbeat", ()):
             is_manager = other in managers and other != rospy.get_name()
             if is_manager and _is_there(node, managers[other]):
                 return f"{name} is managed by {managers[other]}"
@@ -42,7 +42,7 @@ def rival(node: Node, names: Sequence[str]) -> Optional[str]:
 
 
 def _is_there(node: Node, manager: str) -> bool:
-    """Tell whether a manager is more than a name that was left behind; one that is stopped is."""
+    """Tell whether a manager still runs; one that is suspended does."""
     client = node.client(f"{manager}/is_active", Trigger)
     try:
         client.call(TriggerRequest(), TIMEOUT_S)

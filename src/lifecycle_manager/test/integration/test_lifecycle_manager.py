@@ -133,11 +133,11 @@ class Here(Managing):
         self.manager()
         on, off = UP, DEACTIVATED
         for command, success, text, expected in (
-            ("PAUSE", False, "PAUSE is refused: all are to be unconfigured", []),
+            ("PAUSE", False, "PAUSE is refused while all are to be unconfigured", []),
             ("RESUME", False, "allowed: STARTUP, RESET, SHUTDOWN, CONFIGURE, CLEANUP", []),
             ("STARTUP", True, "all are active", on),
             ("STARTUP", True, "all are active", []),
-            ("CONFIGURE", False, "CONFIGURE is refused: all are to be active", []),
+            ("CONFIGURE", False, "CONFIGURE is refused while all are to be active", []),
             ("CLEANUP", False, "allowed: STARTUP, PAUSE, RESUME, RESET, SHUTDOWN", []),
             ("PAUSE", True, "all are inactive", off),
             ("RESUME", True, "all are active", on[3:]),
@@ -164,7 +164,7 @@ class Here(Managing):
         ear = Ear("/diagnostics", DiagnosticArray)
         self.addCleanup(ear.close)
         self.manager()
-        failure = f"{self.space}/c: activate has failed: it is inactive, and its log says why"
+        failure = f"{self.space}/c: activate failed: it is inactive; its log says why"
         answer = self.command(ManageNodesRequest.STARTUP)
         self.assertEqual((answer.success, answer.message), (False, failure))
         self.assertEqual(self.diary, UP + DEACTIVATED[1:] + CLEANED)
@@ -182,7 +182,7 @@ class Here(Managing):
         self.drivers(*ABC)
         self.plan["b configure"] = raising
         self.manager(autostart=True)
-        self.wait_until_told(f"{self.space}/b: configure has failed: it is unconfigured")
+        self.wait_until_told(f"{self.space}/b: configure failed: it is unconfigured")
         wait_until(lambda: self.states() == ["unconfigured"] * 3, lambda: str(self.states()))
         self.assertEqual(self.diary, ["a configure", "b configure", "a cleanup"])
 
@@ -194,7 +194,7 @@ class Here(Managing):
         self.plan["b deactivate"] = lambda: False
         answer = self.command(ManageNodesRequest.RESET)
         self.assertFalse(answer.success)
-        self.assertIn("b: deactivate has failed: it is active", answer.message)
+        self.assertIn("b: deactivate failed: it is active", answer.message)
         self.assertEqual(self.states(), ["inactive", "active", "unconfigured"])
         self.plan.clear()
         self.assertTrue(self.command(ManageNodesRequest.RESET).success)
@@ -207,7 +207,7 @@ class Here(Managing):
         self.manager(request_timeout=1.0)  # or a busy machine has not begun by then
         answer = self.command(ManageNodesRequest.STARTUP)
         self.assertFalse(answer.success)
-        self.assertIn("b: configure has failed", answer.message)
+        self.assertIn("b: configure failed", answer.message)
         self.assertIn("no answer within 1 s", answer.message)
         self.assertEqual(self.states(), ["unconfigured", "configuring", "unconfigured"])
         go_on.set()  # it is configured after all, and cleaned up then
@@ -217,7 +217,7 @@ class Here(Managing):
         nodes = self.drivers("a", "b")
         self.manager(respawn_window=0.5, heartbeat_timeout=0.8)
         answer = self.command(ManageNodesRequest.STARTUP)
-        text = f"{self.space}/c is not there for longer than 0.5 s"
+        text = f"{self.space}/c has been absent for longer than 0.5 s"
         self.assertFalse(answer.success)
         self.assertIn(text, answer.message)
         self.wait_until_told(text)
@@ -229,7 +229,7 @@ class Here(Managing):
         )
         # One that leaves for good.
         nodes["a"].close()
-        self.wait_until_told(f"{self.space}/a is not there for longer than 0.5 s")
+        self.wait_until_told(f"{self.space}/a has been absent for longer than 0.5 s")
         wait_until(
             lambda: [self.diary[-4:]] == [[*DEACTIVATED[:2], *CLEANED[:2]]], lambda: str(self.diary)
         )
@@ -273,12 +273,12 @@ class Here(Managing):
         with self.assertLogs("rosout", "WARNING") as logged:
             manager.end()
         left = ", ".join(f"{self.space}/{name}" for name in ABC)
-        self.assertIn(f"left behind as they are: {left}", logged.output[-1])
+        self.assertIn(f"left in their present states: {left}", logged.output[-1])
 
     def test_names_are_judged(self) -> None:
         for names in ([], ["a", "a"]):
             self.set_parameters(node_names=names)
-            with self.assertRaisesRegex(ParameterError, "names of nodes, each of them once"):
+            with self.assertRaisesRegex(ParameterError, "a list of node names without duplicates"):
                 LifecycleManager(self.node("manager"))
 
 
@@ -305,7 +305,9 @@ class Elsewhere(Managing):
         self.set_parameters("other", node_names=["y"])
         other = self.start(LATE_RIVAL, "other")
         self.assertEqual(other.wait(), 1)
-        self.assertTrue(other.logged("nodes without another manager (y has one)"), other.logged())
+        self.assertTrue(
+            other.logged("nodes that have no other manager (y has one)"), other.logged()
+        )
         self.assertEqual(other.logged("Traceback"), [])
 
     def wait_for_lines(self, **expected: List[str]) -> None:
@@ -348,7 +350,7 @@ class Elsewhere(Managing):
         self.set_parameters("second")
         second = self.start(MANAGER, "second")
         self.assertEqual(second.wait(), 1)
-        text = f"must be nodes without another manager ({self.space}/a is managed by"
+        text = f"must be nodes that have no other manager ({self.space}/a is managed by"
         self.assertTrue(second.logged(text, f"{self.space}/manager)"), second.logged())
         manager.popen.send_signal(signal.SIGCONT)
         self.wait_until_active()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lifecycle_manager.plan import DOWN, UP, Level, highest, next_step
+from lifecycle_manager.plan import DOWN, UP, Level, highest, next_instruction
 
 GONE, UNCONFIGURED, INACTIVE, ACTIVE = Level
 LEVELS = st.lists(st.sampled_from(Level), min_size=1, max_size=5)
@@ -21,11 +21,11 @@ def levels(text: str) -> List[Level]:
 def way(goal: Level, start: str) -> str:
     """Return all steps, each done at once, as "1 configure", counted from 1."""
     now, steps = levels(start), []
-    step = next_step(goal, now)
+    step = next_instruction(goal, now)
     while step is not None:
         steps.append(f"{step.place + 1} {step.label}")
         now[step.place] = Level(now[step.place] + (1 if step.label in UP.values() else -1))
-        step = next_step(goal, now)
+        step = next_instruction(goal, now)
     return ", ".join(steps)
 
 
@@ -60,19 +60,19 @@ def test_way(goal: Level, start: str, expected: str) -> None:
 
 
 def test_nobody_goes_up_while_something_is_under_way() -> None:
-    for what in ("configure", "look"):
-        assert next_step(ACTIVE, levels("uu"), {0: what}) is None
+    for what in ("configure", "get_state"):
+        assert next_instruction(ACTIVE, levels("uu"), {0: what}) is None
 
 
 def test_who_is_too_high_need_not_wait_for_one_on_its_way_up() -> None:
-    assert next_step(ACTIVE, levels("-ai"), {2: "activate"}) == (1, "deactivate")
-    assert next_step(ACTIVE, levels("-aa"), {2: "deactivate"}) is None
+    assert next_instruction(ACTIVE, levels("-ai"), {2: "activate"}) == (1, "deactivate")
+    assert next_instruction(ACTIVE, levels("-aa"), {2: "deactivate"}) is None
 
 
 def test_one_that_is_stuck_is_left_alone_and_keeps_what_it_was_built_on() -> None:
-    assert next_step(UNCONFIGURED, levels("aaa"), stuck=[2]) == (1, "deactivate")
-    assert next_step(UNCONFIGURED, levels("iia"), stuck=[2]) is None
-    assert next_step(UNCONFIGURED, levels("iii"), stuck=[2]) == (1, "cleanup")
+    assert next_instruction(UNCONFIGURED, levels("aaa"), stuck=[2]) == (1, "deactivate")
+    assert next_instruction(UNCONFIGURED, levels("iia"), stuck=[2]) is None
+    assert next_instruction(UNCONFIGURED, levels("iii"), stuck=[2]) == (1, "cleanup")
 
 
 @given(LEVELS, st.sampled_from(Level))
@@ -81,7 +81,7 @@ def test_each_step_leads_to_where_nothing_more_is_to_be_done(
 ) -> None:
     now = list(start)
     for _ in range(2 * 3 * len(now)):
-        step = next_step(goal, now)
+        step = next_instruction(goal, now)
         if step is None:
             break
         place, is_up = step.place, step.label in UP.values()
@@ -91,7 +91,7 @@ def test_each_step_leads_to_where_nothing_more_is_to_be_done(
         if step.label == "configure":
             assert all(level >= INACTIVE for level in now[:place])
         now[place] = Level(now[place] + (1 if is_up else -1))
-    assert next_step(goal, now) is None
+    assert next_instruction(goal, now) is None
     assert all(level <= highest(place, goal, now) for place, level in enumerate(now))
     if GONE not in start:
         assert now == [goal] * len(now)
@@ -110,7 +110,7 @@ def test_never_is_one_active_while_one_before_it_is_not_configured(data: st.Data
         elif event == "back" and now[place] is GONE:
             now[place] = UNCONFIGURED
         before = _wrong(now)
-        step = next_step(ACTIVE, now)
+        step = next_instruction(ACTIVE, now)
         if step is not None:
             delta = 1 if step.label in UP.values() else -1
             now[step.place] = Level(now[step.place] + delta)

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lifecycle_manager.commands import COMMANDS, judged
-from lifecycle_manager.member import LOOK, RESULTS, Member, state_text
+from lifecycle_manager.member import GET_STATE, RESULTS, Member, state_text
 from lifecycle_manager.plan import DOWN, Level
-from lifecycle_manager.system import FIRST_LOOK_S, System
+from lifecycle_manager.system import FIRST_QUERY_S, System
 
 TIMEOUT_S, WINDOW_S = 0.8, 10.0
 STARTUP, PAUSE, RESUME, RESET, SHUTDOWN, CONFIGURE, CLEANUP = range(7)
@@ -60,7 +60,7 @@ class World:
             self.now += TICK_S
             self._beat()
             self._answer()
-            self.system.look_around(TIMEOUT_S, WINDOW_S, self.now)
+            self.system.check_timeouts(TIMEOUT_S, WINDOW_S, self.now)
             self._ask()
             self._judge()
 
@@ -79,9 +79,9 @@ class World:
         self.fakes[place] = None
         self.asked.pop(place, None)
         if is_noticed and self.member(place).is_heard:
-            self.system.lose(self.member(place), "it has ended", self.now)
+            self.system.mark_lost(self.member(place), "it has ended", self.now)
         elif self.member(place).under_way:
-            self.system.end(self.member(place), 0, "hung up", self.now)
+            self.system.record_answer(self.member(place), 0, "hung up", self.now)
 
     def _beat(self) -> None:
         if self.now < self._beats_at:
@@ -89,8 +89,8 @@ class World:
         self._beats_at = self.now + BEAT_S
         for place, fake in enumerate(self.fakes):
             if fake is not None and not fake.is_stopped:
-                self.system.hear(self.member(place), self.now)
-                self.system.tell(self.member(place), fake.state, self.now)
+                self.system.record_heartbeat(self.member(place), self.now)
+                self.system.record_state(self.member(place), fake.state, self.now)
 
     def _answer(self) -> None:
         for place, (label, due) in list(self.asked.items()):
@@ -99,9 +99,9 @@ class World:
                 del self.asked[place]  # it was lost meanwhile
             elif fake is not None and not fake.is_stopped and due <= self.now:
                 del self.asked[place]
-                if label != LOOK and not self.fails(place, label):
+                if label != GET_STATE and not self.fails(place, label):
                     fake.make(label)
-                self.system.end(member, fake.state, "", self.now)
+                self.system.record_answer(member, fake.state, "", self.now)
 
     def _ask(self) -> None:
         member = self.system.ask_next(self.now)
@@ -110,8 +110,8 @@ class World:
             self.asked[place] = Asked(label, self.now + ANSWER_S)
             if self.fakes[place] is None:
                 del self.asked[place]
-                self.system.end(member, 0, "nobody offers it", self.now)
-            elif label != LOOK:
+                self.system.record_answer(member, 0, "nobody offers it", self.now)
+            elif label != GET_STATE:
                 self.steps.append(f"{place} {label}")
                 self._may(place, label)
             member = self.system.ask_next(self.now)
@@ -158,9 +158,9 @@ def test_up_in_order() -> None:
 def test_nothing_is_done_before_it_is_looked_what_there_is() -> None:
     world = World(2)
     world.fakes[1] = None
-    world.run(FIRST_LOOK_S - 0.1)
+    world.run(FIRST_QUERY_S - 0.1)
     assert (world.system.goal, world.steps, world.system.settle()) == (None, [], None)
-    assert world.system.summary == "/0 is unconfigured, /1 is not there"
+    assert world.system.summary == "/0 is unconfigured, /1 is absent"
     world.run(0.5)
     assert world.steps == ["0 configure"]
     world.fakes[1] = Fake()
@@ -180,7 +180,7 @@ def test_takes_over_what_it_finds(
     for fake, state in zip(world.fakes, states):
         assert fake is not None
         fake.state = state
-    world.run(FIRST_LOOK_S + 0.1)
+    world.run(FIRST_QUERY_S + 0.1)
     assert world.system.goal == (goal or (3 if autostart else 1))
     if goal and len(set(states)) == 1:
         assert not world.steps
@@ -222,7 +222,7 @@ def test_a_silence() -> None:
 def test_its_own_pauses_do_not_count() -> None:
     world = up()
     world.now += 5.0
-    world.system.look_around(TIMEOUT_S, WINDOW_S, world.now)
+    world.system.check_timeouts(TIMEOUT_S, WINDOW_S, world.now)
     assert world.system.problem == ""
     world.run(1.0)
     assert world.system.is_active and not world.steps
@@ -242,7 +242,7 @@ def test_who_does_not_come_back_has_the_others_stay_down() -> None:
     world.run(WINDOW_S - 0.2)
     assert world.system.goal is Level.ACTIVE
     world.run(0.5)
-    text = "/0 is not there for longer than 10 s: all others stay down until told"
+    text = "/0 has been absent for longer than 10 s: all others stay down until commanded"
     assert (world.system.goal, world.system.problem) == (Level.UNCONFIGURED, text)
     world.fakes[0] = Fake()
     world.run(5.0)
@@ -259,7 +259,7 @@ def test_a_loss_of_what_is_down_is_no_problem() -> None:
     world.kill(1)
     world.run(2 * WINDOW_S)
     assert world.system.problem == ""
-    assert world.system.summary == "/1 is not there"
+    assert world.system.summary == "/1 is absent"
 
 
 def test_one_that_is_finalized_has_to_be_started_anew() -> None:
@@ -278,14 +278,14 @@ def test_one_that_is_finalized_has_to_be_started_anew() -> None:
     world.run(1.0)
     assert world.steps[6:] == []  # it stays as it is
     result = world.command(STARTUP)
-    assert result is not None and result[1].startswith("/0 is finalized for longer than 10 s")
+    assert result is not None and result[1].startswith("/0 has been finalized for longer than 10 s")
 
 
 def test_what_fails_comes_down_in_order() -> None:
     world = World(3, False)
     world.run(1.0)
     world.fails = lambda place, label: (place, label) == (1, "activate")
-    text = "/1: activate has failed: it is inactive, and its log says why"
+    text = "/1: activate failed: it is inactive; its log says why"
     assert world.command(STARTUP) == (False, text)
     assert world.steps[3:] == [
         "0 activate",
@@ -304,7 +304,7 @@ def test_what_fails_comes_down_in_order() -> None:
 def test_one_that_does_not_come_down() -> None:
     world = up()
     world.fails = lambda place, label: (place, label) == (2, "deactivate")
-    text = "/2: deactivate has failed: it is active, and its log says why"
+    text = "/2: deactivate failed: it is active; its log says why"
     assert world.command(PAUSE) == (False, text)
     assert world.steps == ["2 deactivate", "1 deactivate", "0 deactivate"]
     # Those before it stay configured until it is inactive, by whatever way.
@@ -329,7 +329,7 @@ def test_one_that_is_busy_is_asked_again_and_again() -> None:
     fake = world.fakes[0]
     assert fake is not None
     fake.state = 10
-    world.run(FIRST_LOOK_S + 0.1)
+    world.run(FIRST_QUERY_S + 0.1)
     assert world.system.summary == "/0 is in the middle of a transition"
     world.system.command(STARTUP, world.now)
     world.run(1.0)
@@ -347,8 +347,8 @@ def test_a_transition_without_an_answer_has_failed() -> None:
         world.run(TICK_S)
     world.asked.clear()
     fake.state = 10
-    world.system.end(member, 10, "no answer within 5 s", world.now)
-    assert world.system.problem == "/0: configure has failed: no answer within 5 s"
+    world.system.record_answer(member, 10, "no answer within 5 s", world.now)
+    assert world.system.problem == "/0: configure failed: no answer within 5 s"
     fake.state = 2
     world.run(1.0)
     assert world.steps == ["0 configure", "0 cleanup"]
@@ -378,7 +378,9 @@ def test_commands() -> None:
             if meant in command.starts:
                 assert judged(number, meant) is command
             else:
-                with pytest.raises(ValueError, match=f"^{command.name} is refused: all are to be"):
+                with pytest.raises(
+                    ValueError, match=f"^{command.name} is refused while all are to be"
+                ):
                     judged(number, meant)
     with pytest.raises(ValueError, match="command: refused 7: must be one of 0 STARTUP, 1 PAUSE"):
         judged(7, Level.ACTIVE)
@@ -404,7 +406,7 @@ def test_states() -> None:
         (15, 0, True),
     ]
     assert [state_text(state) for state in (0, 3, 4, 10)] == [
-        "not there",
+        "absent",
         "active",
         "finalized",
         "in the middle of a transition",
@@ -417,7 +419,7 @@ def test_one_that_has_never_been_there_is_not_lost() -> None:
     world.system.command(STARTUP, world.now)
     world.run(5.0)
     assert world.system.problem == ""
-    assert world.system.summary == "/0 is inactive, /1 is not there"
+    assert world.system.summary == "/0 is inactive, /1 is absent"
 
 
 def test_one_whose_heart_beats_but_that_does_not_answer() -> None:
@@ -427,12 +429,12 @@ def test_one_whose_heart_beats_but_that_does_not_answer() -> None:
     for _ in range(60):
         world.now += 0.2
         for place, state in enumerate((0, 1)):
-            world.system.hear(world.member(place), world.now)
+            world.system.record_heartbeat(world.member(place), world.now)
             if world.member(place).under_way:
-                world.system.end(world.member(place), state, "", world.now)
-        world.system.look_around(TIMEOUT_S, WINDOW_S, world.now)
+                world.system.record_answer(world.member(place), state, "", world.now)
+        world.system.check_timeouts(TIMEOUT_S, WINDOW_S, world.now)
         world.system.ask_next(world.now)
-    assert world.system.problem.startswith("/0 is not there for longer than 10 s")
+    assert world.system.problem.startswith("/0 has been absent for longer than 10 s")
 
 
 EVENTS = st.tuples(

@@ -1,4 +1,4 @@
-"""Has a motor enabled by its service."""
+"""Has a motor enabled, by its service EnableProcess."""
 
 import time
 from typing import Optional
@@ -12,14 +12,14 @@ from nodekit import CallError, CallFuture, Node
 
 #: Pauses between calls that fail: the first one and the longest, s.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0
-#: How often it looks whether the motor is still connected, and whether to call, Hz.
-_LOOKS_HZ = 5.0
+#: How often it checks whether the motor is connected, and whether to call, Hz.
+_CHECK_HZ = 5.0
 #: Longest wait for the motor's answer, s.
 _ANSWER_S = 5.0
 
 
 class MotorEnabler:
-    """Calls EnableProcess as often as needed, and says once a second what it waits for.
+    """Calls EnableProcess until the motor is enabled; logs once a second what it waits for.
 
     :ROS Subscribers:
         - ``motor_state`` (std_msgs/String)
@@ -42,8 +42,8 @@ class MotorEnabler:
         self._subscription = node.subscribe(
             "motor_state", String, self._on_state, group=self._group
         )
-        node.every(_LOOKS_HZ, self._look, steady=True, group=self._group)
-        node.every(1.0, self._tell, steady=True, group=self._group)
+        node.every(_CHECK_HZ, self._check_connection, steady=True, group=self._group)
+        node.every(1.0, self._log_waiting, steady=True, group=self._group)
 
     @property
     def may_publish(self) -> bool:
@@ -60,7 +60,7 @@ class MotorEnabler:
         self._back_off.reset()
         self._call_if_wanted()
 
-    def _look(self, _elapsed: float) -> None:
+    def _check_connection(self, _elapsed: float) -> None:
         connected = self._subscription.get_num_connections() > 0
         if self._was_connected and not connected:
             self._sequence.lost()
@@ -88,6 +88,6 @@ class MotorEnabler:
         else:
             self._next_call = time.monotonic() + self._back_off.next()
 
-    def _tell(self, _elapsed: float) -> None:
+    def _log_waiting(self, _elapsed: float) -> None:
         if self._sequence.wants_call:
             rospy.loginfo("waiting for the motor: %s", self._waits_for)

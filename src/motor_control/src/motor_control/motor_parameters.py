@@ -12,13 +12,13 @@ class MotorParameters(ParameterSet):
         minimum=1e-4,
         maximum=1e3,
         unit="s",
-        help="how often the input is sampled and the speed published",
+        help="time between samples of the input and between speeds published",
     )
     sys_gain_K = FloatParameter(
         1.75, minimum=0.0, maximum=1e6, help="gain: steady speed for each unit of input"
     )
     sys_tau_T = FloatParameter(
-        0.5, above=0.0, maximum=1e6, unit="s", help="time constant: 63 % of a step pass in it"
+        0.5, above=0.0, maximum=1e6, unit="s", help="time constant: time for 63 % of a step"
     )
     initial_conditions = FloatParameter(
         0.0,

@@ -16,4 +16,4 @@ class RobotParameters(ParameterSet):
     )
     safety_mode = BoolParameter(True, help="whether the robot keeps to max_velocity")
     sensor_topics = _topics("topics that its sensors publish")
-    control_topics = _topics("topics that its motors hear")
+    control_topics = _topics("topics that its motors subscribe to")

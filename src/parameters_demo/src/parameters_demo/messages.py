@@ -44,7 +44,7 @@ def laser_scan(header: Header, scanner: Scanner, ranges: numpy.ndarray, period: 
     :param header: that moment, and the lidar's frame
     :param scanner: how the lidar looks
     :param ranges: what :func:`.room.scan` returns for it, m
-    :param period: time from one scan to the next, s
+    :param period: time between scans, s
     """
     return LaserScan(
         header=header,

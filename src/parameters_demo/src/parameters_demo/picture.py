@@ -16,7 +16,7 @@ WIDTH, HEIGHT = 640, 480
 _BARS = (0xC0C0C0, 0xC0C000, 0x00C0C0, 0x00C000, 0xC000C0, 0xC00000, 0x0000C0, 0x000000)
 _BARS_END, _RAMP_END = 280, 320  # rows
 _RING = 0x60
-_LEFT = 24  # column at which texts begin
+_LEFT = 24  # column at which texts start
 _NAME_ROW, _NUMBER_ROW, _TIME_ROW = 338, 396, 434
 _MOST_LETTERS = 19  # of a name: the dial is beside it
 _DIAL_X, _DIAL_Y, _DIAL_RADIUS = 560, 400, 64
@@ -45,7 +45,7 @@ class Picture:
 
         :param number: of the frame
         :param time: that time, s
-        :returns: rgb8, row by row; the same bytes each time, drawn anew
+        :returns: rgb8, row by row; the same bytes each time, drawn again
         """
         self._pixels[:] = self._card
         _write(self._pixels, _NUMBER_ROW, f"FRAME {number}", 3)

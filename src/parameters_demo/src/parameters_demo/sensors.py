@@ -1,4 +1,4 @@
-"""The sensors: what each publishes, and what can be told of a message in a few words."""
+"""The sensors: what each publishes, and how its messages are summarized."""
 
 from typing import Any, Callable, Dict, NamedTuple
 
@@ -9,7 +9,7 @@ from parameters_demo_msgs.msg import RadarTracks
 
 
 def of_image(image: Image) -> str:
-    """Tell how bright a picture is.
+    """Say how bright a picture is.
 
     :param image: of any encoding with a byte for each value
     """
@@ -18,7 +18,7 @@ def of_image(image: Image) -> str:
 
 
 def of_scan(scan: LaserScan) -> str:
-    """Tell how far away the nearest thing in range is.
+    """Say how far away the nearest thing in range is.
 
     :param scan: any
     """
@@ -28,7 +28,7 @@ def of_scan(scan: LaserScan) -> str:
 
 
 def of_tracks(tracks: RadarTracks) -> str:
-    """Tell how many returns there are, and who will be here first.
+    """Say how many returns there are, and when the first of them will be here.
 
     :param tracks: any
     """
@@ -39,11 +39,11 @@ def of_tracks(tracks: RadarTracks) -> str:
 
 
 class Sensor(NamedTuple):
-    """What a sensor publishes, and a function that tells of a message."""
+    """What a sensor publishes, and a function that summarizes a message."""
 
     topic: str
     message: type
-    tell: Callable[[Any], str]
+    summarize: Callable[[Any], str]
 
 
 SENSORS: Dict[str, Sensor] = {

@@ -90,9 +90,9 @@ class Stamps:
 
     def __init__(self, topic: str) -> None:
         self._stamps: Deque[float] = collections.deque(maxlen=6)
-        self.subscriber = rospy.Subscriber(topic, Image, self._take)
+        self.subscriber = rospy.Subscriber(topic, Image, self._on_image)
 
-    def _take(self, image: Image) -> None:
+    def _on_image(self, image: Image) -> None:
         self._stamps.append(image.header.stamp.to_sec())
 
     def rate(self) -> float:

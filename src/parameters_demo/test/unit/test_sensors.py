@@ -40,7 +40,7 @@ def test_who_will_be_here_first_is_not_who_is_nearest() -> None:
 
 def test_each_sensor_can_be_told_of() -> None:
     for sensor in SENSORS.values():
-        assert sensor.tell(sensor.message())
+        assert sensor.summarize(sensor.message())
 
 
 def test_an_image_can_be_sent_without_a_copy() -> None:

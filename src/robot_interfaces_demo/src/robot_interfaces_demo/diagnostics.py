@@ -12,7 +12,7 @@ from robot_interfaces_demo.monitoring.robot import Finding
 def as_message(node: str, findings: Sequence[Finding]) -> DiagnosticArray:
     """Return findings as a message.
 
-    :param node: name of the node that has found them
+    :param node: name of the monitor
     :param findings: a status each, named ``NODE: NAME``, and that of the fleet ``NODE``
     """
     prefix = node.lstrip("/")

@@ -1,4 +1,4 @@
-"""A robot that drains its battery, warms up and passes obstacles, and what may be wrong with it."""
+"""A robot that drains its battery, warms up and passes obstacles, and its faults."""
 
 import math
 from typing import Callable, Dict, List, NamedTuple
@@ -15,7 +15,7 @@ _DISTANCE_M, _SWING_M, _TURN = 2.0, 1.5, 40
 
 
 class Status(NamedTuple):
-    """What a robot tells.
+    """What a robot publishes.
 
     :param mode: number of its mode
     :param readings: battery, V; temperature, degC; nearest obstacle, m
@@ -34,7 +34,7 @@ class RobotModel:
         self._battery_v, self._temperature_c = 12.5, 25.0
 
     def step(self, messages_per_mode: int) -> Status:
-        """Return what it tells next.
+        """Return its next status.
 
         :param messages_per_mode: after how many messages it goes on to the next mode
         """
@@ -62,7 +62,7 @@ def _with_reading(index: int, value: float) -> Callable[[Status], Status]:
     return change
 
 
-#: What may be wrong with what a robot tells, and what it tells then.
+#: The faults of a robot, and what it publishes then.
 FAULTS: Dict[str, Callable[[Status], Status]] = {
     "none": lambda status: status,
     "low_battery": _with_reading(0, 10.5),

@@ -93,15 +93,15 @@ class Monitors(unittest.TestCase):
         robot = self.robot("three", "_robot_name:=three", "_period:=0.2")
         self.wait_for_line("three", "OK", "present")
         robot.popen.send_signal(signal.SIGKILL)
-        self.monitor.wait_for_log("[WARN]", "three: stale, nothing heard for")
-        self.monitor.wait_for_log("[ERROR]", "three: lost, nothing heard for")
+        self.monitor.wait_for_log("[WARN]", "three: stale, no message for")
+        self.monitor.wait_for_log("[ERROR]", "three: lost, no message for")
         self.wait_for_line("three", "ERROR", "lost")
         self.robot("again", "_robot_name:=three", "_period:=0.2")
         self.monitor.wait_for_log("[WARN]", "three: returning")
         self.wait_for_line("three", "OK", "present")
 
     def test_expected_robot_is_told_of_and_the_list_is_live(self) -> None:
-        self.monitor.wait_for_log("[ERROR]", "ghost: never seen, nothing heard for")
+        self.monitor.wait_for_log("[ERROR]", "ghost: never seen, no message for")
         self.wait_for_line("ghost", "ERROR", "never seen")
         self.assertFalse(report().success)
         rospy.set_param(f"{MONITOR}/expected", ["one"])
@@ -121,7 +121,7 @@ class Monitors(unittest.TestCase):
 
     def test_defects_are_told_once_and_shown_each_time(self) -> None:
         for fault, text in (
-            ("short", "one: readings are missing: 1 of 3 have come"),
+            ("short", "one: readings are missing: 1 of 3 received"),
             ("not_finite", "one: a reading is not finite: temperature nan"),
             ("unknown_mode", "one: unknown mode 99"),
         ):
@@ -136,7 +136,7 @@ class Monitors(unittest.TestCase):
             self.wait_for_line("one", "WARN", "battery is low: 10.50 V")
             rospy.set_param("/one/fault", "none")
             self.wait_for_line("one", "OK")
-        self.wait_for_count(2, "one: no longer: battery is low")
+        self.wait_for_count(2, "one: cleared: battery is low")
         for text in ("missing", "not finite", "unknown mode"):
             self.assertEqual(len(self.monitor.logged("one: ", text)), 1, text)
 

@@ -11,7 +11,7 @@ from robot_interfaces_demo.monitoring.awake_clock import AwakeClock
 
 def read(*times: Tuple[float, float]) -> AwakeClock:
     """Return a clock that was read at moments of ROS's and of the machine's time."""
-    clock = AwakeClock(look_s=0.5)
+    clock = AwakeClock(interval_s=0.5)
     for now, machine in times:
         clock.read(now, machine)
     return clock
@@ -49,7 +49,7 @@ def test_it_tells_for_how_long_the_clock_stands_still() -> None:
 
 @given(st.lists(st.tuples(st.floats(-1e9, 1e9), st.floats(0.0, 1e4)), min_size=1))
 def test_it_never_goes_back_nor_further_than_a_jump(steps: List[Tuple[float, float]]) -> None:
-    clock, machine, before = AwakeClock(look_s=0.5), 0.0, 0.0
+    clock, machine, before = AwakeClock(interval_s=0.5), 0.0, 0.0
     for now, step in steps:
         machine += step
         time = clock.read(now, machine)

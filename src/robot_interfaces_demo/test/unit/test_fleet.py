@@ -26,18 +26,18 @@ class Rig:
     def set(self, **settings: Any) -> None:
         self.fleet.set(FleetMonitorParameters(**settings), self.now)
 
-    def hear(
+    def send(
         self, name: str, mode: int = 0, readings: Sequence[float] = FINE, publisher: str = ""
     ) -> None:
-        self.fleet.hear(name, publisher or f"/{name}", mode, readings, self.now)
+        self.fleet.add_message(name, publisher or f"/{name}", mode, readings, self.now)
 
     def run(self, seconds: float, *names: str, **options: Any) -> List[str]:
         """Let time pass, with a message of each robot each second; return what was told."""
         for _ in range(round(seconds)):
             self.now += 1.0
             for name in names:
-                self.hear(name, **options)
-            self.fleet.look(self.now)
+                self.send(name, **options)
+            self.fleet.check_ages(self.now)
         return self.told()
 
     def told(self) -> List[str]:
@@ -55,14 +55,14 @@ class Rig:
 
 def test_robots_are_found_and_grow_stale_then_lost_then_come_back() -> None:
     rig = Rig()
-    assert rig.message() == (Level.WARN, "no robot was heard")
+    assert rig.message() == (Level.WARN, "no message from any robot")
     assert rig.run(10, "a", "b") == ["OK a: present", "OK b: present"]
     assert rig.message() == (Level.OK, "2 robots, nothing wrong")
     assert rig.run(3, "a") == []
-    assert rig.run(1, "a") == ["WARN b: stale, nothing heard for 4.0 s"]
+    assert rig.run(1, "a") == ["WARN b: stale, no message for 4.0 s"]
     assert rig.message() == (Level.WARN, "2 robots, 1 wrong: b")
     assert rig.run(6, "a") == []
-    assert rig.run(1, "a") == ["ERROR b: lost, nothing heard for 11.0 s"]
+    assert rig.run(1, "a") == ["ERROR b: lost, no message for 11.0 s"]
     assert rig.message("b") == (Level.ERROR, "lost")
     assert rig.message() == (Level.ERROR, "2 robots, 1 wrong: b")
     assert rig.run(3, "a", "b") == ["WARN b: returning"]
@@ -75,14 +75,14 @@ def test_a_period_that_is_given_is_taken_for_all() -> None:
     rig = Rig(period=5.0)
     rig.run(10, "a")
     assert rig.run(15) == []
-    assert rig.run(1) == ["WARN a: stale, nothing heard for 16.0 s"]
+    assert rig.run(1) == ["WARN a: stale, no message for 16.0 s"]
 
 
 def test_who_is_expected_is_told_of_though_never_seen() -> None:
     rig = Rig(expected=["a", "b"], longest_period=2.0)
     assert rig.message() == (Level.WARN, "2 robots, 2 wrong: a, b")
     assert rig.run(6, "a") == ["OK a: present"]
-    assert rig.run(1, "a") == ["ERROR b: never seen, nothing heard for 7.0 s"]
+    assert rig.run(1, "a") == ["ERROR b: never seen, no message for 7.0 s"]
     assert rig.message("b") == (Level.ERROR, "never seen")
     assert "mode" not in rig.findings()["b"].values
     rig.set(expected=["a", "c"])  # while it runs
@@ -93,7 +93,7 @@ def test_who_is_expected_is_told_of_though_never_seen() -> None:
 
 def test_one_message_is_enough_to_be_seen() -> None:
     rig = Rig(expected=["a", "b"])
-    rig.hear("a")
+    rig.send("a")
     assert rig.findings()["a"].values["messages"] == "1"
     rig.set()
     assert set(rig.findings()) == {"", "a"}
@@ -112,7 +112,7 @@ def test_two_publishers_under_one_name_are_an_error_until_one_is_alone() -> None
 
 def test_who_published_is_remembered_for_as_many_periods_as_is_lost() -> None:
     rig = Rig(period=2.0)
-    rig.hear("a")
+    rig.send("a")
     rig.run(15, "a", publisher="/x")
     assert rig.message("a")[0] is Level.OK
     rig.run(1, "a")  # /a was heard 16 s before
@@ -127,15 +127,15 @@ def test_two_publishers_are_told_once_with_their_names() -> None:
     rig = Rig()
     for _ in range(5):
         rig.run(1, "a")
-        rig.hear("a", publisher="/x")
+        rig.send("a", publisher="/x")
     text = "ERROR a: several nodes publish under this name: /a, /x"
-    rig.hear("a")
+    rig.send("a")
     assert rig.told() == []
     rig = Rig()
-    rig.hear("a")
-    rig.hear("a", publisher="/x")
-    rig.hear("a")
-    rig.hear("a", publisher="/x")
+    rig.send("a")
+    rig.send("a", publisher="/x")
+    rig.send("a")
+    rig.send("a", publisher="/x")
     assert rig.told() == ["OK a: present", text]
 
 
@@ -143,7 +143,7 @@ def test_two_publishers_are_told_once_with_their_names() -> None:
     "mode, readings, text",
     [
         (9, FINE, "unknown mode 9"),
-        (0, (12.0,), "readings are missing: 1 of 3 have come"),
+        (0, (12.0,), "readings are missing: 1 of 3 received"),
         (0, (12.0, math.nan, 1.0), "a reading is not finite: temperature nan"),
         (0, (12.0, 25.0, -math.inf), "a reading is not finite: obstacle -inf"),
     ],
@@ -155,9 +155,9 @@ def test_a_defect_is_told_once_for_each_robot_and_shown_while_it_lasts(
     rig.run(3, "a", "b")
     for _ in range(3):
         rig.run(1, "a", "b")
-        rig.hear("a", mode, readings)
+        rig.send("a", mode, readings)
     assert rig.message("a") == (Level.WARN, text)
-    rig.hear("b", mode, readings)
+    rig.send("b", mode, readings)
     assert rig.told() == [f"WARN b: {text}"]
     assert rig.run(1, "a", "b") == []
     assert rig.message() == (Level.OK, "2 robots, nothing wrong")
@@ -166,8 +166,8 @@ def test_a_defect_is_told_once_for_each_robot_and_shown_while_it_lasts(
 def test_a_defect_is_told_at_all() -> None:
     rig = Rig()
     for _ in range(3):
-        rig.hear("a", 9)
-        rig.hear("a")
+        rig.send("a", 9)
+        rig.send("a")
     assert rig.told() == ["OK a: present", "WARN a: unknown mode 9"]
 
 
@@ -175,15 +175,15 @@ def test_a_warning_is_told_when_it_begins_and_when_it_ends() -> None:
     rig = Rig()
     rig.run(1, "a")
     for _ in range(2):
-        rig.hear("a", 0, (10.5, 25.0, 1.0))
-        rig.hear("a", 0, (10.5, 25.0, 1.0))
+        rig.send("a", 0, (10.5, 25.0, 1.0))
+        rig.send("a", 0, (10.5, 25.0, 1.0))
         assert rig.message("a") == (Level.WARN, "battery is low: 10.50 V")
-        rig.hear("a")
+        rig.send("a")
         assert rig.told() == [
             "WARN a: battery is low: 10.50 V",
-            "OK a: no longer: battery is low",
+            "OK a: cleared: battery is low",
         ]
-    rig.hear("a", 4, (12.0, 50.0, 0.1))
+    rig.send("a", 4, (12.0, 50.0, 0.1))
     error = "error mode, too hot: 50.00 °C, obstacle is near: 0.10 m"
     assert rig.message("a") == (Level.ERROR, error)
 
@@ -192,7 +192,7 @@ def test_a_limit_may_be_changed_while_it_runs() -> None:
     rig = Rig()
     rig.run(1, "a")
     rig.set(battery_low=12.5)
-    rig.hear("a")
+    rig.send("a")
     assert rig.message("a") == (Level.WARN, "battery is low: 12.00 V")
 
 
@@ -200,25 +200,25 @@ def test_more_robots_than_allowed_are_left_out_and_that_is_told_once() -> None:
     rig = Rig(max_robots=2, expected=["late"])
     rig.now = 1000.0
     for name in ("a", "b", "c", "d", "late"):
-        rig.hear(name)
+        rig.send(name)
     told = rig.told()
     assert told[2:] == [
-        "WARN 'c' and others are left out: max_robots is 2",
+        "WARN 'c' and others are ignored: max_robots is 2",
         "OK late: present",
     ]
     assert set(rig.findings()) == {"", "a", "b", "late"}
-    text = "3 robots, nothing wrong; messages left out: 2, as max_robots is 2"
+    text = "3 robots, nothing wrong; messages ignored: 2, as max_robots is 2"
     assert rig.message() == (Level.WARN, text)
     rig.run(60, "a", "late")
-    assert rig.message()[1].endswith("left out: 2, as max_robots is 2")
+    assert rig.message()[1].endswith("ignored: 2, as max_robots is 2")
     rig.run(1, "a", "late")
     assert "left out" not in rig.message()[1]
     rig.run(40, "a", "late")
     assert rig.message() == (Level.ERROR, "3 robots, 1 wrong: b")  # as nobody was left out since
-    rig.hear("c")  # b is lost, and gives way
+    rig.send("c")  # b is lost, and gives way
     assert set(rig.findings()) == {"", "a", "c", "late"}
-    rig.hear("d")
-    assert rig.told()[-1] == "WARN 'd' and others are left out: max_robots is 2"
+    rig.send("d")
+    assert rig.told()[-1] == "WARN 'd' and others are ignored: max_robots is 2"
 
 
 def test_who_was_lost_for_long_is_forgotten_unless_expected() -> None:
@@ -236,10 +236,10 @@ def test_who_was_lost_for_long_is_forgotten_unless_expected() -> None:
 @pytest.mark.parametrize("name", ["", " a", "a\n", "x" * 65, "a\x1b[31m", "\ud800"])
 def test_a_name_that_is_none_is_left_out_and_that_is_told_once(name: str) -> None:
     rig = Rig()
-    rig.hear(name)
-    rig.hear(name)
+    rig.send(name)
+    rig.send(name)
     (line,) = rig.told()
-    assert line.endswith("left out: a name is not 1 to 64 printable characters")
+    assert line.endswith("ignored: a name must be 1 to 64 printable characters")
     assert line.isprintable()
     assert set(rig.findings()) == {""}
     with pytest.raises(ParameterError, match="printable|without control characters"):
@@ -250,9 +250,9 @@ def test_a_name_that_is_none_is_left_out_and_that_is_told_once(name: str) -> Non
 def test_memory_is_bounded_whatever_the_names_are(heard: List[Tuple[str, int]]) -> None:
     rig = Rig(max_robots=5, expected=["a"], period=1.0, forget_after=20.0)
     for name, seconds in heard:
-        rig.hear(name, 7, [math.nan] * 1000, publisher=f"/{seconds}")
+        rig.send(name, 7, [math.nan] * 1000, publisher=f"/{seconds}")
         rig.now += seconds
-        rig.fleet.look(rig.now)
+        rig.fleet.check_ages(rig.now)
         assert len(rig.findings()) <= 1 + 5 + 1
     assert len(rig.told()) <= MOST_NOTES + 1
     assert rig.told() == []
@@ -261,7 +261,7 @@ def test_memory_is_bounded_whatever_the_names_are(heard: List[Tuple[str, int]]) 
 def test_of_many_lines_the_first_are_told_and_the_rest_counted() -> None:
     rig = Rig()
     for number in range(25):
-        rig.hear(f"robot_{number:02d}")
+        rig.send(f"robot_{number:02d}")
     told = rig.told()
     assert told[:2] == ["OK robot_00: present", "OK robot_01: present"]
     assert told[10:] == ["WARN ... and 15 more; ~report has all"]
@@ -280,7 +280,7 @@ def test_a_clock_that_stands_still_is_told() -> None:
     rig.fleet.still_s = 5.0
     assert rig.message() == (Level.OK, "1 robot, nothing wrong")
     rig.fleet.still_s = 5.1
-    text = "1 robot, nothing wrong; simulated time stands still, so nobody grows stale"
+    text = "1 robot, nothing wrong; simulated time stands still, so no robot becomes stale"
     assert rig.message() == (Level.WARN, text)
 
 
@@ -294,7 +294,7 @@ def test_the_table_has_a_line_for_each_robot_and_one_for_the_fleet() -> None:
     assert lines[1].endswith("  moving  12.00 V  25.00 °C     1.00 m    present")
     assert lines[2].startswith("b      ERROR  never seen  4.0 s  -       -       -        -  ")
     assert lines[3:] == ["ERROR: 2 robots, 1 wrong: b"]
-    assert as_table(Rig().fleet.findings(0.0)) == "WARN: no robot was heard"
+    assert as_table(Rig().fleet.findings(0.0)) == "WARN: no message from any robot"
 
 
 def test_stale_is_never_later_than_lost() -> None:

@@ -17,10 +17,10 @@ JITTER = st.lists(st.floats(-0.1, 0.1), min_size=9, max_size=20)
 def learnt(*intervals: float) -> PeriodLearner:
     """Return what was learnt from arrivals."""
     learner, now = PeriodLearner(), 100.0
-    learner.note(now, LONGEST_S)
+    learner.add_arrival(now, LONGEST_S)
     for interval in intervals:
         now += interval
-        learner.note(now, LONGEST_S)
+        learner.add_arrival(now, LONGEST_S)
     return learner
 
 

@@ -17,12 +17,12 @@ GAPS = st.lists(st.sampled_from([0.0, 1.0, 2.5, 3.0, 3.5, 9.0, 10.0, 10.5, 40.0]
 def after(gaps: List[float], looks_per_gap: int = 0) -> Attendance:
     """Return a robot that was heard once, and again after each gap."""
     attendance, now = Attendance(Presence.AWAITED, 0.0), 0.0
-    attendance.hear(now, STALE_S, LOST_S)
+    attendance.add_message(now, STALE_S, LOST_S)
     for gap in gaps:
         for number in range(looks_per_gap):
-            attendance.look(now + gap * number / looks_per_gap, STALE_S, LOST_S)
+            attendance.check_age(now + gap * number / looks_per_gap, STALE_S, LOST_S)
         now += gap
-        attendance.hear(now, STALE_S, LOST_S)
+        attendance.add_message(now, STALE_S, LOST_S)
     return attendance
 
 
@@ -37,7 +37,7 @@ def test_it_is_stale_then_lost_by_the_age_of_its_last_message(gaps: List[float])
         (10.0, Presence.STALE),
         (10.1, Presence.LOST),
     ):
-        attendance.look(now + age, STALE_S, LOST_S)
+        attendance.check_age(now + age, STALE_S, LOST_S)
         assert attendance.state is state
         assert attendance.age(now + age) == pytest.approx(age)
 
@@ -59,19 +59,19 @@ def test_how_often_it_is_looked_at_makes_no_difference(gaps: List[float], looks:
     assert often.state is seldom.state
     for age in (1.0, 4.0, 11.0):
         for attendance in (often, seldom):
-            attendance.look(sum(gaps) + age, STALE_S, LOST_S)
+            attendance.check_age(sum(gaps) + age, STALE_S, LOST_S)
         assert often.state is seldom.state
 
 
 def test_who_is_awaited_is_never_seen_after_a_while_and_present_once_heard() -> None:
     attendance = Attendance(Presence.AWAITED, 5.0)
-    attendance.look(8.0, STALE_S, LOST_S)
+    attendance.check_age(8.0, STALE_S, LOST_S)
     assert attendance.state is Presence.AWAITED
-    attendance.look(8.5, STALE_S, LOST_S)
+    attendance.check_age(8.5, STALE_S, LOST_S)
     assert attendance.state is Presence.NEVER_SEEN
-    attendance.look(100.0, STALE_S, LOST_S)
+    attendance.check_age(100.0, STALE_S, LOST_S)
     assert attendance.state is Presence.NEVER_SEEN
-    attendance.hear(101.0, STALE_S, LOST_S)
+    attendance.add_message(101.0, STALE_S, LOST_S)
     assert attendance.state is Presence.PRESENT
 
 

@@ -14,7 +14,7 @@ def heard(publishers: str, step: float = 1.0) -> Publishers:
     """Return what was heard from publishers of one letter each, at equal intervals."""
     known = Publishers()
     for number, publisher in enumerate(publishers):
-        known.note(publisher, number * step, MEMORY_S)
+        known.add_message(publisher, number * step, MEMORY_S)
     return known
 
 
@@ -35,11 +35,11 @@ def test_who_is_alone_again_has_no_rival() -> None:
     known = heard("aba")  # b was heard at 1 s
     known.forget(1.0 + MEMORY_S, MEMORY_S)
     assert known.has_rivals
-    known.note("a", 11.5, MEMORY_S)
+    known.add_message("a", 11.5, MEMORY_S)
     known.forget(11.5, MEMORY_S)
     assert not known.has_rivals
     assert known.names() == ["a"]
-    known.note("b", 12.0, MEMORY_S)
+    known.add_message("b", 12.0, MEMORY_S)
     assert not known.has_rivals
 
 
@@ -58,7 +58,7 @@ def test_eight_may_follow_each_other_and_the_ninth_is_a_rival() -> None:
 def test_few_are_remembered_and_many_are_rivals(publishers: List[int]) -> None:
     known = Publishers()
     for publisher in publishers:
-        known.note(str(publisher), 0.0, MEMORY_S)
+        known.add_message(str(publisher), 0.0, MEMORY_S)
     assert len(known.names()) <= 8
     assert known.has_rivals or len(set(publishers)) <= 8
     if publishers:

@@ -22,7 +22,7 @@ from nodekit import LARGEST_FLOAT32
 class Conditioner:
     """Turn samples of a signal into samples of the conditioned signal.
 
-    A sample with neither amplitude nor frequency is none of a signal: a generator that is stopped
+    A sample with neither amplitude nor frequency does not belong to a signal: a stopped generator
     sends it. Such a value passes without a shift, and the phase is kept until the signal goes on.
 
     Settings act on the output alone, and both methods follow every sample: a change of settings
@@ -38,7 +38,7 @@ class Conditioner:
 
     @property
     def restarts(self) -> int:
-        """How often time_x repeated itself or ran backwards, which starts the phase anew."""
+        """How often time_x repeated itself or ran backwards, which restarts the tracking."""
         return self._tracker.restarts
 
     def process(

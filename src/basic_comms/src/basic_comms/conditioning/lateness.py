@@ -1,8 +1,8 @@
-"""Recognise samples that come late, though they carry no date: only a time of their own.
+"""Recognise samples that come late, though they carry no stamp, only a time of their own.
 
 A sample says how far its signal had run when it was made. The lag, the receiver's clock minus that
-time, is a constant whose value means nothing, but samples that a broken link has held back come
-with more of it: by as much as they are late. After them it falls back to what it was.
+time, is a constant whose value means nothing. Samples that a broken link has held back have a
+larger one, by as much as they are late; after them it falls back.
 """
 
 import math
@@ -18,11 +18,11 @@ class LatenessMonitor:
     """Watches a stream of samples for late ones.
 
     The lag may change slowly, as when a bag is played at half its speed; it is compared with that
-    of the samples just before. A signal whose time stands still or begins anew starts a new lag.
+    of the samples just before. A signal whose time stands still or restarts has a new lag.
 
     A simulated clock may jump, and the signal's time with it. What the signal says of the jump may
     come before what the clock says: then the lag falls, and soon rises to just what it was before.
-    That is no lateness either.
+    That is not lateness either.
     """
 
     def __init__(self) -> None:
@@ -42,13 +42,13 @@ class LatenessMonitor:
         """Take in samples that came together.
 
         :param now: when they came, on a clock that runs as the signal does, s; 0 is what a
-            simulated clock says until it is heard
+            simulated clock says until its first message
         :param samples: the samples, the oldest first; each has its time in s as ``time_x``
         :returns: whether samples have begun or ceased to be late
         """
         first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
-            return False  # none of a signal
+            return False  # not a signal
         if now == 0.0:
             return False  # a simulated clock that has not told its time yet: no lag to go by
         lateness = now - first - self._lag if first > self._time else 0.0

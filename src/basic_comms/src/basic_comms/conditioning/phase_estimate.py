@@ -31,8 +31,8 @@ _NARROW = 1e-4
 LEAST_TOLERANCE = 0.5 * _NARROW**2
 # A phase that samples contradict is still tried on later ones up to this half width (rad).
 _FORGET = 1e-3
-# Pull towards an input that is no exact sine, per rad of advance: a phase-locked loop that settles
-# within a few periods.
+# Pull towards an input that is not an exact sine, per rad of advance: a phase-locked loop that
+# settles within a few periods.
 _PULL = 0.2
 # A larger phase (rad) is known to no part of a turn.
 _LARGEST_PHASE = 1e15
@@ -42,7 +42,7 @@ class PhaseEstimate:
     """What is known of the phase of a unit sine.
 
     Each sample goes to :meth:`follow` and, if that gives None, to :meth:`search`. An input that is
-    no unit sine leaves the phase on its course for one period and pulls it gently from then on.
+    not a unit sine leaves the phase on its course for one period and pulls it gently from then on.
     """
 
     __slots__ = ("phase", "_half", "_open", "_contradicted")
@@ -151,7 +151,7 @@ class PhaseEstimate:
     def _go_on_against(
         self, predicted: List[Interval], measured: List[Interval], value: float, angle: float
     ) -> None:
-        """Go on after an outlier, a jump, or in an input that is no such sine."""
+        """Go on after an outlier, a jump, or in an input that is not such a sine."""
         # The old course and a fresh start are tried side by side.
         self._open = [course for course in predicted[:1] if course[1] < _FORGET] + measured
         self._half = math.inf

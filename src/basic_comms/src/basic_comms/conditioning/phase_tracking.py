@@ -25,8 +25,9 @@ class PhaseTracker:
     """Follow the phase of amplitude * sin(phase) through samples as they come over the wire.
 
     All arguments must be finite. With zero amplitude or frequency the phase keeps its course. An
-    input that is no sine of the stated amplitude and frequency leaves the phase on its course for
-    one period and pulls it gently from then on. A sine that jumps is found from two new samples.
+    input that is not a sine of the stated amplitude and frequency leaves the phase on its course
+    for one period and pulls it gently from then on. A sine that jumps is found from two new
+    samples.
     If the advance by the latest frequency is contradicted, the mean frequency of the latest two
     samples is tried, which is that of a sweep.
     """
@@ -34,7 +35,7 @@ class PhaseTracker:
     __slots__ = ("restarts", "_time", "_frequency", "_sweeps", "_estimate")
 
     def __init__(self) -> None:
-        #: How often time_x repeated itself or ran backwards, which starts the tracking anew.
+        #: How often time_x repeated itself or ran backwards, which restarts the tracking.
         self.restarts = 0
         # Of the previous sample, s and rad/s. Before the first it is so long ago that nothing
         # follows from it.
@@ -80,7 +81,7 @@ class PhaseTracker:
                 advance += further
                 slack += _SWEEP_ROUGHNESS * abs(further)
                 further = -further
-        if not slack < _LOST:  # it may be no number
+        if not slack < _LOST:  # it may be NaN
             # Nothing is known from earlier samples. A generator left alone obeys phase = w t.
             self._estimate.start(frequency * time_x)
             advance = slack = further = 0.0

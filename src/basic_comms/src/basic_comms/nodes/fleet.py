@@ -27,9 +27,9 @@ _SWITCH_INTERVAL_S = 0.0005
 class FleetParameters(ParameterSet):
     """Private parameters of the fleet."""
 
-    count = read_once(IntParameter(2, minimum=0, maximum=5000, help="how many groups there are"))
+    count = read_once(IntParameter(2, minimum=0, maximum=5000, help="number of groups"))
     prefix = read_once(
-        StringParameter("Group", help="what the groups' names start with, before 1, 2, ...")
+        StringParameter("Group", help="prefix of the groups' names, before 1, 2, ...")
     )
 
     @rule("prefix")
@@ -40,11 +40,11 @@ class FleetParameters(ParameterSet):
 
 
 class Fleet:
-    """Hosts groups that look like as many pairs of separate nodes.
+    """Hosts groups that look like pairs of separate nodes.
 
     Each group ``<prefix>1`` ... ``<prefix>N`` holds what the nodes
     ``signal_generator`` and ``process`` would hold there: topics, parameters,
-    services. A member whose parameters are refused stays down alone.
+    services. A member whose parameters are refused does not run; the others do.
 
     :ROS Parameters:
         - those of :class:`FleetParameters`, private
@@ -55,7 +55,7 @@ class Fleet:
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
         settings = node.parameters(FleetParameters).values
         groups = [f"{settings.prefix}{number}" for number in range(1, settings.count + 1)]
-        # The process first, so that it hears the generator's first sample.
+        # The process first, so that it receives the generator's first sample.
         members = host_all(
             node,
             [
@@ -64,7 +64,7 @@ class Fleet:
                 for name, member in (("process", Process), ("signal_generator", SignalGenerator))
             ],
         )
-        rospy.loginfo("%d members of %d groups run", len(members), len(groups))
+        rospy.loginfo("%d members in %d groups are running", len(members), len(groups))
 
 
 def main() -> None:

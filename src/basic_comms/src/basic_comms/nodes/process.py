@@ -14,7 +14,7 @@ from nodekit import Node, run
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
-#: Whoever subscribes so soon after an answer gets it, as nodes start one after the other, s.
+#: A subscriber that comes so soon after an answer still gets it: nodes start one by one, s.
 _LIFESPAN_S = 0.1
 
 
@@ -74,7 +74,7 @@ class Process:
         rospy.logwarn_throttle(
             _WARN_EVERY_S,
             f"{self._input}: time_x went back or repeated itself (now {time_x:g} s): "
-            "the phase starts anew",
+            "searching for the phase again",
         )
 
     def _warn_of_lateness(self) -> None:

@@ -27,7 +27,7 @@ _LIFESPAN_S = 0.1
 
 
 class SignalGenerator:
-    """Publishes a signal sample by sample; by default y = amplitude sin(frequency time_x).
+    """Publishes a signal, sample by sample; by default y = amplitude sin(frequency time_x).
 
     Each sample carries its own time: it belongs to the moment it was due, n / rate after the first
     one, and not to the slightly later one at which it went out. A change of a parameter takes
@@ -40,7 +40,7 @@ class SignalGenerator:
           signal's time in s
 
     :ROS Services:
-        - ``~enable`` (std_srvs/SetBool): stop the signal, or let it go on where it was
+        - ``~enable`` (std_srvs/SetBool): stop the signal, or continue it where it was
         - ``~reset`` (std_srvs/Trigger): time_x and phase start at 0 again
 
     :ROS Parameters:
@@ -52,7 +52,7 @@ class SignalGenerator:
         self._source = SignalSource()
         self._enabled = self._settings.values.autostart
         self._run_control = RunControl(self._enabled)
-        # Requests are obeyed at the next sample, which says what time it is for the signal.
+        # Requests are carried out at the next sample, which tells the signal's time.
         self._wanted: Optional[bool] = None
         self._reset_wanted = False
         self._state = ""
@@ -69,7 +69,7 @@ class SignalGenerator:
     def _publish(self, elapsed: float) -> None:
         settings = self._settings.values
         if self._wanted is not None or self._reset_wanted:
-            self._obey_requests(elapsed)
+            self._carry_out_requests(elapsed)
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
         message = signal_msg()
         message.time_x = status.time_x
@@ -83,9 +83,9 @@ class SignalGenerator:
             message.signal_y = settings.stop_value
         self._publisher.publish(message)
         if status.state != self._state:
-            self._announce(status)
+            self._publish_status(status)
 
-    def _obey_requests(self, elapsed: float) -> None:
+    def _carry_out_requests(self, elapsed: float) -> None:
         if self._wanted is not None:
             self._run_control.enable(elapsed, self._wanted)
             self._wanted = None
@@ -93,9 +93,9 @@ class SignalGenerator:
             self._reset_wanted = False
             self._run_control.reset()
             self._source.reset()
-            self._state = ""  # announced anew
+            self._state = ""  # so that it is published again
 
-    def _announce(self, status: RunStatus) -> None:
+    def _publish_status(self, status: RunStatus) -> None:
         self._state = status.state
         self._status_publisher.publish(String(str(status)))
         rospy.loginfo("%s: %s s", self._publisher.resolved_name, status)

@@ -13,7 +13,7 @@ from nodekit import EnumParameter, Node, ParameterSet, RateParameter, run
 class TalkerParameters(ParameterSet):
     """Private parameters of the talker."""
 
-    rate = RateParameter(10.0, help="how often the text is published")
+    rate = RateParameter(10.0, help="messages published per second")
     message_scope = EnumParameter(
         "closest",
         choices=SCOPES,

@@ -103,9 +103,7 @@ def _content(path: str) -> bytes:
     try:
         status = os.stat(full_path)
     except (FileNotFoundError, ValueError) as error:  # the latter: no file can have such a name
-        raise SeriesError(
-            f"{path!r}: there is no such file; a CSV file of time,value is needed"
-        ) from error
+        raise SeriesError(f"{path!r}: no such file; a CSV file of time,value is needed") from error
     if not stat.S_ISREG(status.st_mode):
         kind = _kind(status.st_mode)
         raise SeriesError(f"{path}: this is {kind}; a CSV file of time,value is needed")

@@ -94,7 +94,7 @@ class RunControl:
         return RunStatus(state, seconds)
 
     def _read(self, now: float) -> None:
-        """Note a reading of the clock, and count on from it if the clock has been set back."""
+        """Record a reading of the clock; count on from it if the clock has been set back."""
         if now < self._latest_reading and self._since is not None:
             self._collected = self._seconds(self._latest_reading)
             self._since = now

@@ -101,7 +101,7 @@ class _PrbsShape:
         return float(self._prbs.chip(math.floor(self._chips + waveforms.EDGE)))
 
 
-#: For each waveform a function that makes it anew: one that has a memory begins without any.
+#: For each waveform, a function that makes one without a past.
 SHAPES: Dict[str, Callable[[], Shape]] = {
     "sine": lambda: _sine,
     "square": lambda: _square,

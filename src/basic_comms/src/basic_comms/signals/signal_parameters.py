@@ -83,7 +83,7 @@ def _value(default: float, help: str) -> FloatParameter:
 class SignalParameters(ParameterSet):
     """What a signal looks like and when it runs; all of it may change at any sample."""
 
-    rate = RateParameter(10.0, help="how many samples a second are published")
+    rate = RateParameter(10.0, help="samples published per second")
     waveform = EnumParameter("sine", choices=WAVEFORMS, help="shape of the signal")
     amplitude = FloatParameter(
         2.0, minimum=0.0, maximum=_MAX_VALUE, help="peak of the signal around its offset"
@@ -110,7 +110,7 @@ class SignalParameters(ParameterSet):
         minimum=-_MAX_VALUE,
         maximum=_MAX_VALUE,
         unit="1/s",
-        help="ramp: rise a second, until the amplitude is reached",
+        help="ramp: rise per second, until the amplitude is reached",
     )
     chirp_f0 = _frequency(_TWO_PI * 0.1, "chirp: angular frequency at its start")
     chirp_f1 = _frequency(_TWO_PI, "chirp: angular frequency at its end")
@@ -123,7 +123,7 @@ class SignalParameters(ParameterSet):
     chirp_repeat = BoolParameter(
         False, help="chirp: start again at its end, instead of staying at the last frequency"
     )
-    seed = IntParameter(0, minimum=0, help="noise, prbs: what makes the sequence reproducible")
+    seed = IntParameter(0, minimum=0, help="noise, prbs: seed of the sequence")
     prbs_order = IntParameter(
         7, minimum=2, maximum=31, help="prbs: length n of the register; the period is 2^n - 1 chips"
     )
@@ -164,7 +164,7 @@ class SignalParameters(ParameterSet):
     duration = FloatParameter(
         0.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="time the signal runs; 0 for ever"
     )
-    stop_value = _value(0.0, "what is published while the signal does not run")
+    stop_value = _value(0.0, "value published while the signal does not run")
     autostart = read_once(
         BoolParameter(True, help="run from the start on, without a call of ~enable")
     )

@@ -44,7 +44,7 @@ class SignalSource:
     file                                scaled to ``offset +- amplitude``, see :class:`.Series`
     ==================================  ===========================================================
 
-    The shapes that begin somewhere (chirp, step, ramp, noise, prbs, multisine, file) begin at time
+    The shapes that have a start (chirp, step, ramp, noise, prbs, multisine, file) start at time
     0, or at the sample with which they are chosen later. Meanwhile the oscillator goes on, with
     ``frequency`` or with that of the chirp, so that a periodic shape finds its phase again.
     """
@@ -54,7 +54,7 @@ class SignalSource:
         self.reset()
 
     def reset(self) -> None:
-        """Start again: phase 0 at time 0, and the waveform anew."""
+        """Restart: phase 0 at time 0, and the waveform from its start."""
         self._oscillator.reset()
         self._waveform = ""
         self._time = 0.0

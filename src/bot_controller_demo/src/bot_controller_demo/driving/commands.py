@@ -1,4 +1,4 @@
-"""Tell a robot how to move, and to stop at the end."""
+"""Publish commands to a robot, and stop it at the end."""
 
 import threading
 from typing import Any
@@ -9,15 +9,15 @@ from geometry_msgs.msg import Twist, TwistStamped
 from bot_controller_demo.laws.velocities import STOP, Velocity
 from nodekit import Node
 
-#: What the velocities are about: the robot's own frame.
+#: Velocities are in the robot's own frame.
 _FRAME = "base_footprint"
 
 
 class Commands:
     """Publishes ``cmd_vel``.
 
-    A stop is said once: silence leaves the topic to others. A robot that was told to move is told
-    to stop when the node ends or, where it is managed, is deactivated.
+    A stop is published once: silence leaves the topic to others. A robot that was commanded to
+    move is stopped when the node ends or, where it is managed, is deactivated.
 
     :param node: makes the publisher
     :param controller_type: rviz for Twist, gazebo for TwistStamped
@@ -25,28 +25,28 @@ class Commands:
 
     def __init__(self, node: Node, controller_type: str) -> None:
         self._is_stamped = controller_type == "gazebo"
-        # Made once and filled again: to make one takes longer than all else here.
+        # Made once and filled again: making one takes longer than all else here.
         self._message: Any = Twist()
         if self._is_stamped:
             self._message = TwistStamped()
             self._message.header.frame_id = _FRAME
         self._publisher = node.publisher("cmd_vel", type(self._message))
         self._last, self._is_closed = STOP, False
-        self._lock = threading.RLock()  # who hears it in this process may publish in turn
+        self._lock = threading.RLock()  # a subscriber in this process may publish in turn
         node.own(self)
         node.before_deactivate(lambda: self.publish(STOP))
         node.before_end(self.close)
 
     def publish(self, velocity: Velocity) -> None:
-        """Tell the robot how to move.
+        """Command the robot.
 
-        :param velocity: what it is to do from now on
+        :param velocity: how it is to move from now on
         """
         with self._lock:
             self._send(velocity)
 
     def close(self) -> None:
-        """Stop the robot, and say nothing any more."""
+        """Stop the robot, and publish nothing more."""
         with self._lock:
             self._send(STOP)
             self._is_closed = True
@@ -57,7 +57,7 @@ class Commands:
             self._publisher.publish(self._filled(velocity))
 
     def _filled(self, velocity: Velocity) -> Any:
-        """Return the message, which tells of a velocity now."""
+        """Return the message, filled with a velocity and the present time."""
         message = twist = self._message
         if self._is_stamped:
             message.header.stamp, twist = rospy.Time.now(), message.twist

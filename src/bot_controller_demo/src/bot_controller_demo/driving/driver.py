@@ -1,4 +1,4 @@
-"""What drives a robot to a goal: a pursuit, wired to ROS."""
+"""A pursuit wired to ROS: it drives a robot to a goal."""
 
 import math
 from typing import Any, Optional
@@ -23,7 +23,7 @@ _ODOM = "odom"
 
 
 class Driver:
-    """Drives to one goal at a time, and stays there; another goal takes the place of the last.
+    """Drives to one goal at a time, and stays there; a new goal replaces the last one.
 
     :ROS Subscribers:
         - ``odom`` (nav_msgs/Odometry); the robot stops while it is older than ``~odom_timeout``
@@ -34,7 +34,7 @@ class Driver:
         - ``~arrived`` (std_msgs/Bool), latched
         - ``~current_goal`` (geometry_msgs/PoseStamped), latched
 
-    :param node: makes all of it
+    :param node: the node that drives
     :param parameters: how to drive; a set of :class:`.DrivingParameters`
 
     :ivar frame: that of the odometry, None before the first
@@ -63,9 +63,9 @@ class Driver:
         rospy.loginfo("goal: %s", goal)
         self._pursuit = Pursuit(goal)
         self._arrived.publish(Bool(False))
-        self._tell_goal(goal)
+        self._publish_goal(goal)
 
-    def _tell_goal(self, goal: Goal) -> None:
+    def _publish_goal(self, goal: Goal) -> None:
         message = PoseStamped()
         message.header.stamp, message.header.frame_id = rospy.Time.now(), self.frame or _ODOM
         message.pose.position.x, message.pose.position.y = goal.x, goal.y
@@ -82,26 +82,26 @@ class Driver:
         self._commands.publish(STOP)
 
     def step(self) -> Optional[Progress]:
-        """Tell the robot what to do now; to be called ``~control_frequency`` times a second.
+        """Command the robot; to be called ``~control_frequency`` times a second.
 
-        :returns: how far it is, the same message each time; None without a goal, or while nobody
-            knows where the robot is
+        :returns: how far it is, the same message each time; None without a goal, or while it is
+            not known where the robot is
         """
         settings: DrivingParameters = self._parameters.values
-        self._judge(settings)
+        self._warn_of_circling(settings)
         if self._pursuit is None or not self._has_odometry(settings.odom_timeout):
             return None
         before = self._pursuit.phase
-        step = self._pursuit.step(self._pose, settings.tuning)
-        self._commands.publish(step.velocity)
+        guidance = self._pursuit.step(self._pose, settings.tuning)
+        self._commands.publish(guidance.velocity)
         progress = self._progress_message
-        progress.phase, progress.distance = step.phase, step.errors.distance
-        progress.heading_error = step.errors.heading
+        progress.phase, progress.distance = guidance.phase, guidance.errors.distance
+        progress.heading_error = guidance.errors.heading
         progress.header.stamp, progress.header.frame_id = self._stamp, self.frame
-        if (step.phase == ARRIVED) != (before == ARRIVED):
-            self._arrived.publish(Bool(step.phase == ARRIVED))
+        if (guidance.phase == ARRIVED) != (before == ARRIVED):
+            self._arrived.publish(Bool(guidance.phase == ARRIVED))
             left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
-            rospy.loginfo("%s: %s", step.phase, left)
+            rospy.loginfo("%s: %s", guidance.phase, left)
         self._progress.publish(progress)
         return progress
 
@@ -109,12 +109,12 @@ class Driver:
         position, turn = message.pose.pose.position, message.pose.pose.orientation
         pose = Pose(position.x, position.y, heading_of(turn.x, turn.y, turn.z, turn.w))
         if not all(map(math.isfinite, pose)):
-            return  # it grows old
+            return  # so the odometry grows old
         self._pose, self._stamp = pose, message.header.stamp or rospy.Time.now()
-        self._freshness.note(message.header.stamp.to_sec(), rospy.get_time())
+        self._freshness.record_message(message.header.stamp.to_sec(), rospy.get_time())
         guess, self.frame = self.frame or _ODOM, message.header.frame_id
         if self.frame != guess and self._pursuit is not None:
-            self._tell_goal(self._pursuit.goal)
+            self._publish_goal(self._pursuit.goal)
 
     def _has_odometry(self, limit: float) -> bool:
         """Tell whether it is known where the robot is; stop it where not, and say so once."""
@@ -125,19 +125,19 @@ class Driver:
         if is_waiting != self._is_waiting:
             self._is_waiting = is_waiting
             if not is_waiting:
-                rospy.loginfo("there is odometry: the robot drives")
+                rospy.loginfo("receiving odometry: the robot drives")
             elif math.isinf(age):
                 rospy.loginfo("waiting for odometry on %s", self._odometry_name)
             else:
                 rospy.logwarn(
-                    "%s is %.2f s old: the robot is stopped until there is news",
+                    "%s is %.2f s old: the robot is stopped until there is a new message",
                     self._odometry_name,
                     age,
                 )
         return not is_waiting
 
-    def _judge(self, settings: DrivingParameters) -> None:
-        """Warn, once for each change, of a law that will not do."""
+    def _warn_of_circling(self, settings: DrivingParameters) -> None:
+        """Warn, once for each change of settings, of a law that may circle its goal."""
         if settings is self._judged:
             return
         self._judged = settings
@@ -145,8 +145,8 @@ class Driver:
         if tuning.law == "course" and may_circle(tuning.gains, tuning.linear_tolerance):
             rospy.logwarn(
                 "control_law course may circle its goal with kp_linear %g 1/s, kp_angular %g 1/s "
-                "and linear_tolerance %g m: must be kp_angular %g to %g times kp_linear and "
-                "linear_tolerance at least %g m, or the law settling",
+                "and linear_tolerance %g m: kp_angular must be %g to %g times kp_linear and "
+                "linear_tolerance at least %g m; or use the law settling",
                 *tuning.gains,
                 tuning.linear_tolerance,
                 *COURSE_RATIOS,

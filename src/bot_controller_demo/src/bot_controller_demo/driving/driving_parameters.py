@@ -31,26 +31,34 @@ class DrivingParameters(ParameterSet):
     control_law = EnumParameter(
         "settling",
         choices=tuple(LAWS),
-        help="settling comes to every goal; course may circle it where kp_angular is not about "
+        help="settling reaches every goal; course may circle it unless kp_angular is about "
         "twice kp_linear",
     )
     kp_linear = _gain(0.5, "the distance")
     kp_angular = _gain(1.0, "the angle")
     linear_tolerance = FloatParameter(
-        0.1, above=0.0, maximum=10.0, unit="m", help="how near the goal is near enough"
+        0.1, above=0.0, maximum=10.0, unit="m", help="distance at which the goal counts as reached"
     )
     angular_tolerance = FloatParameter(
-        0.05, above=0.0, maximum=3.0, unit="rad", help="which error of the last heading will do"
+        0.05,
+        above=0.0,
+        maximum=3.0,
+        unit="rad",
+        help="error of the heading at which the goal counts as reached",
     )
-    control_frequency = RateParameter(20.0, maximum=1000.0, help="commands a second")
+    control_frequency = RateParameter(20.0, maximum=1000.0, help="commands per second")
     max_linear_velocity = FloatParameter(
-        0.5, above=0.0, maximum=100.0, unit="m/s", help="largest speed that is asked for"
+        0.5, above=0.0, maximum=100.0, unit="m/s", help="highest commanded speed"
     )
     max_angular_velocity = FloatParameter(
-        1.0, above=0.0, maximum=100.0, unit="rad/s", help="largest turning rate that is asked for"
+        1.0, above=0.0, maximum=100.0, unit="rad/s", help="highest commanded turning rate"
     )
     odom_timeout = FloatParameter(
-        0.5, above=0.0, maximum=60.0, unit="s", help="age from which odometry stops the robot"
+        0.5,
+        above=0.0,
+        maximum=60.0,
+        unit="s",
+        help="age of the odometry at which the robot is stopped",
     )
 
     @rule("kp_linear", "kp_angular", "control_frequency")

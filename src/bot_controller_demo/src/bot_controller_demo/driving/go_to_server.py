@@ -16,7 +16,7 @@ except ImportError:
 
 
 class GoToServer:
-    """Serves ``go_to`` by asking it at each step: so all is done in the node's own callbacks.
+    """Serves ``go_to`` by polling it in each control period, so in the node's own callbacks.
 
     :param node: whose action it is
     :param accept: called with a goal's PoseStamped; raises GoalRefused
@@ -37,7 +37,7 @@ class GoToServer:
         node.before_deactivate(self.abort)
 
     def poll(self) -> None:
-        """Take what clients have asked for since the last call."""
+        """Handle what clients have requested since the last call."""
         server = self._server
         if server is None:
             return
@@ -50,8 +50,8 @@ class GoToServer:
             try:
                 self._accept(goal.target_pose)
             except GoalRefused as refusal:
-                rospy.logwarn("the goal is left out: %s", refusal)
-                if is_driving:  # otherwise the robot is somebody else's
+                rospy.logwarn("ignoring the goal: %s", refusal)
+                if is_driving:  # otherwise another goal has the robot
                     self._stop()
                 server.set_aborted(GoToResult(), str(refusal))
         elif server.is_active() and server.is_preempt_requested():
@@ -59,18 +59,18 @@ class GoToServer:
             server.set_preempted(GoToResult(), "cancelled: the robot has stopped")
 
     def abort(self) -> None:
-        """Give up what is under way: a node that stops being active may never be so again."""
+        """Abort the goal: a node that stops being active may never be so again."""
         if self._server.is_active():
             self._stop()
             self._server.set_aborted(GoToResult(), "the controller is not active any more")
 
     def close(self) -> None:
-        """Serve no longer: a managed node that is configured anew has another server."""
+        """Stop serving: a managed node that is configured again has another server."""
         if not self._is_new:
             self._server.action_server.stop()
 
-    def tell(self, progress: Optional[Progress]) -> None:
-        """Tell the client how far the robot is.
+    def publish_progress(self, progress: Optional[Progress]) -> None:
+        """Publish to the client how far the robot is.
 
         :param progress: on the way to the goal that was accepted last; None where it is not known
         """
@@ -80,7 +80,7 @@ class GoToServer:
         if progress.phase == ARRIVED:
             self._server.set_succeeded(GoToResult(progress), "arrived")
 
-    def drop(self) -> None:
-        """Tell the client that another goal has taken the place of its own."""
+    def preempt(self) -> None:
+        """Preempt the client's goal: another one has replaced it."""
         if self._server is not None and self._server.is_active():
             self._server.set_preempted(GoToResult(), "another goal was set")

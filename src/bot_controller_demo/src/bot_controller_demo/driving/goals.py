@@ -12,7 +12,7 @@ FARTHEST = 1e6
 
 
 class GoalRefused(ValueError):
-    """A goal that makes no sense; the text says why."""
+    """A goal that is not valid; the text says why."""
 
 
 def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
@@ -31,7 +31,7 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
     parts = (turn.x, turn.y, turn.z, turn.w)
     if not any(parts):
         raise GoalRefused(
-            "orientation is 0 in all parts: must be a quaternion, w = 1 to look ahead"
+            "orientation is 0 in all parts: must be a quaternion, such as w = 1 for heading 0"
         )
     return allowed(Goal(position.x, position.y, heading_of(*parts)))
 
@@ -43,5 +43,5 @@ def allowed(goal: Goal) -> Goal:
     :raises GoalRefused: if it is not finite, or too far away
     """
     if not all(abs(part) <= FARTHEST for part in (goal.x, goal.y, goal.theta or 0.0)):
-        raise GoalRefused(f"{goal}: each must be from -1e6 to 1e6")
+        raise GoalRefused(f"{goal}: each must be in [-1e6, 1e6]")
     return goal

@@ -1,4 +1,4 @@
-"""How old what a robot says of itself is."""
+"""The age of what a robot publishes of itself."""
 
 import math
 
@@ -14,8 +14,8 @@ class Freshness:
     def __init__(self) -> None:
         self._stamp = self._arrived_at = math.nan
 
-    def note(self, stamp: float, now: float) -> None:
-        """Note a message.
+    def record_message(self, stamp: float, now: float) -> None:
+        """Record a message.
 
         :param stamp: when it was made, s; 0 where it does not say
         :param now: when it has arrived, s by the same clock

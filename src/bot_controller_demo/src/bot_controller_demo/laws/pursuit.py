@@ -22,7 +22,7 @@ class Tuning(NamedTuple):
     :param law: one of :data:`.LAWS`
     :param gains: of the law
     :param limits: of the velocities
-    :param linear_tolerance: how near the goal is near enough, m
+    :param linear_tolerance: distance at which the goal counts as reached, m
     :param angular_tolerance: the same of the heading, rad
     """
 
@@ -33,10 +33,10 @@ class Tuning(NamedTuple):
     angular_tolerance: float
 
 
-class Step(NamedTuple):
-    """What to do now.
+class Guidance(NamedTuple):
+    """How to go on.
 
-    :param velocity: how to move
+    :param velocity: how to move now
     :param phase: one of :data:`PHASES`
     :param errors: what separates the robot from its goal
     """
@@ -81,7 +81,7 @@ class Pursuit:
         self.phase = DRIVING
         self._direction, self._heading = Turn(), Turn()
 
-    def step(self, pose: Pose, tuning: Tuning) -> Step:
+    def step(self, pose: Pose, tuning: Tuning) -> Guidance:
         """Return what to do now.
 
         :param pose: where the robot is
@@ -90,13 +90,13 @@ class Pursuit:
         seen = errors(pose, self.goal)
         self.phase = self._next_phase(seen, tuning)
         if self.phase == ARRIVED:
-            return Step(STOP, self.phase, seen)
+            return Guidance(STOP, self.phase, seen)
         if self.phase == TURNING:
             wanted = Velocity(0.0, tuning.gains.angular * self._heading.keep(seen.heading))
         else:
             kept = seen._replace(direction=self._direction.keep(seen.direction))
             wanted = LAWS[tuning.law](kept, tuning.gains)
-        return Step(saturate(wanted, tuning.limits), self.phase, seen)
+        return Guidance(saturate(wanted, tuning.limits), self.phase, seen)
 
     def _next_phase(self, seen: Errors, tuning: Tuning) -> str:
         slack = 1.0 if self.phase == DRIVING else HYSTERESIS

@@ -26,7 +26,7 @@ class Gains(NamedTuple):
 #: are at a ratio of 0.9, 8 at 2.4, and 35 at 2.0 with a tolerance of 0.05 m.
 COURSE_RATIOS = (1.5, 2.2)
 COURSE_LEAST_TOLERANCE = 0.1
-#: Where the course's law begins to turn to the last heading, m.
+#: Where the course's law starts to turn to the last heading, m.
 _COURSE_BLENDS_FROM_M = 0.5
 
 
@@ -65,7 +65,7 @@ def may_circle(gains: Gains, linear_tolerance: float) -> bool:
     the goal; with too much it looks along the last heading while it still drives.
 
     :param gains: of the law
-    :param linear_tolerance: how near the goal is near enough, m
+    :param linear_tolerance: distance at which the goal counts as reached, m
     """
     least, most = (ratio * gains.linear for ratio in COURSE_RATIOS)
     return linear_tolerance < COURSE_LEAST_TOLERANCE or not least <= gains.angular <= most

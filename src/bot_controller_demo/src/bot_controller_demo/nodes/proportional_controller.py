@@ -21,9 +21,11 @@ def _coordinate(default: float, unit: str, what: str) -> FloatParameter:
 class ProportionalControllerParameters(DrivingParameters):
     """Parameters of proportional_controller: where to go, and how."""
 
-    goal_x = _coordinate(2.0, "m", "where to go at the start, and after a change: x")
-    goal_y = _coordinate(1.0, "m", "the same: y")
-    goal_theta = _coordinate(math.pi / 2.0, "rad", "the same: heading")
+    goal_x = _coordinate(
+        2.0, "m", "x of the goal; the robot goes there at the start, and after a change"
+    )
+    goal_y = _coordinate(1.0, "m", "y of the goal")
+    goal_theta = _coordinate(math.pi / 2.0, "rad", "heading at the goal")
 
     @property
     def goal(self) -> Goal:
@@ -60,7 +62,7 @@ class ProportionalController:
 
     def _step(self, _elapsed: float) -> None:
         self._go_to.poll()
-        self._go_to.tell(self._driver.step())
+        self._go_to.publish_progress(self._driver.step())
 
     def _on_change(
         self, new: ProportionalControllerParameters, old: ProportionalControllerParameters
@@ -72,7 +74,7 @@ class ProportionalController:
         try:
             self._head_for(goal_of(message, self._driver.frame))
         except GoalRefused as refusal:
-            rospy.logwarn("the goal is left out: %s", refusal)
+            rospy.logwarn("ignoring the goal: %s", refusal)
 
     def _set_goal(self, request: SetGoalRequest) -> SetGoalResponse:
         goal = Goal(request.x, request.y, request.theta)
@@ -84,7 +86,7 @@ class ProportionalController:
 
     def _head_for(self, goal: Goal) -> None:
         """Drive to a goal that is not the action's."""
-        self._go_to.drop()
+        self._go_to.preempt()
         self._driver.head_for(goal)
 
     def _stop(self) -> None:

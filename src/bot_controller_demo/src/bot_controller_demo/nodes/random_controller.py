@@ -1,4 +1,4 @@
-"""The random controller: drives a robot anywhere."""
+"""The random controller: drives a robot at random."""
 
 import random
 from typing import Tuple
@@ -24,15 +24,15 @@ class RandomControllerParameters(ParameterSet):
     """Parameters of random_controller."""
 
     controller_type = controller_type()
-    linear_min = _speed(0.1, "least speed")
-    linear_max = _speed(0.2, "largest speed")
-    angular_min = _rate(-1.0, "least turning rate; positive is to the left")
-    angular_max = _rate(1.0, "largest turning rate")
+    linear_min = _speed(0.1, "lowest speed")
+    linear_max = _speed(0.2, "highest speed")
+    angular_min = _rate(-1.0, "lowest turning rate; positive is to the left")
+    angular_max = _rate(1.0, "highest turning rate")
     timer_period_ms = IntParameter(
-        200, minimum=1, maximum=3_600_000, unit="ms", help="time from one velocity to the next"
+        200, minimum=1, maximum=3_600_000, unit="ms", help="time between velocities"
     )
     seed = IntParameter(
-        0, minimum=0, help="the same one gives the same velocities; 0 for others at each start"
+        0, minimum=0, help="seed of the velocities; 0 for a different one at each start"
     )
 
     @rule("linear_min", "linear_max")

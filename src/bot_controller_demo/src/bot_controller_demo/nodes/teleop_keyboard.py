@@ -36,14 +36,22 @@ class TeleopKeyboardParameters(ParameterSet):
     controller_type = controller_type()
     model = EnumParameter("burger", choices=tuple(MODELS), help="the robot, for its limits")
     speed = FloatParameter(
-        0.2, minimum=0.0, maximum=100.0, unit="m/s", help="of i and ,; keys change it"
+        0.2,
+        minimum=0.0,
+        maximum=100.0,
+        unit="m/s",
+        help="speed of the keys i and ,; other keys change it",
     )
     turn = FloatParameter(
-        1.0, minimum=0.0, maximum=100.0, unit="rad/s", help="of j and l; keys change it"
+        1.0,
+        minimum=0.0,
+        maximum=100.0,
+        unit="rad/s",
+        help="turning rate of the keys j and l; other keys change it",
     )
     first_timeout = _time_out(0.6, "how long a key counts as held after its first press")
-    repeat_timeout = _time_out(0.15, "the same while the terminal repeats the key")
-    rate = RateParameter(20.0, maximum=1000.0, help="commands a second while a key is held")
+    repeat_timeout = _time_out(0.15, "how long a key counts as held while the terminal repeats it")
+    rate = RateParameter(20.0, maximum=1000.0, help="commands per second while a key is held")
 
     @property
     def limits(self) -> Limits:
@@ -80,7 +88,7 @@ class TeleopKeyboard:
         # Keys are held for so long by the machine's clock: /clock may stand still.
         node.every(lambda: self._parameters.values.rate, self._drive, steady=True)
         print(HELP, flush=True)
-        self._tell()
+        self._print_speeds()
         threading.Thread(target=self._read, name="keys", daemon=True).start()
 
     def _read(self) -> None:
@@ -103,7 +111,7 @@ class TeleopKeyboard:
             try:
                 self._parameters.update(speed=speeds.linear, turn=speeds.angular)
             except MasterUnreachable as error:
-                rospy.logwarn("the speeds stay: %s", error)
+                rospy.logwarn("the speeds are unchanged: %s", error)
 
     def _drive(self, _elapsed: float) -> None:
         settings = self._parameters.values
@@ -115,9 +123,9 @@ class TeleopKeyboard:
 
     def _on_change(self, new: TeleopKeyboardParameters, old: TeleopKeyboardParameters) -> None:
         if new.speeds != old.speeds:
-            self._tell()
+            self._print_speeds()
 
-    def _tell(self) -> None:
+    def _print_speeds(self) -> None:
         speeds = self._parameters.values.speeds
         print(f"speed {speeds.linear:.3g} m/s, turn {speeds.angular:.3g} rad/s", flush=True)
 
@@ -126,7 +134,7 @@ def main() -> None:
     """Run the node until it is shut down."""
     if not sys.stdin.isatty():
         sys.exit(
-            f"{_PROGRAM}: the standard input is no terminal, and keys come from nowhere else; "
+            f"{_PROGRAM}: the standard input is not a terminal, so there are no keys to read; "
             f"start it in a terminal of its own: rosrun bot_controller_demo {_PROGRAM}"
         )
     run(_PROGRAM, TeleopKeyboard)

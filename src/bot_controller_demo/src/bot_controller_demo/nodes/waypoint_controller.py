@@ -25,9 +25,9 @@ class WaypointControllerParameters(DrivingParameters):
             help="",
         ),
         unit="m, m, rad",
-        help="where to go: x and y, and the heading where it matters; a change begins anew",
+        help="x and y of each point, and the heading where it matters; a change restarts the tour",
     )
-    repeat = BoolParameter(False, help="whether to go on with the first point after the last")
+    repeat = BoolParameter(False, help="whether to start again after the last point")
 
     @property
     def goals(self) -> List[Goal]:
@@ -36,7 +36,7 @@ class WaypointControllerParameters(DrivingParameters):
 
 
 class WaypointController:
-    """Drives through points, stays at the last one, or begins anew.
+    """Drives through points; stays at the last one, or starts again.
 
     :ROS Parameters:
         - those of :class:`WaypointControllerParameters`, private and live
@@ -68,7 +68,7 @@ class WaypointController:
         elif self._ahead:
             self._driver.head_for(self._ahead.pop(0))
         elif self._parameters.values.repeat and self._has_driven:
-            self._start()  # but where it was at all points without driving, it stays
+            self._start()  # unless it was at all points without driving: then it stays
 
     def _start(self) -> None:
         self._has_driven = False

@@ -67,7 +67,7 @@ class HeldKey:
     """Which key is held, told from presses.
 
     Two presses of a key within the shorter time-out are taken for the terminal's repetition. Two
-    quick ones by hand are further apart, and each begins anew.
+    quick ones by hand are further apart, and each is a new press.
     """
 
     def __init__(self) -> None:
@@ -76,7 +76,7 @@ class HeldKey:
         self._repeats = False
 
     def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
-        """Take note of a key.
+        """Record a press.
 
         :param key: what was pressed, or is repeated
         :param now: s, by any clock that goes on
@@ -87,7 +87,7 @@ class HeldKey:
         self.key, self._pressed_at = key, now
 
     def release(self) -> None:
-        """Take the key for released."""
+        """Count the key as released."""
         self.key = None
 
     def held(self, now: float, time_outs: TimeOuts) -> Optional[str]:
@@ -110,7 +110,7 @@ class Teleoperation:
         self._moves = False
 
     def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
-        """Take note of a key that moves the robot, or of any other, which stops it.
+        """Record a key that moves the robot, or any other, which stops it.
 
         :param key: what was pressed, or is repeated
         :param now: s, by any clock that goes on
@@ -122,7 +122,7 @@ class Teleoperation:
             self._held.release()
 
     def velocity(self, now: float, speeds: Velocity, time_outs: TimeOuts) -> Optional[Velocity]:
-        """Return what to tell the robot now, None for nothing.
+        """Return the command to the robot now, None for none.
 
         :param now: s, by the same clock
         :param speeds: at a share of 1

@@ -1,8 +1,8 @@
-"""A topic whose publishers may have the wrong type, and are told so.
+"""A subscription that reports publishers of the wrong type.
 
-ROS lets nobody with another type connect: not one message comes, and what the log says of it names
-neither the topic nor a way out. So the topic is heard with any type, and what is not the expected
-one is left out with a sentence. The master is told the expected type all the same.
+ROS lets no publisher of another type connect: not one message comes, and the log names neither the
+topic nor a way out. So the subscription accepts any type, and ignores messages of an unexpected one
+with a warning. The master is told the expected type all the same.
 """
 
 from typing import Any, Callable, Optional
@@ -10,8 +10,8 @@ from typing import Any, Callable, Optional
 import rospy
 
 
-def heard_as(expected: Any) -> type:
-    """Return a class as which a topic can be heard whatever its type.
+def any_type_as(expected: Any) -> type:
+    """Return a class with which a topic of any type can be subscribed to.
 
     :param expected: message class of which the master is told
     """
@@ -19,7 +19,7 @@ def heard_as(expected: Any) -> type:
 
 
 def decoder(expected: Any, advice: str) -> Callable[[Any], Optional[Any]]:
-    """Return a function that decodes what is heard.
+    """Return a function that decodes messages as they are received.
 
     It returns None for a message of another type, and warns once for each such publisher.
 
@@ -36,7 +36,7 @@ def decoder(expected: Any, advice: str) -> Callable[[Any], Optional[Any]]:
         if sender not in warned:
             warned.add(sender)
             rospy.logwarn(
-                "%s: %s sends %s, and %s is expected: its messages are left out; %s",
+                "%s: ignoring the messages of %s: they are %s, not %s; %s",
                 header["topic"],
                 sender,
                 header["type"],

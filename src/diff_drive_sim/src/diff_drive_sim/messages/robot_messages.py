@@ -1,6 +1,6 @@
-"""The messages that tell of a robot.
+"""The messages that a robot publishes.
 
-They are made once and filled again and again, as a hundred robots tell of themselves thirty times a
+They are made once and filled again and again, as a hundred robots publish them thirty times a
 second.
 """
 

@@ -35,7 +35,7 @@ class Scanner:
         message.range_min, message.range_max = RANGE_MIN, values.scan_range
 
     def scan(self, pose: Pose, stamp: Any) -> LaserScan:
-        """Return what the laser sees; the message is filled anew by the next call.
+        """Return what the laser sees; the next call fills the same message again.
 
         :param pose: where the robot is
         :param stamp: when, a time of ROS

@@ -1,4 +1,4 @@
-"""The robot's node: it drives as it is commanded, and tells where it is."""
+"""The robot's node: it drives as commanded, and publishes where it is."""
 
 import math
 from typing import Any, Optional, Type
@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from diff_drive_sim.messages.command_topic import decoder, heard_as
+from diff_drive_sim.messages.command_topic import decoder, any_type_as
 from diff_drive_sim.messages.robot_messages import ODOM, SCAN, RobotMessages
 from diff_drive_sim.messages.scanner import Scanner
 from diff_drive_sim.messages.world_markers import world_markers
@@ -30,19 +30,20 @@ class DiffDrive:
 
     :ROS Subscribers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped with ``controller_type`` gazebo);
-          what is not finite, or of the other type, is left out with a warning
+          one that is not finite, or of the other type, is ignored with a
+          warning
 
     :ROS Publishers:
-        - ``odom`` (nav_msgs/Odometry): where the robot believes to be
-        - ``ground_truth`` (nav_msgs/Odometry): where it is, in the same frame
+        - ``odom`` (nav_msgs/Odometry): where the robot believes itself to be
+        - ``ground_truth`` (nav_msgs/Odometry): where it really is, in the same frame
         - ``joint_states`` (sensor_msgs/JointState): wheel_left_joint, wheel_right_joint
         - ``/tf`` (tf2_msgs/TFMessage): odom to base_footprint, and to base_scan
         - ``scan`` (sensor_msgs/LaserScan), with ``scan_rate`` above 0
-        - ``contact`` (std_msgs/Bool), latched: whether a wall stops it
+        - ``contact`` (std_msgs/Bool), latched: whether it touches a wall
         - ``world`` (visualization_msgs/MarkerArray), latched: walls and boxes
 
     :ROS Services:
-        - ``~reset`` (std_srvs/Trigger): put it back to its initial pose
+        - ``~reset`` (std_srvs/Trigger): put the robot back to its initial pose
 
     :ROS Parameters:
         - those of :class:`.RobotParameters`, private and live
@@ -65,23 +66,23 @@ class DiffDrive:
         self._contact = node.publisher("contact", Bool, latch=True)
         self._world = node.publisher("world", MarkerArray, latch=True)
         self._contact.publish(False)
-        self._show_world(values)
-        self._hear(values)
+        self._publish_world(values)
+        self._subscribe_commands(values)
         node.service("~reset", Trigger, self._reset)
-        node.every(lambda: self._parameters.values.publish_rate, self._tell)
-        node.every(lambda: self._parameters.values.scan_rate, self._look)
+        node.every(lambda: self._parameters.values.publish_rate, self._publish_state)
+        node.every(lambda: self._parameters.values.scan_rate, self._publish_scan)
 
-    def _show_world(self, values: RobotParameters) -> None:
+    def _publish_world(self, values: RobotParameters) -> None:
         frame = values.frame_prefix + ODOM
         self._world.publish(world_markers(frame, values.walls, values.boxes))
 
-    def _hear(self, values: RobotParameters) -> None:
-        """Hear commands of the type that the parameters name."""
+    def _subscribe_commands(self, values: RobotParameters) -> None:
+        """Subscribe to commands of the type that the parameters name."""
         stamped = values.controller_type == GAZEBO
         kind = TwistStamped if stamped else Twist
         self._decode = decoder(kind, "controller_type must be the same in both nodes")
-        self._ears = self._node.lifetime()
-        self._ears.subscribe("cmd_vel", heard_as(kind), self._on_command)
+        self._subscription = self._node.lifetime()
+        self._subscription.subscribe("cmd_vel", any_type_as(kind), self._on_command)
 
     def _on_command(self, raw: Any) -> None:
         message = self._decode(raw)
@@ -90,7 +91,7 @@ class DiffDrive:
         twist: Twist = getattr(message, "twist", message)
         linear, angular = twist.linear.x, twist.angular.z
         if not (math.isfinite(linear) and math.isfinite(angular)):
-            text = "%s: a command of %s m/s and %s rad/s is left out: must be finite"
+            text = "%s: ignored a command of %s m/s and %s rad/s: must be finite"
             name = self._node.resolve("cmd_vel")
             rospy.logwarn_throttle(10.0, text % (name, linear, angular))
             return
@@ -98,7 +99,7 @@ class DiffDrive:
         self._robot.command(linear, angular)
 
     def _catch_up(self) -> None:
-        """Let the robot move until now."""
+        """Move the robot up to now."""
         now = rospy.get_rostime()
         self._robot.step(now.secs - self._now.secs + 1e-9 * (now.nsecs - self._now.nsecs))
         self._now = now
@@ -106,7 +107,7 @@ class DiffDrive:
             self._touched = self._robot.touches
             self._contact.publish(self._touched)
 
-    def _tell(self, _elapsed: float) -> None:
+    def _publish_state(self, _elapsed: float) -> None:
         self._catch_up()
         messages = self._messages
         messages.fill(self._robot, self._now)
@@ -117,7 +118,7 @@ class DiffDrive:
         if values.publish_tf:
             self._tf.publish(messages.transforms(with_laser=values.scan_rate > 0.0))
 
-    def _look(self, _elapsed: float) -> None:
+    def _publish_scan(self, _elapsed: float) -> None:
         self._catch_up()
         values = self._parameters.values
         if self._scanner is None:
@@ -129,10 +130,10 @@ class DiffDrive:
         self._robot.settings, self._robot.world = new.robot, new.world
         self._messages = RobotMessages(new.frame_prefix, new.laser_x)
         self._scanner = None
-        self._show_world(new)
+        self._publish_world(new)
         if new.controller_type != old.controller_type:
-            self._ears.close()
-            self._hear(new)
+            self._subscription.close()
+            self._subscribe_commands(new)
 
     def _reset(self, _request: TriggerRequest) -> TriggerResponse:
         values = self._parameters.values

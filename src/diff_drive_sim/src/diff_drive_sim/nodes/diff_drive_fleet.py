@@ -14,8 +14,8 @@ from nodekit import FloatParameter, IntParameter, Node, StringParameter, host_al
 class FleetParameters(RobotParameters):
     """How many robots there are, and what each of them starts from."""
 
-    count = IntParameter(2, minimum=0, maximum=1000, help="how many robots there are")
-    prefix = StringParameter("robot", help="what their names start with, before 1, 2, ...")
+    count = IntParameter(2, minimum=0, maximum=1000, help="number of robots")
+    prefix = StringParameter("robot", help="prefix of the robots' names, before 1, 2, ...")
     spacing = FloatParameter(
         1.0, minimum=0.0, maximum=1000.0, unit="m", help="how far apart they start, in a square"
     )

@@ -1,4 +1,4 @@
-"""Where a robot believes to be, by the turns of its wheels, and how far that may be off.
+"""Where a robot believes itself to be, by the turns of its wheels, and how far that may be off.
 
 A wheel slips a little, so its measured path is off. The errors of pieces of the path have nothing
 to do with each other: their variances add up, k^2 for each m, however the path is cut to pieces.
@@ -25,7 +25,7 @@ class Odometry:
     :param pose: where it starts
     :param seed: of the noise: the same seed gives the same errors
 
-    :ivar pose: where the robot believes to be
+    :ivar pose: where the robot believes itself to be
     :ivar covariance: of that pose
     :ivar angles: of the wheels since the start, rad, as they are measured
     """

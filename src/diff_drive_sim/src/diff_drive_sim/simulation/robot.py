@@ -39,7 +39,7 @@ class Robot:
 
     :ivar pose: where it is
     :ivar wheels: speeds of the wheels, rad/s
-    :ivar odometry: where it believes to be, and how its wheels have turned
+    :ivar odometry: where it believes itself to be, and how its wheels have turned
     :ivar touches: whether a wall stopped it in the last step
     """
 
@@ -55,7 +55,7 @@ class Robot:
         self.reset(pose, seed)
 
     def reset(self, pose: Pose, seed: int = 0) -> None:
-        """Put it to a place, at rest and without a command; its odometry starts there anew.
+        """Put it to a place, at rest and without a command; its odometry restarts there.
 
         :param pose: the place
         :param seed: of the noise of its odometry
@@ -110,8 +110,8 @@ class Robot:
         start = self.wheels
         ramp = ramp_time(start, target, self.settings.max_wheel_acceleration)
         driven = min(ramp, dt)
-        for begun, ended in _pieces(driven, _RAMP_PIECE_S):
-            self._roll(between(start, target, 0.5 * (begun + ended) / ramp), ended - begun)
+        for start_s, end_s in _pieces(driven, _RAMP_PIECE_S):
+            self._roll(between(start, target, 0.5 * (start_s + end_s) / ramp), end_s - start_s)
             if self.touches:
                 return
         self.wheels = between(start, target, driven / ramp) if driven < ramp else target

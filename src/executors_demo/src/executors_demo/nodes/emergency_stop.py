@@ -1,4 +1,4 @@
-"""More slow work than there are threads, and a stop that does not stand in line."""
+"""More slow work than there are threads, and a stop that does not wait its turn."""
 
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
@@ -10,10 +10,10 @@ class EmergencyStopParameters(ExecutorParameters):
     """Parameters of emergency_stop."""
 
     threads = IntParameter(2, minimum=1, maximum=100, help="threads of the executor multi")
-    jobs = read_once(IntParameter(8, minimum=1, maximum=100, help="timers that work slowly"))
+    jobs = read_once(IntParameter(8, minimum=1, maximum=100, help="number of slow timers"))
     job_period = period_of(1.0, "each job")
     job_sleep = sleep_of(0.5, "each job")
-    urgent = read_once(BoolParameter(True, help="whether the stop goes before all that waits"))
+    urgent = read_once(BoolParameter(True, help="whether the stop goes ahead of all that waits"))
 
 
 class EmergencyStop(Demo[EmergencyStopParameters]):

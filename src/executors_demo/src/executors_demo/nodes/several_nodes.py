@@ -41,14 +41,15 @@ class Member:
         - those of :class:`MemberParameters`, private and live
     """
 
-    def __init__(self, node: Node, host: SeveralNodes) -> None:
-        self._host, self._name = host, node.name.rpartition("/")[2]
+    def __init__(self, node: Node, demo: SeveralNodes) -> None:
+        self._demo = demo
+        self._name = node.name.rpartition("/")[2]
         self._parameters = node.parameters(MemberParameters)
         node.every(lambda: 1.0 / self._parameters.values.period, self.timer)
 
     def timer(self, elapsed: float) -> None:
         """Work for ``~sleep``."""
-        self._host.work(self._name, self._parameters.values.sleep)
+        self._demo.work(self._name, self._parameters.values.sleep)
 
 
 def main() -> None:

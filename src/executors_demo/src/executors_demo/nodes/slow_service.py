@@ -10,7 +10,7 @@ class SlowServiceParameters(ExecutorParameters):
     """Parameters of slow_service."""
 
     exclusive = read_once(
-        BoolParameter(False, help="whether one call of the service waits for the other")
+        BoolParameter(False, help="whether calls of the service wait for each other")
     )
     service_sleep = sleep_of(3.0, "slow_service")
     timer_period = period_of(0.5, "timer")

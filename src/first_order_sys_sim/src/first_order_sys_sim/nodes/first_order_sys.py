@@ -18,7 +18,7 @@ class FirstOrderSystem:
     is that of the moment it was due, n / node rate after the first one.
 
     :ROS Subscribers:
-        - ``input`` (std_msgs/Float32); what is not finite is left out, with a warning
+        - ``input`` (std_msgs/Float32); what is not finite is ignored, with a warning
 
     :ROS Publishers:
         - ``output`` (std_msgs/Float32)

@@ -1,4 +1,4 @@
-"""A node that hears three sensors."""
+"""A node that subscribes to three sensors."""
 
 import rospy
 from sensor_msgs.msg import Image, LaserScan, Temperature
@@ -8,7 +8,7 @@ from parameters_demo.sensors import of_scan
 
 
 class ProcessingDemoNode:
-    """Logs what it hears of each sensor, at most once a second.
+    """Logs what it receives from each sensor, at most once a second.
 
     :ROS Subscribers:
         - ``data/lidar`` (sensor_msgs/LaserScan)
@@ -23,16 +23,16 @@ class ProcessingDemoNode:
         node.subscribe("data/temperature", Temperature, self.on_temperature)
 
     def on_lidar(self, scan: LaserScan) -> None:
-        """Tell what is nearest."""
+        """Log what is nearest."""
         rospy.loginfo_throttle(1.0, f"Received LiDAR data: {of_scan(scan)}")
 
     def on_camera(self, image: Image) -> None:
-        """Tell how large the image is."""
+        """Log how large the image is."""
         text = f"Received Camera data: width={image.width}, height={image.height}"
         rospy.loginfo_throttle(1.0, text)
 
     def on_temperature(self, temperature: Temperature) -> None:
-        """Tell how warm it is."""
+        """Log how warm it is."""
         text = f"Received Temperature data: {temperature.temperature:.2f} °C"
         rospy.loginfo_throttle(1.0, text)
 

@@ -1,4 +1,4 @@
-"""A node that tells who it is, and logs at five levels."""
+"""A node that logs its names, and lines at five levels."""
 
 import rospy
 
@@ -12,7 +12,7 @@ class ExampleNodeParameters(ParameterSet):
 
 
 class ExampleNode:
-    """Tells its names and the time once, and logs a line of each level again and again.
+    """Logs its names and the time once, and a line of each level again and again.
 
     :ROS Parameters:
         - those of :class:`ExampleNodeParameters`, private and live
@@ -28,7 +28,7 @@ class ExampleNode:
         node.every(lambda: settings.values.rate, self.log)
 
     def log(self, elapsed: float) -> None:
-        """Log a line of each level; that of debug is seen only by who asks for it."""
+        """Log a line of each level; debug messages are shown only when asked for."""
         rospy.logdebug("Debug message")
         rospy.loginfo("Info message")
         rospy.logwarn("Warning message")

@@ -12,7 +12,7 @@ class LifecycleAwareNodeParameters(ParameterSet):
 
 
 class LifecycleAwareNode(ManagedNode):
-    """Logs a heartbeat each second while it is active, and each step of its life.
+    """Logs a heartbeat each second while it is active, and each of its transitions.
 
     :ROS Publishers and Services:
         - those of every :class:`nodekit.ManagedNode`
@@ -32,22 +32,22 @@ class LifecycleAwareNode(ManagedNode):
         rospy.loginfo("Configured for robot: %s", self.settings.values.robot_name)
 
     def on_activate(self, made: Maker) -> None:
-        """Let the heart beat."""
+        """Start the heartbeat."""
         rospy.loginfo("Activating...")
         made.every(1.0, self.beat)
         rospy.loginfo("Active and running")
 
     def on_deactivate(self) -> None:
-        """Tell of it; the timer is stopped without further ado."""
+        """Log it; the timer is stopped by itself."""
         rospy.loginfo("Deactivating...")
         rospy.loginfo("Deactivated")
 
     def on_cleanup(self) -> None:
-        """Tell of it; the parameters are given up without further ado."""
+        """Log it; the parameters are given up by themselves."""
         rospy.loginfo("Cleaning up...")
 
     def on_shutdown(self) -> None:
-        """Tell of it."""
+        """Log it."""
         rospy.loginfo("Shutting down, was %s", self.previous_state.label)
 
     def beat(self, elapsed: float) -> None:

@@ -16,7 +16,7 @@ from lifecycle_manager.contact import Contact
 from lifecycle_manager.plan import Level
 from lifecycle_manager.reports import reports
 from lifecycle_manager.rivals import rival
-from lifecycle_manager.system import FIRST_LOOK_S, System
+from lifecycle_manager.system import FIRST_QUERY_S, System
 from nodekit import (
     BoolParameter,
     FloatParameter,
@@ -31,12 +31,12 @@ from nodekit import (
 )
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 
-#: How often it looks around, Hz.
-LOOK_HZ = 20.0
-#: How often it reports at least, Hz.
+#: How often it checks its nodes, Hz.
+CHECK_HZ = 20.0
+#: How often it publishes diagnostics, at least, Hz.
 REPORT_HZ = 1.0
 #: What is allowed as nodes.
-ALONE = "nodes without another manager"
+ALONE = "nodes that have no other manager"
 #: Longest time that it takes, at its end, to bring the nodes down, s.
 END_S = 1.5
 
@@ -48,30 +48,40 @@ class LifecycleManagerParameters(ParameterSet):
         ListParameter(
             [],
             element=StringParameter("", help=""),
-            help="the nodes in their order; a relative name is in the manager's namespace",
+            help="the nodes, in start order; relative names are in the manager's namespace",
         )
     )
-    autostart = read_once(BoolParameter(False, help="bring the nodes up without being told"))
+    autostart = read_once(
+        BoolParameter(False, help="bring the nodes up at the start, without a command")
+    )
     heartbeat_timeout = FloatParameter(
-        0.8, minimum=0.4, maximum=60.0, unit="s", help="silence after which a node is lost"
+        0.8,
+        minimum=0.4,
+        maximum=60.0,
+        unit="s",
+        help="time without a heartbeat after which a node counts as lost",
     )
     respawn_window = FloatParameter(
-        10.0, minimum=0.0, maximum=3600.0, unit="s", help="how long a node may be away"
+        10.0,
+        minimum=0.0,
+        maximum=3600.0,
+        unit="s",
+        help="how long a lost node may take to come back",
     )
     request_timeout = FloatParameter(
-        5.0, above=0.0, maximum=3600.0, unit="s", help="longest wait for the end of a transition"
+        5.0, above=0.0, maximum=3600.0, unit="s", help="how long a transition may take"
     )
 
 
 class LifecycleManager:
     """Configures all nodes in order, then activates all in order; takes them down in reverse.
 
-    Where one is lost, those before it are deactivated and those after it cleaned up as well, until
-    it is back. Where one fails to do what it is asked, all others come down and stay there until
-    told.
+    When a node is lost, those before it are deactivated and those after it cleaned up as well,
+    until it is back. When a transition fails, all other nodes come down and stay down until the
+    next command.
 
     :ROS Services:
-        - ``~manage_nodes`` (nodekit_msgs/ManageNodes): brings them up or down, and answers when
+        - ``~manage_nodes`` (nodekit_msgs/ManageNodes): brings them up or down; answers when
           that is done or has failed
         - ``~is_active`` (std_srvs/Trigger): whether all are active
         - of each node: ``change_state``, ``get_state``, as a client
@@ -95,7 +105,7 @@ class LifecycleManager:
         values = self._settings.values
         names = [node.resolve(name) for name in values.node_names]
         if not names or len(set(names)) < len(names):
-            raise self._refused("names of nodes, each of them once")
+            raise self._refused("a list of node names without duplicates")
         claimed = rival(node, names)
         if claimed:
             raise self._refused(ALONE, claimed)
@@ -104,21 +114,21 @@ class LifecycleManager:
             member: Contact(node, self._system, member, self.work)
             for member in self._system.members
         }
-        self._answer: "Future[Tuple[bool, str]]" = Future()  # to the command that came last
+        self._answer: "Future[Tuple[bool, str]]" = Future()  # to the latest command
         self._has_begun = threading.Event()
-        self._is_alone = False  # once it is known that the nodes have no other manager
-        self._told = ""
+        self._is_alone = False  # until it is known that the nodes have no other manager
+        self._reported = ""
         self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
         waiting = node.group(exclusive=False)
         node.service("~manage_nodes", ManageNodes, self.manage, group=waiting)
         node.service("~is_active", Trigger, self.is_active)
-        node.every(LOOK_HZ, self.look_around, steady=True)
+        node.every(CHECK_HZ, self.check_nodes, steady=True)
         node.every(REPORT_HZ, self.report, steady=True)
         node.before_end(self.end)
 
     def manage(self, request: ManageNodesRequest) -> Tuple[bool, str]:
-        """Take a command, and answer when the nodes are where it leads to, or cannot be."""
-        self._has_begun.wait(2 * FIRST_LOOK_S)  # what is allowed depends on what it finds
+        """Take a command; answer when the nodes have come to its goal, or cannot."""
+        self._has_begun.wait(2 * FIRST_QUERY_S)  # what is allowed depends on what it finds
         try:
             return self._command(request.command).result()
         except ValueError as refusal:
@@ -128,37 +138,37 @@ class LifecycleManager:
         """Tell whether all nodes are active."""
         return self._system.is_active, self._system.summary
 
-    def look_around(self, _: float) -> None:
-        """Notice who is silent, and who has not come back."""
+    def check_nodes(self, _: float) -> None:
+        """Notice nodes that are silent, and nodes that have not come back."""
         if not self._is_alone:
             self._make_sure()
         for contact in self._contacts.values():
-            contact.look()
+            contact.check_connection()
         values = self._settings.values
         now = time.monotonic()
-        self._system.look_around(values.heartbeat_timeout, values.respawn_window, now)
+        self._system.check_timeouts(values.heartbeat_timeout, values.respawn_window, now)
         self.work()
 
     def work(self) -> None:
-        """Ask the nodes whatever they are to be asked now, and tell what has changed."""
+        """Send the requests that are due, and report what has changed."""
         if not self._is_alone:
             return
         if self._system.goal is not None:
             self._has_begun.set()
-        self._tell()
+        self._report_changes()
         member = self._system.ask_next(time.monotonic())
         while member is not None:
-            self._contacts[member].ask(self._settings.values.request_timeout)
+            self._contacts[member].send_request(self._settings.values.request_timeout)
             member = self._system.ask_next(time.monotonic())
         result = self._system.settle()
         if result is not None and not self._answer.done():
             self._answer.set_result(result)
 
-    def _tell(self) -> None:
-        """Report what has changed; log what is wrong, and what is done."""
+    def _report_changes(self) -> None:
+        """Publish and log the summary where it has changed."""
         summary = self._system.summary
-        if summary != self._told:
-            self._told = summary
+        if summary != self._reported:
+            self._reported = summary
             if self._system.problem:
                 rospy.logerr("%s", summary)
             elif self._system.is_reached:
@@ -171,26 +181,26 @@ class LifecycleManager:
         self._diagnostics.publish(header, reports(self._node.name, self._system))
 
     def end(self) -> None:
-        """Bring the nodes down, as far as there is time: nobody will watch them."""
+        """Bring the nodes down, as far as time allows: nobody will watch them."""
         if not self._is_alone:
             return
         with contextlib.suppress(concurrent.futures.TimeoutError):
             self._command(ManageNodesRequest.RESET).result(END_S)
         left = [each.name for each in self._system.members if each.level > Level.UNCONFIGURED]
         if left:
-            rospy.logwarn("left behind as they are: %s", ", ".join(left))
+            rospy.logwarn("left in their present states: %s", ", ".join(left))
 
     def _command(self, number: int) -> "Future[Tuple[bool, str]]":
         """Take a command.
 
         :param number: of the command
-        :returns: what has come of it, later
-        :raises ValueError: if it is none, or not one for now
+        :returns: its result, later
+        :raises ValueError: if there is no such command, or it is not allowed now
         """
         with self._node.default_group:
             self._system.command(number, time.monotonic())
             if not self._answer.done():
-                self._answer.set_result((False, "another command has come"))
+                self._answer.set_result((False, "superseded by another command"))
             answer = self._answer = Future()
             self.work()
         return answer
@@ -201,7 +211,7 @@ class LifecycleManager:
         return error.in_namespace(self._node.name)
 
     def _make_sure(self) -> None:
-        """Look once more for another manager, which may have started at the same time."""
+        """Check again for another manager, which may have started at the same time."""
         claimed = rival(self._node, [member.name for member in self._contacts])
         if claimed:
             give_up(self._refused(ALONE, claimed))

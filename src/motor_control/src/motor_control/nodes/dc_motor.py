@@ -16,10 +16,10 @@ class DcMotor:
     """Publishes the speed y of a motor, tau dy/dt + y = K u, while it is enabled.
 
     Each time it is enabled it starts from its initial conditions, with an input of 0 until the
-    first message. Disabled, it stands still: it says so by a last speed of 0, and is silent then.
+    first message. Disabled, it stands still: it publishes a last speed of 0, and then nothing.
 
     :ROS Subscribers:
-        - ``motor_input_u`` (std_msgs/Float32); what is not finite is left out, with a warning
+        - ``motor_input_u`` (std_msgs/Float32); what is not finite is ignored, with a warning
 
     :ROS Publishers:
         - ``motor_speed_y`` (std_msgs/Float32)

@@ -1,4 +1,4 @@
-"""The set point: tells a motor what to do, once that is enabled."""
+"""The set point: publishes the input of a motor, once that is enabled."""
 
 import copy
 from typing import Any
@@ -23,7 +23,7 @@ class SetPointParameters(SignalParameters):
     """All that a signal can be, with ``omega`` in the place of ``frequency``."""
 
     omega = _with_default("frequency", 1.0)
-    #: What the signal source reads; no parameter any more.
+    #: What the signal source reads; not a parameter here.
     frequency: Any = property(lambda self: self.omega)
     #: The motor decides when the signal starts.
     autostart: Any = False
@@ -32,8 +32,8 @@ class SetPointParameters(SignalParameters):
 class SetPoint:
     """Publishes the input of a motor, by default u = amplitude sin(omega t).
 
-    It has the motor enabled first and is silent until it is. When the motor is disabled or gone, a
-    last stop_value goes out, and the signal's time stands still until it goes on.
+    It has the motor enabled first, and publishes nothing before. When the motor is disabled or
+    gone, it publishes stop_value once, and the signal's time stands still until it goes on.
 
     :ROS Publishers:
         - ``motor_input_u`` (std_msgs/Float32)

@@ -28,7 +28,7 @@ class AddTwoIntsServerParameters(ParameterSet):
     """Parameters of add_two_ints_server."""
 
     delay = FloatParameter(
-        0.0, minimum=0.0, maximum=3600.0, unit="s", help="time that an answer takes"
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="how long the server takes to answer"
     )
     threads = read_once(
         IntParameter(4, minimum=1, maximum=100, help="calls answered at the same time")
@@ -40,7 +40,7 @@ def add(a: int, b: int) -> int:
 
     :param a: an int64
     :param b: an int64
-    :raises OverflowError: if the sum is none
+    :raises OverflowError: if the sum is not an int64
     """
     total = a + b
     if not INT64_MIN <= total <= INT64_MAX:
@@ -51,7 +51,7 @@ def add(a: int, b: int) -> int:
 
 
 class AddTwoIntsServer:
-    """Adds two whole numbers; where the sum is no int64, the caller is told so.
+    """Adds two whole numbers; the caller gets an error where the sum does not fit into an int64.
 
     :ROS Services:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)

@@ -1,4 +1,4 @@
-"""Timers that exclude each other, and a topic that is heard beside them."""
+"""Timers that exclude each other, and a topic that is received beside them."""
 
 import threading
 import time
@@ -10,7 +10,7 @@ from nodekit import FloatParameter, MultiThreadedExecutor, Node, ParameterSet, r
 
 
 def _period(default: float, what: str) -> FloatParameter:
-    text = f"time from one call of {what} to the next"
+    text = f"time between calls of {what}"
     return FloatParameter(default, minimum=0.001, maximum=3600.0, unit="s", help=text)
 
 
@@ -27,7 +27,7 @@ class AdvancedNodeParameters(ParameterSet):
 class AdvancedNode:
     """Two timers in one exclusive group, and a subscription in another.
 
-    While a timer works, the other one waits, and messages are heard.
+    While a timer works, the other one waits, and messages are received.
 
     :ROS Subscribers:
         - ``input_topic`` (std_msgs/String)
@@ -46,20 +46,20 @@ class AdvancedNode:
 
     def timer1(self, elapsed: float) -> None:
         """Work for ``~timer1_sleep``."""
-        _tell("timer1 begins")
+        _log("timer1 begins")
         time.sleep(self._parameters.values.timer1_sleep)
-        _tell("timer1 ends")
+        _log("timer1 ends")
 
     def timer2(self, elapsed: float) -> None:
         """Be done at once."""
-        _tell("timer2")
+        _log("timer2")
 
     def on_input(self, message: String) -> None:
-        """Say what was heard."""
-        _tell(f"I heard: {message.data}")
+        """Log what was received."""
+        _log(f"I heard: {message.data}")
 
 
-def _tell(text: str) -> None:
+def _log(text: str) -> None:
     rospy.loginfo("%s (%s)", text, threading.current_thread().name)
 
 

@@ -8,11 +8,11 @@ from nodekit import Node, ParameterSet, StringParameter, run
 class AnotherNodeParameters(ParameterSet):
     """Parameters of another_node."""
 
-    param1 = StringParameter("default", help="what it says")
+    param1 = StringParameter("default", help="text that it publishes")
 
 
 class AnotherNode:
-    """Says its parameter each second.
+    """Publishes its parameter each second.
 
     :ROS Publishers:
         - ``output_topic`` (std_msgs/String)
@@ -24,10 +24,10 @@ class AnotherNode:
     def __init__(self, node: Node) -> None:
         self._parameters = node.parameters(AnotherNodeParameters)
         self._publisher = node.publisher("output_topic", String)
-        node.every(1.0, self.speak)
+        node.every(1.0, self.publish)
 
-    def speak(self, elapsed: float) -> None:
-        """Say it once."""
+    def publish(self, elapsed: float) -> None:
+        """Publish it once."""
         self._publisher.publish(self._parameters.values.param1)
 
 

@@ -13,16 +13,16 @@ class EfficientNodeParameters(ParameterSet):
     """Parameters of efficient_node."""
 
     processing_time = FloatParameter(
-        0.0, minimum=0.0, maximum=3600.0, unit="s", help="time that an image takes besides"
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="additional time to process an image"
     )
 
 
 class EfficientNode:
-    """Publishes how bright images are; of those that come meanwhile it takes the newest only.
+    """Publishes how bright images are; of those that come meanwhile it uses the newest only.
 
     - The queue holds one image, so what is handled is never old.
-    - The image is looked at where it lies; no part of it is copied.
-    - The answer is made once and filled anew each time.
+    - The image is read where it is; no part of it is copied.
+    - The answer is made once and filled again each time.
 
     :ROS Subscribers:
         - ``image_topic`` (sensor_msgs/Image)

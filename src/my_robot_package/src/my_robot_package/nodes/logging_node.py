@@ -1,4 +1,4 @@
-"""How to log, and what a node can say of itself."""
+"""How to log, and what a node can report of itself."""
 
 from typing import List
 

@@ -8,7 +8,7 @@ from nodekit import Node, run
 
 
 class MyRobotNode:
-    """Says hello each 0.5 s, and logs what it hears.
+    """Publishes a greeting each 0.5 s, and logs what it receives.
 
     :ROS Publishers:
         - ``topic_name`` (std_msgs/String): "Hello from" and the node's name
@@ -29,11 +29,11 @@ class MyRobotNode:
         rospy.loginfo("MyRobotNode initialized")
 
     def timer_callback(self, elapsed: float) -> None:
-        """Say hello."""
+        """Publish the greeting."""
         self._publisher.publish(self._text)
 
     def listener_callback(self, message: String) -> None:
-        """Say what was heard."""
+        """Log what was received."""
         rospy.loginfo("I heard: %s", message.data)
 
 

@@ -1,4 +1,4 @@
-"""A node that is told when its parameters change."""
+"""A node with a callback for changes of its parameters."""
 
 import rospy
 
@@ -7,7 +7,7 @@ from nodekit import Node, run
 
 
 class ParameterizedNode:
-    """Tells how fast its robot may go, at the start and after each change.
+    """Logs how fast its robot may go, at the start and after each change.
 
     :ROS Parameters:
         - those of :class:`.RobotParameters`, private and live
@@ -19,7 +19,7 @@ class ParameterizedNode:
         rospy.loginfo("%s: up to %s m/s, safety %s", values.robot_name, values.max_velocity, mode)
 
     def on_change(self, new: RobotParameters, old: RobotParameters) -> None:
-        """Tell of a new velocity; what is called here has been judged already."""
+        """Log a new velocity; values that come here have been validated already."""
         if new.max_velocity != old.max_velocity:
             rospy.loginfo("Max velocity updated to: %s", new.max_velocity)
 

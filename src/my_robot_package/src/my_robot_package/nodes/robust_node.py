@@ -47,7 +47,7 @@ class RobustNode:
     """Starts its sensors and actuators, recovers where that fails, and tries again.
 
     After ``~attempts`` failures it gives up: it says why, and its exit status is 1. When it is
-    ended, it puts the actuators to rest before.
+    ended, it stops the actuators first.
 
     :ROS Parameters:
         - those of :class:`RobustNodeParameters`, private
@@ -82,13 +82,13 @@ class RobustNode:
         """Start the actuators."""
 
     def recovery_procedure(self, error: Exception) -> None:
-        """Bring all parts back to where they can be started again."""
+        """Bring all parts back to a state from which they can be started."""
         rospy.logerr("Component initialization failed: %s", error)
         rospy.logwarn("Attempting recovery procedure...")
         time.sleep(self._settings.recovery_time)
 
     def shut_down(self) -> None:
-        """Put the actuators to rest."""
+        """Stop the actuators."""
         rospy.loginfo("Shutting down gracefully...")
 
 

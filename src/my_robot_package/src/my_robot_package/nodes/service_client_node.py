@@ -1,4 +1,4 @@
-"""A client that asks in both ways: it waits for the answer, or it is told of it later."""
+"""A client that calls in both ways: it waits for the answer, or has it handed over later."""
 
 import threading
 from typing import Optional
@@ -17,7 +17,7 @@ from nodekit import (
     run,
 )
 
-#: Time from one line to the next while there is no service, s; from 1 s on, nodekit has its own.
+#: Time between log lines while there is no service, s; from 1 s on, nodekit logs lines of its own.
 _WAIT_S = 0.9
 
 
@@ -27,7 +27,7 @@ class ServiceClientNodeParameters(ParameterSet):
     a = IntParameter(2, help="the first number")
     b = IntParameter(3, help="the second number")
     period = FloatParameter(
-        1.0, minimum=0.001, maximum=3600.0, unit="s", help="time from one pair of calls to the next"
+        1.0, minimum=0.001, maximum=3600.0, unit="s", help="time between pairs of calls"
     )
     timeout = FloatParameter(
         5.0, minimum=0.001, maximum=3600.0, unit="s", help="longest time that an answer takes"
@@ -38,7 +38,7 @@ class ServiceClientNode:
     """Has two numbers added, again and again: once asynchronously and once synchronously.
 
     The synchronous call waits, in a thread of the executor. The answer of the asynchronous one is
-    told in the node's own callback group, so after the callback that has asked for it.
+    handled in the node's own callback group, so after the callback that made the call.
 
     :ROS Clients:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
@@ -53,9 +53,9 @@ class ServiceClientNode:
         MultiThreadedExecutor(2).add_node(node)
         self._client = node.client("add_two_ints", AddTwoInts)
         self._has_found = False
-        node.every(lambda: 1.0 / self._parameters.values.period, self.ask)
+        node.every(lambda: 1.0 / self._parameters.values.period, self.send_requests)
 
-    def ask(self, elapsed: float) -> None:
+    def send_requests(self, elapsed: float) -> None:
         """Wait for the service, the first time, then send both requests."""
         if self._wait_for_service():
             settings = self._parameters.values
@@ -70,7 +70,7 @@ class ServiceClientNode:
         return self._has_found
 
     def send_request(self, a: int, b: int) -> Optional[int]:
-        """Ask and wait for the answer.
+        """Call, and wait for the answer.
 
         :param a: an int64
         :param b: an int64
@@ -81,11 +81,11 @@ class ServiceClientNode:
         except CallError as error:
             rospy.logerr("Service call failed: %s", error)
             return None
-        _tell("synchronous", answer.sum)
+        _log_result("synchronous", answer.sum)
         return int(answer.sum)
 
     def send_request_async(self, a: int, b: int) -> Optional[CallFuture]:
-        """Ask, and have :meth:`response_callback` called with the answer.
+        """Call, and have :meth:`response_callback` called with the answer.
 
         :param a: an int64
         :param b: an int64
@@ -102,14 +102,14 @@ class ServiceClientNode:
         return future
 
     def response_callback(self, future: CallFuture) -> None:
-        """Tell the answer."""
+        """Log the answer."""
         try:
-            _tell("asynchronous", future.result().sum)
+            _log_result("asynchronous", future.result().sum)
         except CallError as error:
             rospy.logerr("Service call failed: %s", error)
 
 
-def _tell(how: str, total: int) -> None:
+def _log_result(how: str, total: int) -> None:
     rospy.loginfo("Result: %d (%s, %s)", total, how, threading.current_thread().name)
 
 

@@ -1,4 +1,4 @@
-"""A node that is told by its parameters what to do, and says so."""
+"""A node that its parameters control, and that logs their changes."""
 
 import rospy
 
@@ -37,7 +37,7 @@ class ConfigurableNode:
         node.every(lambda: self._parameters.values.update_rate, self.tick)
 
     def tick(self, elapsed: float) -> None:
-        """Tell that it is alive, if it is enabled."""
+        """Log a tick, if it is enabled."""
         settings = self._parameters.values
         if settings.enabled:
             self._log.line(f"{settings.robot_name}: tick at {settings.update_rate}Hz")

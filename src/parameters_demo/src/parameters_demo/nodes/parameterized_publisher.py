@@ -8,7 +8,7 @@ from nodekit import Node, ParameterSet, RateParameter, StringParameter, run
 class ParameterizedPublisherParameters(ParameterSet):
     """Parameters of parameterized_publisher."""
 
-    message_prefix = StringParameter("Hello", help="what each message begins with")
+    message_prefix = StringParameter("Hello", help="what each message starts with")
     publish_rate = RateParameter(2.0, help="how often a message is published")
 
 

@@ -1,4 +1,4 @@
-"""A node that hears the sensors that a parameter names, and works at its own rate."""
+"""A node that subscribes to the sensors that a parameter names, and works at its own rate."""
 
 from functools import partial
 from typing import Any, Dict
@@ -24,9 +24,9 @@ class ProcessingDemoParameters(ParameterSet):
 
 
 class ProcessingDemo:
-    """Logs every fifth cycle what it has heard of which sensors, and what that says.
+    """Logs in every fifth cycle how many messages it has received, and what the newest say.
 
-    Messages are heard in one exclusive group and processed in another, so that one does not wait
+    Messages are received in one exclusive group and processed in another, so that neither waits
     for the other. A topic that the mode leaves out is not even subscribed to.
 
     :ROS Subscribers:
@@ -40,7 +40,7 @@ class ProcessingDemo:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._hearing, processing = node.group(), node.group()
+        self._receiving, processing = node.group(), node.group()
         self._parameters = node.parameters(
             ProcessingDemoParameters, on_change=self._on_change, group=processing
         )
@@ -48,8 +48,8 @@ class ProcessingDemo:
         self._cycles = 0
         self._latest: Dict[str, Any] = {}
         self._counts: Dict[str, int] = {}
-        self._heard = node.lifetime()
-        self._hear()
+        self._subscriptions = node.lifetime()
+        self._subscribe()
         node.every(lambda: self._parameters.values.processing_rate, self.process, group=processing)
 
     def process(self, elapsed: float) -> None:
@@ -61,27 +61,29 @@ class ProcessingDemo:
 
     def _status(self, name: str) -> str:
         message = self._latest.get(name)
-        told = SENSORS[name].tell(message) if message is not None else "nothing heard"
-        return f"{name} #{self._counts[name]}: {told}"
+        said = SENSORS[name].summarize(message) if message is not None else "no message"
+        return f"{name} #{self._counts[name]}: {said}"
 
-    def _hear(self) -> None:
-        """Hear what the mode names, and no longer anything else."""
-        self._heard.close()
+    def _subscribe(self) -> None:
+        """Subscribe to what the mode names, and to nothing else."""
+        self._subscriptions.close()
         mode = self._parameters.values.processing_mode
         names = [name for name in SENSORS if mode in ("all", f"{name}_only")]
         self._latest, self._counts = {}, dict.fromkeys(names, 0)
-        self._heard = self._node.lifetime()
+        self._subscriptions = self._node.lifetime()
         for name in names:
-            sensor, take = SENSORS[name], partial(self._take, name)
-            self._heard.subscribe(sensor.topic, sensor.message, take, 1, group=self._hearing)
+            sensor, callback = SENSORS[name], partial(self._on_message, name)
+            self._subscriptions.subscribe(
+                sensor.topic, sensor.message, callback, 1, group=self._receiving
+            )
 
-    def _take(self, name: str, message: Any) -> None:
+    def _on_message(self, name: str, message: Any) -> None:
         self._latest[name] = message
         self._counts[name] += 1
 
     def _on_change(self, new: ProcessingDemoParameters, old: ProcessingDemoParameters) -> None:
         if new.processing_mode != old.processing_mode:
-            self._hear()
+            self._subscribe()
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Time in which robots could be heard: it stands still with /clock, and while nobody listens."""
+"""The time in which messages could arrive: it stands still with /clock, and while we do."""
 
 from typing import Optional
 
@@ -9,18 +9,18 @@ _JUMP_S = 10.0
 class AwakeClock:
     """Counts the time that may be held against robots.
 
-    A pause of simulated time is none, and neither is a jump of it. Nor is the time in which this
-    process was stopped, or got no processor: robots' messages are still to be read then. When it
-    comes twice too late to look, it counts as much as if it had come in time.
+    A pause of simulated time does not count, and neither does a jump of it. Nor does the time in
+    which this process was stopped, or got no processor: robots' messages wait to be read then. A
+    reading that is more than twice too late counts as much as one in time.
 
-    :param look_s: how often it is read at least, s
+    :param interval_s: how often it is read at least, s
 
     :ivar time: the time so far, s
     """
 
-    def __init__(self, look_s: float) -> None:
+    def __init__(self, interval_s: float) -> None:
         self.time = 0.0
-        self._look_s = look_s
+        self._interval_s = interval_s
         self._now: Optional[float] = None
         self._machine = self._moved_at = 0.0
 
@@ -36,8 +36,8 @@ class AwakeClock:
             step, away = now - self._now, machine - self._machine
             if step:
                 self._moved_at = machine
-            if away > 2.0 * self._look_s:
-                step *= self._look_s / away
+            if away > 2.0 * self._interval_s:
+                step *= self._interval_s / away
             if 0.0 < step <= _JUMP_S:
                 self.time += step
         self._now, self._machine = now, machine

@@ -7,21 +7,21 @@ from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.robot import Finding, Note, Robot
 from robot_interfaces_demo.monitoring.settings import LONGEST_NAME, FleetMonitorParameters, is_name
 
-#: Most lines that are told at once.
+#: Most notes that are returned at once.
 MOST_NOTES = 10
-#: How long simulated time may stand still before that is told, s of the machine's clock.
+#: How long simulated time may stand still before that is reported, s of the machine's clock.
 STILL_S = 5.0
-#: How long messages that are left out are told of, s.
-LEFT_OUT_S = 60.0
+#: How long ignored messages are reported, s.
+IGNORED_S = 60.0
 #: What a table has of each robot, besides its name, level and message.
 _COLUMNS = ("presence", "age", "period", "mode", "battery", "temperature", "obstacle")
 
 
 class Fleet:
-    """Hears robots, and looks who has fallen silent.
+    """Keeps what the robots' messages say, and notices which have fallen silent.
 
-    Not more robots are kept than the settings allow, nor more that is to be told than
-    :data:`MOST_NOTES`; of the rest there is a count.
+    No more robots are kept than the settings allow, and no more notes than :data:`MOST_NOTES`;
+    the rest is counted.
 
     :param settings: limits and more
     :param now: time, s, of which all that follow are on the same scale
@@ -35,8 +35,8 @@ class Fleet:
         self._more = 0
         self._found = 0
         self._is_full = False
-        #: By the reason, how many messages were left out, and when the last one was.
-        self._left_out: Dict[str, Tuple[int, float]] = {}
+        #: By the reason, how many messages were ignored, and when the last one was.
+        self._ignored: Dict[str, Tuple[int, float]] = {}
         self.still_s = 0.0
         self.set(settings, now)
 
@@ -61,10 +61,10 @@ class Fleet:
                 del self._robots[robot.name]
         self._found = sum(not robot.is_expected for robot in self._robots.values())
 
-    def hear(
+    def add_message(
         self, name: str, publisher: str, mode: int, readings: Sequence[float], now: float
     ) -> None:
-        """Note a message.
+        """Record a message.
 
         :param name: of the robot
         :param publisher: name of the node that sent it
@@ -76,23 +76,23 @@ class Fleet:
         if robot is None:
             why = self._reason_against(name)
             if why:
-                self._leave_out(why, name, now)
+                self._ignore(why, name, now)
                 return
             robot = self._robots[name] = Robot(name, now)
             self._found += 1
-        self._note(robot.hear(publisher, mode, readings, now, self._settings))
+        self._add_notes(robot.add_message(publisher, mode, readings, now, self._settings))
 
-    def look(self, now: float) -> None:
-        """Note what time alone has changed.
+    def check_ages(self, now: float) -> None:
+        """Record what time alone has changed.
 
         :param now: time, s
         """
         self._is_full = False
-        for why, (_, last) in list(self._left_out.items()):
-            if now - last > LEFT_OUT_S:
-                del self._left_out[why]
+        for why, (_, last) in list(self._ignored.items()):
+            if now - last > IGNORED_S:
+                del self._ignored[why]
         for robot in list(self._robots.values()):
-            self._note(robot.look(now, self._settings))
+            self._add_notes(robot.check_age(now, self._settings))
             if robot.age(now) > self._settings.forget_after and self._is_dispensable(robot):
                 self._forget(robot)
 
@@ -121,24 +121,24 @@ class Fleet:
         wrong = [finding.name for finding in findings if finding.level is not Level.OK]
         parts = [f"{count} robot{'' if count == 1 else 's'}, {len(wrong) or 'nothing'} wrong"]
         if not count:
-            parts = ["no robot was heard"]
+            parts = ["no message from any robot"]
         elif wrong:
             rest = ", ..." if len(wrong) > MOST_NOTES else ""
             parts[0] += f": {', '.join(wrong[:MOST_NOTES])}{rest}"
         own = [
-            f"messages left out: {number}, as {why}" for why, (number, _) in self._left_out.items()
+            f"messages ignored: {number}, as {why}" for why, (number, _) in self._ignored.items()
         ]
         if self.still_s > STILL_S:
-            own.append("simulated time stands still, so nobody grows stale")
+            own.append("simulated time stands still, so no robot becomes stale")
         level = max([Level.OK, *(finding.level for finding in findings)])
         if own or not count:
             level = max(level, Level.WARN)
         return Finding("", level, "; ".join(parts + own), values)
 
     def _reason_against(self, name: str) -> str:
-        """Return why a new robot is left out, nothing if it is not."""
+        """Return why a new robot is ignored; empty where it is not."""
         if not is_name(name):
-            return f"a name is not 1 to {LONGEST_NAME} printable characters"
+            return f"a name must be 1 to {LONGEST_NAME} printable characters"
         return "" if self._make_room() else f"max_robots is {self._settings.max_robots}"
 
     def _make_room(self) -> bool:
@@ -152,11 +152,11 @@ class Fleet:
                 self._forget(lost)
         return not self._is_full
 
-    def _leave_out(self, why: str, name: str, now: float) -> None:
-        if why not in self._left_out:
-            text = f"{name[:LONGEST_NAME]!r} and others are left out: {why}"
-            self._note([Note(Level.WARN, text)])
-        self._left_out[why] = (self._left_out.get(why, (0, 0.0))[0] + 1, now)
+    def _ignore(self, why: str, name: str, now: float) -> None:
+        if why not in self._ignored:
+            text = f"{name[:LONGEST_NAME]!r} and others are ignored: {why}"
+            self._add_notes([Note(Level.WARN, text)])
+        self._ignored[why] = (self._ignored.get(why, (0, 0.0))[0] + 1, now)
 
     @staticmethod
     def _is_dispensable(robot: Robot) -> bool:
@@ -166,7 +166,7 @@ class Fleet:
         del self._robots[robot.name]
         self._found -= 1
 
-    def _note(self, notes: Iterable[Note]) -> None:
+    def _add_notes(self, notes: Iterable[Note]) -> None:
         for note in notes:
             if len(self._notes) < MOST_NOTES:
                 self._notes.append(note)

@@ -26,8 +26,8 @@ class PeriodLearner:
         self._arrival: Optional[float] = None
         self._second = 0.0
 
-    def note(self, now: float, longest: float) -> None:
-        """Note an arrival.
+    def add_arrival(self, now: float, longest: float) -> None:
+        """Record an arrival.
 
         :param now: time, s
         :param longest: longest period that there may be, s; what is longer is an absence

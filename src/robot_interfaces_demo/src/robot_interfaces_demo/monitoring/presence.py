@@ -45,7 +45,7 @@ TRANSITIONS: Dict[Tuple[Presence, Event], Presence] = {
 class Attendance:
     """Follows one robot through the table.
 
-    How often :meth:`look` is called makes no difference to where it leads.
+    How often :meth:`check_age` is called makes no difference to where it leads.
 
     :param state: the first state
     :param now: time, s
@@ -66,8 +66,8 @@ class Attendance:
         """
         return now - self._heard_at
 
-    def look(self, now: float, stale_s: float, lost_s: float) -> None:
-        """Note what time alone has changed.
+    def check_age(self, now: float, stale_s: float, lost_s: float) -> None:
+        """Record what time alone has changed.
 
         :param now: time, s
         :param stale_s: age of what is stale, s
@@ -75,22 +75,22 @@ class Attendance:
         """
         age = now - self._heard_at
         if age > stale_s:
-            self._step(Event.OVERDUE)
+            self._apply(Event.OVERDUE)
             if age > lost_s:
-                self._step(Event.GONE)
+                self._apply(Event.GONE)
 
-    def hear(self, now: float, stale_s: float, lost_s: float) -> None:
-        """Note a message; parameters as those of :meth:`look`."""
-        self.look(now, stale_s, lost_s)
+    def add_message(self, now: float, stale_s: float, lost_s: float) -> None:
+        """Record a message; parameters as those of :meth:`check_age`."""
+        self.check_age(now, stale_s, lost_s)
         self._heard_at = now
         if self.state is Presence.PRESENT:
             return
         was_returning = self.state is Presence.RETURNING
-        self._step(Event.HEARD)
+        self._apply(Event.HEARD)
         if not was_returning:
             self._returned_at = now
         elif now - self._returned_at >= stale_s:
-            self._step(Event.SETTLED)
+            self._apply(Event.SETTLED)
 
-    def _step(self, event: Event) -> None:
+    def _apply(self, event: Event) -> None:
         self.state = TRANSITIONS.get((self.state, event), self.state)

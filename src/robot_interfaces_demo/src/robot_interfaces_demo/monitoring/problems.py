@@ -1,4 +1,4 @@
-"""What may be wrong with a robot, judged from what it tells."""
+"""The problems of a robot, judged by its messages."""
 
 import enum
 import math
@@ -7,7 +7,7 @@ from typing import FrozenSet, Iterator, NamedTuple, Sequence
 from robot_interfaces_demo.modes import KNOWN, Mode
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
-#: How many readings a robot has to tell.
+#: How many readings a message must have.
 READINGS = 3
 
 
@@ -42,7 +42,7 @@ class Problem(enum.Enum):
         return self.value[1]
 
 
-#: Defects of a message; of these, the first of a kind is told, and no other.
+#: Defects of a message; of each kind only the first is logged.
 DEFECTS = frozenset((Problem.UNKNOWN_MODE, Problem.SHORT, Problem.NOT_FINITE))
 
 

@@ -1,4 +1,4 @@
-"""Who publishes under one name: a robot that was started again, or two that fight for it?"""
+"""Which nodes publish under one name: that of a robot that was restarted, or two at once?"""
 
 from typing import Dict, List
 
@@ -9,8 +9,8 @@ _MOST = 8
 class Publishers:
     """The publishers of messages that carry one name.
 
-    A robot that is started again has a new publisher, and its old one falls silent. Two are
-    rivals when one is heard again after the other.
+    A robot that is restarted has a new publisher, and its old one falls silent. Two are rivals
+    when a message of the one follows one of the other, and then the other way round.
 
     :ivar has_rivals: whether several publish now
     """
@@ -22,8 +22,8 @@ class Publishers:
         self._current = ""
         self._heard_at: Dict[str, float] = {}
 
-    def note(self, publisher: str, now: float, memory_s: float) -> None:
-        """Note a message.
+    def add_message(self, publisher: str, now: float, memory_s: float) -> None:
+        """Record a message.
 
         :param publisher: name of the node that sent it
         :param now: time, s

@@ -70,7 +70,7 @@ class Robot:
         "_period",
         "_publishers",
         "_problems",
-        "_told",
+        "_logged_defects",
         "_mode",
         "_readings",
         "_count",
@@ -81,7 +81,7 @@ class Robot:
         self._attendance = Attendance(Presence.AWAITED, now)
         self._period, self._publishers = PeriodLearner(), Publishers()
         self._problems: FrozenSet[Problem] = frozenset()
-        self._told: Set[Problem] = set()
+        self._logged_defects: Set[Problem] = set()
         self._mode, self._count = 0, 0
         self._readings: Sequence[float] = ()
 
@@ -92,7 +92,7 @@ class Robot:
 
     @property
     def was_seen(self) -> bool:
-        """Whether it was ever heard."""
+        """Whether a message of it has ever come."""
         return self._count > 0
 
     @property
@@ -115,8 +115,8 @@ class Robot:
         """Return the time from one of its messages to the next, s."""
         return settings.period or self._period.period(settings.longest_period)
 
-    def look(self, now: float, settings: FleetMonitorParameters) -> List[Note]:
-        """Note what time alone has changed.
+    def check_age(self, now: float, settings: FleetMonitorParameters) -> List[Note]:
+        """Record what time alone has changed.
 
         :param now: time, s
         :param settings: those in force
@@ -124,16 +124,16 @@ class Robot:
         """
         before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
-        self._attendance.look(now, settings.stale_after * period, settings.lost_after * period)
+        self._attendance.check_age(now, settings.stale_after * period, settings.lost_after * period)
         self._publishers.forget(now, settings.lost_after * period)
         news = []
         if had_rivals and not self._publishers.has_rivals:
             news.append(Note(Level.OK, f"{self.name}: one node publishes under this name again"))
         if self.presence is not before:
-            news.append(self._change(f", nothing heard for {self.age(now):.1f} s"))
+            news.append(self._change(f", no message for {self.age(now):.1f} s"))
         return news
 
-    def hear(
+    def add_message(
         self,
         publisher: str,
         mode: int,
@@ -141,7 +141,7 @@ class Robot:
         now: float,
         settings: FleetMonitorParameters,
     ) -> List[Note]:
-        """Note a message.
+        """Record a message.
 
         :param publisher: name of the node that sent it
         :param mode: number of the mode
@@ -152,9 +152,11 @@ class Robot:
         """
         before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
-        self._attendance.hear(now, settings.stale_after * period, settings.lost_after * period)
-        self._period.note(now, settings.longest_period)
-        self._publishers.note(publisher, now, settings.lost_after * period)
+        self._attendance.add_message(
+            now, settings.stale_after * period, settings.lost_after * period
+        )
+        self._period.add_arrival(now, settings.longest_period)
+        self._publishers.add_message(publisher, now, settings.lost_after * period)
         problems = judge(mode, readings, self._problems, settings)
         was, self._problems = self._problems, problems
         self._mode, self._readings, self._count = mode, readings[:READINGS], self._count + 1
@@ -192,18 +194,18 @@ class Robot:
 
     def _news(self, was: FrozenSet[Problem], now: FrozenSet[Problem]) -> Iterator[Note]:
         for problem in Problem:
-            if problem in now and problem not in was and problem not in self._told:
+            if problem in now and problem not in was and problem not in self._logged_defects:
                 if problem in DEFECTS:
-                    self._told.add(problem)
+                    self._logged_defects.add(problem)
                 yield Note(problem.level, f"{self.name}: {self._text(problem)}")
             elif problem in was and problem not in now and problem not in DEFECTS:
-                yield Note(Level.OK, f"{self.name}: no longer: {problem.text}")
+                yield Note(Level.OK, f"{self.name}: cleared: {problem.text}")
 
     def _text(self, problem: Problem) -> str:
         if problem is Problem.UNKNOWN_MODE:
             return f"{problem.text} {self._mode}"
         if problem is Problem.SHORT:
-            return f"{problem.text}: {len(self._readings)} of {READINGS} have come"
+            return f"{problem.text}: {len(self._readings)} of {READINGS} received"
         for limit, reading in zip(LIMITS, self._readings):
             if problem is Problem.NOT_FINITE and not math.isfinite(reading):
                 return f"{problem.text}: {limit.name} {reading}"

@@ -10,7 +10,7 @@ from nodekit import (
     rule,
 )
 
-#: Longest name of a robot that is taken, characters.
+#: Longest name of a robot, characters.
 LONGEST_NAME = 64
 
 
@@ -33,20 +33,28 @@ class FleetMonitorParameters(ParameterSet):
         minimum=0.0,
         maximum=3600.0,
         unit="s",
-        help="time from one message of a robot to the next; 0: learnt, for each robot",
+        help="time between messages of a robot; 0 to learn it, for each robot",
     )
     longest_period = FloatParameter(
         10.0,
         minimum=0.1,
         maximum=3600.0,
         unit="s",
-        help="longest period that is learnt, and that of a robot which is not known yet",
+        help="longest period that is learnt; assumed until a robot's period is known",
     )
     stale_after = FloatParameter(
-        3.0, minimum=1.0, maximum=1000.0, unit="periods", help="silence after which it is stale"
+        3.0,
+        minimum=1.0,
+        maximum=1000.0,
+        unit="periods",
+        help="time without a message after which a robot is stale",
     )
     lost_after = FloatParameter(
-        10.0, minimum=1.0, maximum=1000.0, unit="periods", help="silence after which it is lost"
+        10.0,
+        minimum=1.0,
+        maximum=1000.0,
+        unit="periods",
+        help="time without a message after which a robot is lost",
     )
     battery_low = FloatParameter(
         11.0, minimum=0.0, maximum=1000.0, unit="V", help="warn below this battery voltage"
@@ -61,19 +69,21 @@ class FleetMonitorParameters(ParameterSet):
         0.02,
         minimum=0.0,
         maximum=0.5,
-        help="part of a limit by which a reading has to come back for its warning to end",
+        help="fraction of a limit by which a reading must come back to end its warning",
     )
     max_robots = IntParameter(
-        1000, minimum=1, maximum=100000, help="most robots, besides those that are expected"
+        1000, minimum=1, maximum=100000, help="most robots, besides the expected ones"
     )
     forget_after = FloatParameter(
         3600.0,
         minimum=1.0,
         maximum=1e9,
         unit="s",
-        help="age at which a lost robot that is not expected is forgotten",
+        help="time without a message after which a lost robot that is not expected is forgotten",
     )
-    rate = RateParameter(1.0, maximum=50.0, help="how often diagnostics and log lines are given")
+    rate = RateParameter(
+        1.0, maximum=50.0, help="how often diagnostics are published and changes logged"
+    )
 
     @rule("stale_after", "lost_after")
     def _stale_before_lost(self) -> None:

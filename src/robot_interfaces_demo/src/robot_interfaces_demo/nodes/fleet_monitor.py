@@ -15,16 +15,16 @@ from robot_interfaces_demo.monitoring.fleet import Fleet, as_table
 from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
-#: How often it looks who has fallen silent, Hz.
-LOOK_HZ = 5.0
+#: How often it checks for robots that have fallen silent, Hz.
+CHECK_HZ = 5.0
 _LOGS = {Level.OK: rospy.loginfo, Level.WARN: rospy.logwarn, Level.ERROR: rospy.logerr}
 
 
 class FleetMonitor:
-    """Finds robots by the names in their messages, and tells which are missing or not well.
+    """Finds robots by the names in their messages, and reports which are missing or have problems.
 
     Times are those of arrival. They go by the machine's clock or, with /use_sim_time set, by
-    ``/clock``: while that stands still, nobody grows stale, and the diagnostics say so.
+    ``/clock``: while that stands still, no robot becomes stale, and the diagnostics say so.
 
     :ROS Subscribers:
         - ``robot_status`` (robot_custom_interfaces/RobotStatus)
@@ -43,14 +43,14 @@ class FleetMonitor:
         self._name = node.name
         self._parameters = node.parameters(FleetMonitorParameters, on_change=self._on_change)
         self._ros_time = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
-        self._clock = AwakeClock(1.0 / LOOK_HZ)
+        self._clock = AwakeClock(1.0 / CHECK_HZ)
         self._fleet = Fleet(self._parameters.values, self._now())
         self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
-        node.subscribe_batches("robot_status", RobotStatus, self.hear)
+        node.subscribe_batches("robot_status", RobotStatus, self.on_status)
         node.service("~report", Trigger, self.report)
-        # By the machine's clock: what stands still has to be told, too.
-        node.every(LOOK_HZ, self.look, steady=True)
-        node.every(lambda: self._parameters.values.rate, self.tell, steady=True)
+        # By the machine's clock: that /clock stands still has to be reported, too.
+        node.every(CHECK_HZ, self.check_ages, steady=True)
+        node.every(lambda: self._parameters.values.rate, self.publish_report, steady=True)
 
     def _now(self) -> float:
         return self._clock.read(self._ros_time(), time.monotonic())
@@ -58,28 +58,28 @@ class FleetMonitor:
     def _on_change(self, new: FleetMonitorParameters, old: FleetMonitorParameters) -> None:
         self._fleet.set(new, self._now())
 
-    def hear(self, messages: List[RobotStatus]) -> None:
-        """Note messages that have arrived together."""
+    def on_status(self, messages: List[RobotStatus]) -> None:
+        """Record messages that have arrived together."""
         now = self._now()
         for message in messages:
             publisher = message._connection_header.get("callerid", "")
             readings = message.sensor_readings
-            self._fleet.hear(message.robot_name, publisher, message.mode, readings, now)
+            self._fleet.add_message(message.robot_name, publisher, message.mode, readings, now)
 
-    def look(self, elapsed: float) -> None:
-        """See who has fallen silent."""
-        self._fleet.look(self._now())
+    def check_ages(self, elapsed: float) -> None:
+        """Check for robots that have fallen silent."""
+        self._fleet.check_ages(self._now())
         self._fleet.still_s = self._clock.still_s
 
-    def tell(self, elapsed: float) -> None:
-        """Log what is new, and publish how all are."""
+    def publish_report(self, elapsed: float) -> None:
+        """Log what is new, and publish diagnostics."""
         for level, text in self._fleet.notes():
             _LOGS[level]("%s", text)
         self._diagnostics.publish(as_message(self._name, self._fleet.findings(self._now())))
 
     def report(self, request: TriggerRequest) -> TriggerResponse:
         """Answer with a table."""
-        self.look(0.0)
+        self.check_ages(0.0)
         findings = self._fleet.findings(self._now())
         return TriggerResponse(findings[0].level is Level.OK, as_table(findings))
 

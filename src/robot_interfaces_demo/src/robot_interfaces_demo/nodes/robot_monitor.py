@@ -1,4 +1,4 @@
-"""A robot that tells how it is."""
+"""A robot that publishes its status."""
 
 import rospy
 from std_msgs.msg import Header
@@ -16,7 +16,7 @@ from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.modes import name_of
 from robot_interfaces_demo.robot_model import FAULTS, RobotModel
 
-#: A fault that is not in what it tells: it tells nothing.
+#: The fault of publishing nothing.
 SILENT = "silent"
 
 
@@ -25,18 +25,14 @@ class RobotMonitorParameters(ParameterSet):
 
     robot_name = StringParameter("robot_01", help="name of the robot")
     period = FloatParameter(
-        2.0, minimum=0.001, maximum=3600.0, unit="s", help="time from one message to the next"
+        2.0, minimum=0.001, maximum=3600.0, unit="s", help="time between messages"
     )
-    messages_per_mode = IntParameter(
-        15, minimum=1, help="messages after which it goes on to the next mode"
-    )
-    fault = EnumParameter(
-        "none", choices=(*FAULTS, SILENT), help="what is wrong with what it tells"
-    )
+    messages_per_mode = IntParameter(15, minimum=1, help="messages in each mode")
+    fault = EnumParameter("none", choices=(*FAULTS, SILENT), help="fault in what it publishes")
 
 
 class RobotMonitor:
-    """A robot that goes through its modes, and tells each period how it is.
+    """A robot that goes through its modes, and publishes its status each period.
 
     :ROS Publishers:
         - ``robot_status`` (robot_custom_interfaces/RobotStatus)
@@ -53,7 +49,7 @@ class RobotMonitor:
         node.every(lambda: 1.0 / self._parameters.values.period, self.publish_status)
 
     def publish_status(self, elapsed: float) -> None:
-        """Tell how it is."""
+        """Publish how the robot is."""
         settings = self._parameters.values
         status = self._model.step(settings.messages_per_mode)
         if settings.fault == SILENT:

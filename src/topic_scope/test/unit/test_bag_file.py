@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, Int32, String
 
-from topic_scope.bag.bag_file import BagError, BagFile, Slice
+from topic_scope.bag.bag_file import BagError, BagFile
+from topic_scope.bag.bag_messages import Slice, first_messages, slices
 
 #: Topic, length of the text, time; small chunks hold some of them each, out of order.
 messages = st.lists(
@@ -109,10 +110,10 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
     bag.close()
 
 
-def in_order(slices: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
+def in_order(chunks: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
     """Return time, topic and bytes of messages as they come; of one slice by time."""
     found = []
-    for together in slices:
+    for together in chunks:
         assert len({one.topic for one in together}) == len(together)
         messages = [
             (time, one.topic, data)
@@ -134,7 +135,7 @@ def test_messages_of_a_range_come_in_order_with_exact_times(
     path = write(tmp_path_factory.mktemp("bags") / "x.bag", told)
     with BagFile(path) as bag:
         assert bag.length == max(time for _, _, time in told)
-        found = in_order(list(bag.slices(["/a", "/c"], start, end)))
+        found = in_order(list(slices(bag, ["/a", "/c"], start, end)))
     last = 10**10 if end is None else end
     expected = [
         (time - BEGIN, topic, data)
@@ -150,8 +151,8 @@ def test_only_the_topics_asked_for_come(tmp_path: Path) -> None:
     with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
         assert bag.topics == ["/a", "/b", "/c"]
         assert bag.count(["/a", "/c"]) == 3
-        found = in_order(list(bag.slices(["/a", "/c"])))
-        first = bag.first_messages()
+        found = in_order(list(slices(bag, ["/a", "/c"])))
+        first = first_messages(bag)
     wanted = [(0, "/a", Int32(1)), (2, "/a", Int32(3)), (3, "/c", Int32(4))]
     assert found == [(time, topic, serialized(message)) for time, topic, message in wanted]
     assert {topic: one.data for topic, one in first.items()} == {
@@ -163,13 +164,13 @@ def test_only_the_topics_asked_for_come(tmp_path: Path) -> None:
 def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
     path = write(tmp_path / "x.bag", [("a", 300, time) for time in range(20)] + [("b", 1, 99)])
     with BagFile(path) as bag:
-        assert bag.first_messages()["/b"].data == serialized(String("x"))
+        assert first_messages(bag)["/b"].data == serialized(String("x"))
 
 
 def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
     with BagFile(write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])) as bag:
         assert bag.topics == ["/a"]
-        found = in_order(list(bag.slices(["/a"])))
+        found = in_order(list(slices(bag, ["/a"])))
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
 
 
@@ -177,7 +178,7 @@ def test_topic_that_changes_its_type(tmp_path: Path) -> None:
     # rosbag writes one type for each name, but recorded by somebody else these are one topic.
     path = write_bag(tmp_path / "x.bag", [("/x", Int32(1), 0), ("x", Float64(1.0), 1)])
     with BagFile(path) as bag, pytest.raises(BagError) as caught:
-        list(bag.slices(["/x"]))
+        list(slices(bag, ["/x"]))
     assert str(caught.value).endswith("the messages of /x change their type")
 
 

@@ -14,7 +14,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
 from topic_scope.bag import plot_bag_command
-from topic_scope.bag.bag_file import BagFile
 
 
 @pytest.fixture
@@ -203,7 +202,7 @@ def test_ctrl_c_ends_it_without_a_trace(
     def interrupted(*_arguments: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(BagFile, "slices", interrupted)
+    monkeypatch.setattr(plot_bag_command, "slices", interrupted)
     with pytest.raises(SystemExit) as caught:
         call(monkeypatch, bag, "/x/data", "-o", "out.csv")
     assert caught.value.code == 130

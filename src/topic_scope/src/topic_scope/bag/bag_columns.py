@@ -4,7 +4,7 @@ import difflib
 from functools import partial
 from typing import Collection, List, Mapping, NamedTuple, Tuple
 
-from topic_scope.bag.bag_file import FirstMessage
+from topic_scope.bag.bag_messages import FirstMessage
 from topic_scope.messages.arrays import lengths_in, names_in, with_names
 from topic_scope.messages.derived import terms
 from topic_scope.messages.fields import (
@@ -50,7 +50,7 @@ def choose(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -
     """Return what a list of names stands for, each number once.
 
     :param expressions: names in the notation of :mod:`topic_scope.messages.fields`
-    :param first_messages: as :meth:`.BagFile.first_messages` returns them
+    :param first_messages: as :func:`.first_messages` returns them
     :raises FieldError: if there is no such number; the text names those nearest to it
     """
     columns: List[Column] = []
@@ -66,7 +66,7 @@ def choose_lines(
     """Return what a list of names stands for: numbers, or each two whose difference is meant.
 
     :param expressions: as for :func:`choose`, or two of them with ``-`` between
-    :param first_messages: as :meth:`.BagFile.first_messages` returns them
+    :param first_messages: as :func:`.first_messages` returns them
     :raises FieldError: as :func:`choose`, and if a difference is not of one number and another
     """
     lines: List[Tuple[Column, ...]] = []
@@ -84,7 +84,7 @@ def choose_lines(
 def all_columns(first_messages: Mapping[str, FirstMessage]) -> List[Column]:
     """Return all numbers that there are, as far as :func:`.numeric_fields` lists them.
 
-    :param first_messages: as :meth:`.BagFile.first_messages` returns them
+    :param first_messages: as :func:`.first_messages` returns them
     """
     return [
         Column(topic, field.path)

@@ -3,7 +3,7 @@
 from typing import Iterable, List, TextIO
 
 from topic_scope.analysis.csv_rows import header, rows
-from topic_scope.bag.bag_file import Slice
+from topic_scope.bag.bag_messages import Slice
 from topic_scope.bag.column_reader import ColumnReader, exact_seconds
 
 

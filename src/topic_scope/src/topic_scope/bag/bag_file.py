@@ -9,11 +9,9 @@ stay as they were sent. The format: http://wiki.ros.org/Bags/Format/2.0.
 import bz2
 import os
 import struct
-from typing import Collection, Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 import numpy
-
-from topic_scope.messages import definitions
 
 #: What all bags start with, and those of the version that is read.
 _ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
@@ -59,35 +57,6 @@ class Part(NamedTuple):
         return Part(self.connection, self.times[first:last], self.messages[first:last])
 
 
-class Slice(NamedTuple):
-    """Messages of one topic.
-
-    :param topic: its global name
-    :param times: when they were recorded, ascending, since the start of the bag, ns
-    :param messages: as they were sent
-    """
-
-    topic: str
-    times: numpy.ndarray
-    messages: List[bytes]
-
-    @classmethod
-    def empty(cls, topic: str) -> "Slice":
-        """Return no messages."""
-        return cls(topic, numpy.empty(0, numpy.int64), [])
-
-
-class FirstMessage(NamedTuple):
-    """The message of a topic that tells what there is in it.
-
-    :param layout: its layout
-    :param data: the message as it was sent
-    """
-
-    layout: definitions.Record
-    data: bytes
-
-
 class Record(NamedTuple):
     """The start of a record.
 
@@ -105,13 +74,14 @@ class BagFile:
     :param path: the file
     :raises BagError: if it cannot be read, or holds nothing
 
+    :ivar path: the file
     :ivar connections: by their numbers; only those with messages
     :ivar start: time of the first message, since the epoch, ns
     :ivar end: time of the last one
     """
 
     def __init__(self, path: str) -> None:
-        self._path = path
+        self.path = path
         try:
             self._file = open(path, "rb")
             version = self._file.readline(80)
@@ -154,16 +124,16 @@ class BagFile:
 
         :param topics: global names
         """
-        return sum(self._counts[number] for number in self._numbers_of(topics))
+        return sum(self._counts[number] for number in self.numbers_of(topics))
 
     def _read_index(self) -> None:
         fields, length = self._record("file")
         if "encryptor" in fields and fields["encryptor"]:
-            raise BagError(f"{self._path} is encrypted: make a plain one: rosbag decrypt")
+            raise BagError(f"{self.path} is encrypted: make a plain one: rosbag decrypt")
         if _number(fields, "index_pos", _U64) == 0:
             raise BagError(
-                f"{self._path} has no index, as its recording was cut off; make one: "
-                f"rosbag reindex {self._path}"
+                f"{self.path} has no index, as its recording was cut off; make one: "
+                f"rosbag reindex {self.path}"
             )
         self._file.seek(_number(fields, "index_pos", _U64))
         known: Dict[int, Connection] = {}
@@ -191,78 +161,17 @@ class BagFile:
         self._chunks = numpy.sort(numpy.array(chunks, names), order="start")
         self.connections = {number: known[number] for number in sorted(self._holding)}
 
-    def _numbers_of(self, topics: Collection[str]) -> List[int]:
-        """Return the numbers of the connections of some topics."""
+    def numbers_of(self, topics: Collection[str]) -> List[int]:
+        """Return the numbers of the connections of some topics, by their global names."""
         return [number for number, one in self.connections.items() if one.topic in topics]
 
-    def first_messages(self) -> Dict[str, FirstMessage]:
-        """Return one of the first messages of each topic, by global name.
+    def first_chunk(self, connection: int) -> int:
+        """Return the number of the earliest chunk that holds messages of a connection.
 
-        :raises BagError: if a part of the bag is broken
+        :param connection: its number
         """
-        found: Dict[str, FirstMessage] = {}
-        for number, position in enumerate(self._chunks["position"].tolist()):
-            wanted = [
-                one
-                for one, connection in self.connections.items()
-                if connection.topic not in found and position in self._holding[one]
-            ]
-            for part in self.read(number, wanted) if wanted else []:
-                topic, header = self.connections[part.connection]
-                try:
-                    layout = definitions.parse(
-                        header.get("type", ""), header.get("message_definition", "")
-                    )
-                except definitions.DefinitionError as error:
-                    raise self.broken(error) from error
-                found.setdefault(topic, FirstMessage(layout, part.messages[0]))
-        return found
-
-    def slices(
-        self, topics: Collection[str], start: int = 0, end: Optional[int] = None
-    ) -> Iterator[List[Slice]]:
-        """Read the messages of some topics, a chunk or so at a time.
-
-        :param topics: global names
-        :param start: time of the first one, since the start of the bag, ns
-        :param end: time of the last one; None for the end of the bag
-        :returns: slices of the topics, at most one of each; what comes later in time comes later
-        :raises BagError: if a part of the bag is broken, or a topic changes its type
-        """
-        wanted = self._numbers_of(topics)
-        said = [self.connections[number] for number in wanted]
-        types = {(one.topic, one.header.get("md5sum")) for one in said}
-        for topic in topics:
-            if sum(name == topic for name, _ in types) > 1:
-                raise BagError(f"{self._path}: the messages of {topic} change their type")
-        first = self.start + start
-        last = self.end if end is None else min(self.start + end, self.end)
-        numbers, starts = self.chunks_after(first - 1)
-        waiting: List[Part] = []
-        for number, known_until in zip(numbers, [*starts[1:], last + 1]):
-            waiting += self.read(number, wanted)
-            until = min(known_until, last + 1)
-            yield self._sliced(waiting, first, until)
-            if known_until > last:
-                return
-            waiting = [part.between(until, self.end + 1) for part in waiting]
-            waiting = [part for part in waiting if part.messages]
-
-    def _sliced(self, parts: List[Part], start: int, end: int) -> List[Slice]:
-        """Put together what parts hold of each topic from one time to before another, ns."""
-        of_topic: Dict[str, List[Part]] = {}
-        for part in parts:
-            part = part.between(start, end)
-            if part.messages:
-                of_topic.setdefault(self.connections[part.connection].topic, []).append(part)
-        slices = []
-        for topic, found in of_topic.items():
-            times = numpy.concatenate([part.times for part in found])
-            messages = [message for part in found for message in part.messages]
-            order = numpy.argsort(times, kind="stable")
-            in_order = [messages[index] for index in order.tolist()]
-            slices.append(Slice(topic, times[order] - self.start, in_order))
-        return slices
+        holding = numpy.isin(self._chunks["position"], self._holding[connection])
+        return int(numpy.flatnonzero(holding)[0])
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
         """Return the numbers of the chunks that hold messages later than a time, and their starts.
@@ -302,7 +211,7 @@ class BagFile:
         """
         reason = str(error) or type(error).__name__
         text = "%s is broken (%s); what can be saved of it, this saves: rosbag reindex %s"
-        return BagError(text % (self._path, reason, self._path))
+        return BagError(text % (self.path, reason, self.path))
 
     def _read_chunk(self, position: int, wanted: Collection[int]) -> List[Part]:
         self._file.seek(position)
@@ -337,7 +246,7 @@ class BagFile:
             try:
                 import roslz4
             except ModuleNotFoundError:
-                text = f"{self._path} is packed by lz4: apt install python3-roslz4"
+                text = f"{self.path} is packed by lz4: apt install python3-roslz4"
                 raise BagError(text) from None
             data = roslz4.decompress(data)
         elif how != "none":

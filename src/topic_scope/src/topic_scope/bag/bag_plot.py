@@ -13,7 +13,7 @@ from matplotlib.colors import TABLEAU_COLORS
 from matplotlib.figure import Figure
 
 from topic_scope.analysis.xy import paired
-from topic_scope.bag.bag_file import Slice
+from topic_scope.bag.bag_messages import Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import Path

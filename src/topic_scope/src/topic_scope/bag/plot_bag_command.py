@@ -11,7 +11,8 @@ from tqdm import tqdm
 
 from topic_scope.bag.bag_columns import choose_lines
 from topic_scope.bag.bag_csv import write_csv
-from topic_scope.bag.bag_file import BagError, BagFile, Slice
+from topic_scope.bag.bag_file import BagError, BagFile
+from topic_scope.bag.bag_messages import Slice, first_messages, slices
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.fields import FieldError
 
@@ -100,7 +101,7 @@ def _nanoseconds(text: str) -> int:
 
 
 def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
-    first = bag.first_messages()
+    first = first_messages(bag)
     lines = choose_lines(arguments.fields, first)
     columns = list(dict.fromkeys(column for line in lines for column in line))
     readers = [ColumnReader(column, first[column.topic]) for column in columns]
@@ -117,18 +118,18 @@ def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
             f"these are {len(lines)} lines, and {LINES} at most can be told apart: "
             "name fewer fields, or write a .csv"
         )
-    slices = _in_range(bag, readers, arguments.start, arguments.end)
+    messages = _in_range(bag, readers, arguments.start, arguments.end)
     # The file appears when it is complete.
     partial = arguments.output + ".part"
     try:
         with open(partial, "w", newline="") as file:
             if _format(arguments.output) == "csv":
-                write_csv(file, readers, slices)
+                write_csv(file, readers, messages)
             else:
                 # It takes a second to load, which an error need not wait for.
                 from topic_scope.bag.bag_plot import collect, difference, draw, save
 
-                series = dict(zip(columns, collect(readers, slices)))
+                series = dict(zip(columns, collect(readers, messages)))
                 drawn = [
                     difference(*(series[column] for column in line))
                     if len(line) > 1
@@ -155,9 +156,9 @@ def _in_range(
     is_empty, at = True, start
     total = max(until - start, 0)
     with tqdm(total=total, bar_format=_BAR, disable=silent, leave=False) as done:
-        for slices in bag.slices(topics, start, end):
-            yield slices
-            for one in slices:
+        for found in slices(bag, topics, start, end):
+            yield found
+            for one in found:
                 is_empty = False
                 last = int(one.times[-1])
                 done.update(max(last - at, 0))

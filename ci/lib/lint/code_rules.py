@@ -135,9 +135,13 @@ ROOMS: Dict[str, List[str]] = {
         "services",
         "parameters",
         "node_bridge",
-        "looking",
+        "graph_loop",
         "nodes",
     ],
+}
+#: Rooms that do not know each other, whatever their order.
+INDEPENDENT: Dict[str, List[Set[str]]] = {
+    "ros2_bridge": [{"ros1", "ros2"}, {"topics", "services", "parameters"}],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
@@ -175,11 +179,10 @@ PURE = (
     "bot_controller_demo.teleop.keys",
     "ros2_bridge.types.twins",
     "ros2_bridge.types.comparing",
-    "ros2_bridge.types.steps",
+    "ros2_bridge.types.instructions",
     "ros2_bridge.types.codec",
     "ros2_bridge.parameters.parameter_values",
-    "ros2_bridge.rules.renaming",
-    "ros2_bridge.rules.pairing",
+    "ros2_bridge.rules",
 )
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 
@@ -278,7 +281,7 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
     """Return line and sentence of all that a module may not do."""
     package, _, room = name.partition(".")
     room = room.partition(".")[0]
-    rooms = ROOMS.get(package, [])
+    rooms, independent = ROOMS.get(package, []), INDEPENDENT.get(package, [])
     if room not in ("", "scripts", *rooms):
         yield 1, f"{room} is not among the rooms of {package}: give it its place in ROOMS"
     for line, imported in imports(tree):
@@ -287,7 +290,9 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
         if top in packages and top != package and not is_in(imported, SIBLINGS.get(package, ())):
             yield line, f"{package} may not import {imported}"
         if top == package and room in rooms and other in rooms:
-            if rooms.index(other) > rooms.index(room):
+            if room != other and any({room, other} <= group for group in independent):
+                yield line, f"{room} and {other} are independent: neither may import the other"
+            elif rooms.index(other) > rooms.index(room):
                 yield line, f"{room} stands below {other} and may not import it"
         if is_in(name, PURE) and top in ROS:
             yield line, f"it is to know no ROS, and imports {imported}"

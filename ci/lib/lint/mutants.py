@@ -54,7 +54,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "bot_controller_demo/pursuit": ("pursuit", "closed_loop"),
     "bot_controller_demo/straight_line": ("closed_loop",),
     "bot_controller_demo/velocities": ("pursuit",),
-    "ros2_bridge/steps": ("codec",),
+    "ros2_bridge/instructions": ("codec",),
     "basic_comms/conditioner": ("conditioning",),
     "basic_comms/multisine": ("waveforms", "signal_source"),
     "basic_comms/phase_estimate": ("phase_estimate", "phase_tracking"),

@@ -8,19 +8,18 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message
 
-from nodekit import Maker, Node
+from nodekit import Node
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
 from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros1.telling import Telling
 from ros2_bridge.ros2.ros2_side import Ros2
-from ros2_bridge.rules.pairing import Patience, ranked
+from ros2_bridge.rules.pairing import parameter_services, ranked
+from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
-from ros2_bridge.services.service_bridge import described
-from ros2_bridge.topics.topic_bridge import LOOKS
+from ros2_bridge.rules.skipped import SkipLog
 
 _EVENTS = "/parameter_events"
 #: How long a node is given to describe its parameters, s, until it is taken for one that does not:
@@ -29,26 +28,33 @@ _DESCRIBE_S = 5.0
 _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 
 
-class NodeTwin:
+class NodeToRos2:
     """A node of ROS 1 in ROS 2: its name, and its parameters.
 
     It stays, with the services that it offers, while its parameters come and go.
 
+    :param side: the bridge in ROS 2
+    :param other: the global name that it has in ROS 2
+
+    :ivar node: what stands for it in ROS 2
     :ivar style: how its parameters are bridged
-    :ivar made: what these have in ROS 1
     """
 
-    def __init__(self, home: Ros2Node) -> None:
-        self.home, self.style = home, "none"
-        self.parameters: Optional[ParametersToRos2] = None
-        self.made: Optional[Maker] = None
+    def __init__(self, side: Ros2, other: str) -> None:
+        self._side, self.node = side, side.make_node(other)
+        self.style = "none"
+        self._parameters: Optional[ParametersToRos2] = None
 
-    def end_parameters(self) -> None:
-        """Bridge the parameters no longer."""
-        for part in (self.parameters, self.made):
-            if part is not None:
-                part.close()
-        self.style, self.parameters, self.made = "none", None, None
+    def set_parameters(self, style: str, parameters: Optional[ParametersToRos2]) -> None:
+        """Bridge the parameters in another way, or no longer."""
+        if self._parameters is not None:
+            self._parameters.close()
+        self.style, self._parameters = style, parameters
+
+    def close(self) -> None:
+        """End it."""
+        self.set_parameters("none", None)
+        self._side.destroy_node(self.node)
 
 
 class NodeBridge:
@@ -58,23 +64,22 @@ class NodeBridge:
     :param side: the bridge in ROS 2
     :param client: asks the master
     :param names: what has another name in ROS 2
+    :param skipped: is told which nodes are left out
     """
 
     def __init__(
-        self, node: Node, side: Ros2, client: MasterClient, names: Renaming, telling: Telling
+        self, node: Node, side: Ros2, client: MasterClient, names: Renaming, skipped: SkipLog
     ) -> None:
-        self._node, self._side, self._client, self._telling = node, side, client, telling
+        self._node, self._side, self._client, self._skipped = node, side, client, skipped
         self._names = names
-        self.twins: Dict[str, NodeTwin] = {}
-        self.mirrors: Dict[str, ParametersToRos1] = {}
+        self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
+        self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
         #: When each node was first seen, s on the monotonic clock.
         self._since: Dict[str, float] = {}
-        self._patience: Patience[str] = Patience(LOOKS)
-        self._mirror_patience: Patience[str] = Patience(LOOKS)
-        self._tell = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
-        side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._hear)
+        self._events = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
+        side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._forward_events)
 
-    def look(
+    def update_nodes(
         self,
         ros1: Ros1Graph,
         in_ros2: Set[str],
@@ -83,7 +88,7 @@ class NodeBridge:
         most: int,
         is_restarted: bool,
     ) -> None:
-        """Begin and end what this look at both graphs asks for.
+        """Begin and end what this poll of both graphs asks for.
 
         :param in_ros2: names of the nodes of ROS 2
         :param services2: names of their services
@@ -92,81 +97,84 @@ class NodeBridge:
         :param is_restarted: whether the master has forgotten everything
         """
         services = set(ros1.services)
-        describing = {name.rpartition("/")[0] for name in described(services)}
+        describing = {name.rpartition("/")[0] for name in parameter_services(services)}
         wanted = self._chosen(ros1.nodes() - in_ros2, describing - in_ros2, most)
         now = time.monotonic()
         self._since = {name: self._since.get(name, now) for name in wanted}
-        for name in self._patience.gone(self.twins, wanted):
-            self._end_twin(name)
+        self._to_ros2.close_missing(wanted)
         for name in wanted:
             style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
             style = "described" if name in describing else style
             style = style if parameters else "none"
-            if name not in self.twins:
-                home = self._side.make_node(self._names.in_ros2(name) or name)
-                self.twins[name] = NodeTwin(home)
-            if self.twins[name].style != style:  # a managed node has them only for a time
-                self.twins[name].end_parameters()
-                self._begin_parameters(name, style)
-        telling = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
-        self._look_at_ros2(telling - ros1.nodes() if parameters else set(), most, is_restarted)
+            if name not in self._to_ros2:
+                self._to_ros2[name] = NodeToRos2(self._side, self._other(name))
+            if self._to_ros2[name].style != style:  # a managed node has them only for a time
+                self._to_ros2[name].set_parameters("none", None)
+                self._to_ros2[name].set_parameters(style, self._parameters(name, style))
+        listing = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
+        self._update_to_ros1(listing - ros1.nodes() if parameters else set(), most, is_restarted)
+
+    def _other(self, name: str) -> str:
+        """Return the name in ROS 2."""
+        return self._names.in_ros2(name) or name
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
         """Return the nodes that appear: nodes before parts of nodes, which describe parameters."""
-        order = ranked(self.twins, nodes, describing)
+        order = ranked(self._to_ros2, nodes, describing)
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
-        return self._at_most(legal, most, "nodes of ROS 1 as nodes of ROS 2")
+        return self._at_most(legal, most, "nodes of ROS 1")
 
     def _at_most(self, names: List[str], most: int, what: str) -> List[str]:
-        """Return the first so many names, and say which are left out."""
+        """Return the first so many names, and report which are left out."""
         left = len(names) - most
         if left > 0:
-            some = ", ".join(names[most : most + 3]) + (", …" if left > 3 else "")
-            self._telling.say(f"{left} {what} (~max_nodes is {most}): {some}")
+            some = ", ".join(names[most : most + 3]) + (f" and {left - 3} more" if left > 3 else "")
+            self._skipped.report(f"{what} beyond ~max_nodes, {most}: {some}")
         return names[:most]
 
-    def _begin_parameters(self, name: str, style: str) -> None:
-        twin, other = self.twins[name], self._names.in_ros2(name) or name
-        if style != "none":
-            twin.made = self._node.lifetime()
-            source: Union[Described, Plain] = Plain(self._client, name)
-            if style == "described":
-                source = Described(twin.made, name)
-            whole, tell = WithSimTime(source, self._client), self._tell.publish
-            twin.parameters = ParametersToRos2(
-                self._node, self._side, twin.home, name, other, whole, tell
-            )
-        twin.style = style
+    def _parameters(self, name: str, style: str) -> Optional[ParametersToRos2]:
+        """Bridge the parameters of a node of ROS 1.
 
-    def _end_twin(self, name: str) -> None:
-        twin = self.twins.pop(name)
-        twin.end_parameters()
-        self._side.destroy_node(twin.home)
+        :param style: "described" where it describes them itself, "plain" where it does not
+        """
+        if style == "none":
+            return None
+        made = self._node.lifetime()
+        source: Union[Described, Plain] = Plain(self._client, name)
+        if style == "described":
+            source = Described(made, name)
+        return ParametersToRos2(
+            made,
+            self._side,
+            self._to_ros2[name].node,
+            name,
+            self._other(name),
+            WithSimTime(source, self._client),
+            self._events.publish,
+        )
 
-    def _look_at_ros2(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
-        order = ranked(self.mirrors, nodes)
-        wanted = self._at_most(order, most, "nodes of ROS 2 with their parameters")
-        for name in self._mirror_patience.gone(self.mirrors, wanted):
-            self.mirrors.pop(name).close()
+    def _update_to_ros1(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
+        order = ranked(self._to_ros1, nodes)
+        wanted = self._at_most(order, most, "parameters of nodes of ROS 2")
+        self._to_ros1.close_missing(wanted)
         for name in wanted:
-            if name not in self.mirrors:
-                other = self._names.in_ros2(name) or name
-                self.mirrors[name] = ParametersToRos1(
-                    self._side, self._client, name, other, self._telling
+            if name not in self._to_ros1:
+                self._to_ros1[name] = ParametersToRos1(
+                    self._side, self._client, name, self._other(name), self._skipped
                 )
             elif is_restarted:
-                self.mirrors[name].read()
+                self._to_ros1[name].write_all()
             else:
-                self.mirrors[name].look()
+                self._to_ros1[name].retry_write_all()
 
-    def _hear(self, arrived: List[Any]) -> None:
+    def _forward_events(self, arrived: List[Any]) -> None:
         for data, info in arrived:
             if not self._side.is_ours(info["publisher_gid"]["data"]):
                 event = deserialize_message(data, ParameterEvent)
-                mirror = self.mirrors.get(self._names.in_ros1(event.node) or "")
-                if mirror is not None:
-                    mirror.take_event(event)
+                parameters = self._to_ros1.get(self._names.in_ros1(event.node) or "")
+                if parameters is not None:
+                    parameters.write_event(event)
 
-    def homes(self) -> Dict[str, Ros2Node]:
+    def in_ros2(self) -> Dict[str, Ros2Node]:
         """Return the nodes of ROS 2 that stand for nodes of ROS 1, by name."""
-        return {name: twin.home for name, twin in self.twins.items()}
+        return {name: shown.node for name, shown in self._to_ros2.items()}

@@ -73,31 +73,28 @@ class Both:
         return answer
 
     def hear1(self, topic: str, kind: str) -> "Ear":
-        """Hear a topic in ROS 1."""
+        """Subscribe to a topic in ROS 1."""
         raw = self.types.message(kind).raw
         ear = Ear()
-        ear.end = rospy.Subscriber(topic, raw, ear.take, tcp_nodelay=True).unregister
+        ear.end = rospy.Subscriber(topic, raw, ear.heard.append, tcp_nodelay=True).unregister
         return ear
 
     def hear2(self, topic: str, cls: Any, latched: bool = False, depth: int = 1000) -> "Ear":
-        """Hear a topic in ROS 2."""
+        """Subscribe to a topic in ROS 2."""
         ear = Ear()
         kept = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         qos = QoSProfile(depth=depth, durability=kept)
-        subscription = self.node.create_subscription(cls, topic, ear.take, qos)
+        subscription = self.node.create_subscription(cls, topic, ear.heard.append, qos)
         ear.end = lambda: self.node.destroy_subscription(subscription)
         return ear
 
 
 class Ear:
-    """Keeps what a subscription hears."""
+    """Keeps what a subscription receives."""
 
     def __init__(self) -> None:
         self.heard: List[Any] = []
         self.end: Callable[[], Any] = lambda: None
-
-    def take(self, message: Any) -> None:
-        self.heard.append(message)
 
     def wait(self, count: int = 1) -> List[Any]:
         """Wait until so many have come."""

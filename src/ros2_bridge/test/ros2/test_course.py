@@ -18,8 +18,12 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 LAUNCHED = (
     ("basic_comms", "cw1.launch"),
     (
-        *("ros2_bridge", "bridge.launch", "deny:=['/proc_signal']", "direction:=to_ros2"),
-        *("remap:=['/lab=/elsewhere']", "qos_file:={file}"),
+        "ros2_bridge",
+        "bridge.launch",
+        "deny:=['/proc_signal']",
+        "direction:=to_ros2",
+        "remap:=['/lab=/elsewhere']",
+        "qos_file:={file}",
     ),
 )
 
@@ -74,7 +78,7 @@ def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> 
     out = ros.node.create_publisher(Float32, "/of_ros2", 10)
     ear = ros.hear1("/of_ros2", "std_msgs/Float32")
     again = ros.hear2("/signal", SignalMsg)
-    again.wait(20)  # there were several looks at both graphs by now
+    again.wait(20)  # both graphs were polled several times by now
     assert not ros.node.count_publishers("/proc_signal")  # denied
     assert not out.get_subscription_count()  # a way that is shut
     assert rospy.get_param("/ros2_bridge/remap") == ["/lab=/elsewhere"]

@@ -4,7 +4,7 @@ import struct
 import subprocess
 import sys
 from types import SimpleNamespace
-from typing import Any, Dict, cast
+from typing import Any, Dict
 
 import pytest
 import rospy
@@ -18,10 +18,11 @@ import both
 from nodekit.testing.waiting import wait_until
 from ros2_bridge import node_bridge
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.rules.pairing import Patience
-from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.ros1.ros1_graph import Ros1Graph
 from ros2_bridge.ros2.ros2_graph import Ros2Graph
+from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.skipped import SkipLog
 from test_topics import publisher1
 
 
@@ -122,66 +123,72 @@ def test_pairs_are_printed(ros: both.Both) -> None:
     pairs = done.stdout.splitlines()
     assert "basic_comms/signal_msg <=> basic_comms/msg/SignalMsg" in pairs
     assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in pairs
-    assert "only sensor_msgs/Range of ROS 2 has the field variance" in done.stderr
+    assert "only sensor_msgs/Range of ROS 2 has field variance" in done.stderr
 
 
 class FewNodes(NodeBridge):
-    """Notes which nodes it would show, and how."""
+    """Shows nodes, but no parameters."""
 
     def __init__(self) -> None:
-        self.twins, self.mirrors, self._since = {}, {}, {}
-        self._names, self._telling = Renaming(), cast(Any, SimpleNamespace(say=print))
-        self._patience, self._mirror_patience = Patience(1), Patience(1)
-        self._side: Any = SimpleNamespace(make_node=lambda _: object(), destroy_node=id)
-        self._client: Any = None
+        self.log = SkipLog()
+        side: Any = SimpleNamespace(
+            publisher=lambda *_: SimpleNamespace(publish=None),
+            subscribe=lambda *_: None,
+            make_node=lambda _: object(),
+            destroy_node=id,
+        )
+        nothing: Any = None
+        super().__init__(nothing, side, nothing, Renaming(), self.log)
+        self._to_ros2, self._to_ros1 = Bridged(1), Bridged(1)
 
-    def _begin_parameters(self, name: str, style: str) -> None:
-        self.twins[name].style = style
+    def _parameters(self, name: str, style: str) -> None:
+        return None
 
     def shown(self, nodes: str, most: int = 100, parameters: bool = True) -> Dict[str, str]:
-        """Look at a graph of such nodes, of which /d describes its parameters."""
+        """Poll a graph of such nodes, of which /d describes its parameters."""
         services = {"/d/describe": "/d", "/d/change": "/d"} if "d" in nodes else {}
         heard = {"/rosout": {f"/{name}" for name in nodes}}
-        self.look(Ros1Graph({}, heard, {}, services, 1), set(), (), parameters, most, False)
-        return {name: twin.style for name, twin in self.twins.items()}
+        graph = Ros1Graph({}, heard, {}, services, 1)
+        self.update_nodes(graph, set(), (), parameters, most, False)
+        return {name: node.style for name, node in self._to_ros2.items()}
 
 
-def test_no_more_nodes_appear_than_may(capsys: "pytest.CaptureFixture[str]") -> None:
+def test_no_more_nodes_appear_than_may() -> None:
     bridge = FewNodes()
     assert set(bridge.shown("bc")) == {"/b", "/c"}
-    assert not capsys.readouterr().out
+    assert not bridge.log.next_line(0.0)
     assert set(bridge.shown("abcdefg", most=3)) == {"/a", "/b", "/c"}  # who is there stays
-    said = "4 nodes of ROS 1 as nodes of ROS 2 (~max_nodes is 3): /d, /e, /f, …\n"
-    assert capsys.readouterr().out == said
+    line = "not bridged: nodes of ROS 1 beyond ~max_nodes, 3: /d, /e, /f and 1 more"
+    assert bridge.log.next_line(0.0) == line
     assert set(bridge.shown("ac", most=1)) == {"/c"}
     assert bridge.shown("ac", most=0) == {}
 
 
 def test_no_more_nodes_of_ros2_have_their_parameters_in_ros1_than_may(
-    capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+    monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    def mirror(*_: Any) -> Any:
-        return SimpleNamespace(look=dict, close=dict)
+    def made(*_: Any) -> Any:
+        return SimpleNamespace(retry_write_all=dict, close=dict)
 
-    monkeypatch.setattr(node_bridge, "ParametersToRos1", mirror)
+    monkeypatch.setattr(node_bridge, "ParametersToRos1", made)
     bridge = FewNodes()
-    bridge._look_at_ros2({"/b", "/c"}, 2, False)
-    before = dict(bridge.mirrors)
-    assert set(before) == {"/b", "/c"} and not capsys.readouterr().out
-    bridge._look_at_ros2({"/a", "/b", "/c"}, 2, False)
-    assert bridge.mirrors == before  # who is there stays
-    told = "1 nodes of ROS 2 with their parameters (~max_nodes is 2): /a\n"
-    assert capsys.readouterr().out == told
+    bridge._update_to_ros1({"/b", "/c"}, 2, False)
+    before = dict(bridge._to_ros1)
+    assert set(before) == {"/b", "/c"} and not bridge.log.next_line(0.0)
+    bridge._update_to_ros1({"/a", "/b", "/c"}, 2, False)
+    assert bridge._to_ros1 == before  # who is there stays
+    line = "not bridged: parameters of nodes of ROS 2 beyond ~max_nodes, 2: /a"
+    assert bridge.log.next_line(0.0) == line
 
 
 def test_parameters_are_bridged_as_the_node_and_the_user_want() -> None:
     bridge = FewNodes()
     assert bridge.shown("cd") == {"/c": "none", "/d": "described"}
-    homes = bridge.homes()
+    nodes = bridge.in_ros2()
     bridge._since["/c"] -= 6.0  # it has had its time to describe them
     assert bridge.shown("cd") == {"/c": "plain", "/d": "described"}
     assert bridge.shown("cd", parameters=False) == {"/c": "none", "/d": "none"}
-    assert bridge.homes() == homes  # or calls of their services would be given up each time
+    assert bridge.in_ros2() == nodes  # or calls of their services would be given up each time
 
 
 class ManyTopics:
@@ -228,7 +235,7 @@ class ManyTopics:
 def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
     side: Any = ManyTopics()
     graph, seen = Ros2Graph(side, Renaming()), []
-    for look in range(8):
+    for _ in range(8):
         seen.append("/t150" in graph.topics())
     first = seen.index(True)
     assert first < 4 and all(seen[first:])  # whoever is no node is found, and not lost again

@@ -32,11 +32,11 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         ros.call1(marker, "std_srvs/Trigger", b"")
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
-            assert second.logged("/ros2_bridge joins this master and this domain already")
+            assert second.logged("/ros2_bridge already connects this master and this domain")
         first.popen.send_signal(signal.SIGSTOP)  # and does not answer
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
-            assert second.logged("another one on this machine joins this master")
+            assert second.logged("another one on this machine already connects")
         first.popen.send_signal(signal.SIGCONT)
         ros.call1(marker, "std_srvs/Trigger", b"")
         began = time.monotonic()

@@ -112,7 +112,7 @@ def test_describe(ros: both.Both, generator: both.Running) -> None:
 def test_events(ros: both.Both, generator: both.Running) -> None:
     ear = ros.hear2("/parameter_events", ParameterEvent)
     wait_until(lambda: ros.node.count_publishers("/parameter_events") > 1, lambda: "nobody tells")
-    wait_until(lambda: get(ros, "amplitude"), lambda: "no twin")
+    wait_until(lambda: get(ros, "amplitude"), lambda: "it is not in ROS 2")
 
     def told(name: str) -> List[Any]:
         return [
@@ -141,7 +141,7 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     assert set_one(ros, "pid.p", 0.75, node="/tests").successful
     assert rospy.get_param("/tests/pid/p") == 0.75
     result = set_one(ros, "gain", 2**40, node="/tests")
-    assert not result.successful and "32 bits" in result.reason
+    assert not result.successful and "integers of 32 bits" in result.reason
     out.unregister()
 
 
@@ -189,7 +189,7 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")
 
 
-def test_a_node_of_ros2_whose_answers_make_no_sense(ros: both.Both, bridge: both.Bridge) -> None:
+def test_a_node_of_ros2_whose_responses_are_malformed(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("odd_of_ros2", start_parameter_services=False)
     asked: List[Any] = []
 
@@ -221,25 +221,25 @@ def test_a_node_of_ros2_whose_answers_make_no_sense(ros: both.Both, bridge: both
 
 def test_the_latest_that_stands_on_the_server_is_taken() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
-    mirror._work, mirror._tree = queue.SimpleQueue(), collections.deque(maxlen=1)
+    mirror._work, mirror._latest = queue.SimpleQueue(), collections.deque(maxlen=1)
     taken: List[Any] = []
-    mirror._take = taken.append
+    mirror._send_changes = taken.append
     for tree in ({"pid": {"p": 1}}, {"pid": {"p": 2}}, 3, {"pid": {"p": 4}}):
-        mirror._take_tree(tree)  # while it waits for the node
+        mirror._send_soon(tree)  # while it waits for the node
     while not mirror._work.empty():
         mirror._work.get()()
     assert taken == [{"pid.p": 4}]
 
 
-def test_all_that_is_refused_is_told_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_all_that_is_refused_is_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._name, mirror._values = "/motor", {"gain": 1, "tau": 2}
     mirror._kinds = dict.fromkeys(mirror._values, INTEGER)
     written: List[Any] = []
     lines: List[str] = []
-    mirror._change, mirror._tell_server = (lambda *_: "no"), written.append
+    mirror._send, mirror._write_server = (lambda *_: "no"), written.append
     monkeypatch.setattr(rospy, "logwarn", lambda text, *given: lines.append(text % given))
-    mirror._take({"gain": 3, "tau": -1})
+    mirror._send_changes({"gain": 3, "tau": -1})
     told = "/motor/gain=3 (no; 1 stays), /motor/tau=-1 (no; 2 stays)"
     assert lines == [f"refused by ROS 2: {told}"]
     assert written == [{"/motor/gain": 1, "/motor/tau": 2}]
@@ -254,19 +254,19 @@ def test_a_value_that_is_not_of_its_kind_is_none(nonsense: Any, kind: int) -> No
     serialize_message(message)
 
 
-def test_a_look_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") -> None:
-    twin: Any = ParametersToRos2.__new__(ParametersToRos2)
-    twin._lock, twin._is_looking = threading.Lock(), False
-    looks: List[int] = []
+def test_a_read_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") -> None:
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    parameters._lock, parameters._is_reading = threading.Lock(), False
+    reads: List[int] = []
     monkeypatch.setattr(threading, "excepthook", lambda _: None)
 
-    def look() -> Any:
-        looks.append(1)
-        if len(looks) == 1:
+    def read() -> Any:
+        reads.append(1)
+        if len(reads) == 1:
             raise RuntimeError("of ROS 2")
         return {}
 
-    twin._look = look
+    parameters._publish_changes = read
     for count in (1, 2):
-        twin._look_soon({})
-        wait_until(lambda: len(looks) == count and not twin._is_looking, lambda: str(looks))
+        parameters._publish_soon({})
+        wait_until(lambda: len(reads) == count and not parameters._is_reading, lambda: str(reads))

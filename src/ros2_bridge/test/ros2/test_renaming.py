@@ -29,7 +29,7 @@ def test_namespace_of_ros1_is_the_root_of_ros2(ros: both.Both) -> None:
         with both.Running("motor_control", "dc_motor.py", "__ns:=/robot1"):
             assert ros.call2(SetProcessBool, "/EnableProcess", enable=True).success
         out = publisher1(ros, "/chatter", "std_msgs/Float32")  # of no robot, and of another type
-        bridge.wait_for_log("/chatter of ROS 1, as its name in ROS 2 is another's")
+        bridge.wait_for_log("/chatter of ROS 1: ~remap gives its name in ROS 2 to another")
         out.unregister()
         assert bridge.interrupt() == 0
 

@@ -18,8 +18,9 @@ from std_srvs.srv import SetBool, Trigger
 
 import both
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.rules.pairing import Rules, Way
 from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import Way
+from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.services.service_bridge import ServiceBridge
 from ros2_bridge.topics.topic_bridge import TopicBridge
 from test_topics import RCLError
@@ -78,8 +79,8 @@ def test_error_is_logged_where_there_is_no_place_for_it(
     assert client.wait_for_service(20.0)
     hangs = client.call_async(AddTwoInts.Request(a=1))
     fails = client.call_async(AddTwoInts.Request(a=2))  # beside it
-    bridge.wait_for_log("no answer in ROS 2: ", "/broken_sum", "out of order")
-    bridge.wait_for_log("no answer in ROS 2: /broken_sum: no answer within 5 s")
+    bridge.wait_for_log("a caller in ROS 2 gets no response: ", "/broken_sum", "out of order")
+    bridge.wait_for_log("a caller in ROS 2 gets no response: /broken_sum: no answer within 5 s")
     assert not hangs.done() and not fails.done()
     over.set()
     ros.node.destroy_client(client)
@@ -169,18 +170,18 @@ def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
 
 
 def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
-    rules = Rules(True, True, ["*"], [])
     services: Any = ServiceBridge.__new__(ServiceBridge)
-    services.pairs, services._side = {}, SimpleNamespace(node=None)
+    services._names = Renaming()
     services._types = SimpleNamespace(service=pytest.fail)
     # Of this type is /NODE/set_parameters of many nodes of ROS 1: the very name that ROS 2 uses.
     for kind in ("dynamic_reconfigure/Reconfigure", "roscpp/SetLoggerLevel"):
-        services._asked = SimpleNamespace(of=lambda _, kind=kind: kind)
-        services._begin(Way("/camera/set_parameters", True), rules, None, {})
+        services._types1 = SimpleNamespace(of=lambda _, kind=kind: kind)
+        assert services._begin(Way("/camera/set_parameters", True)) is None
     topics: Any = TopicBridge.__new__(TopicBridge)
     topics._types = SimpleNamespace(message=pytest.fail, ros1_name=str)
     way = Way("/camera/parameter_updates", True)
-    assert topics._kind(way, "dynamic_reconfigure/Config", None) is None
+    topics._types1, topics._ros2 = {way.name: "dynamic_reconfigure/Config"}, {}
+    assert topics._kind(way) is None
 
 
 def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -198,12 +199,12 @@ def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.Mo
         send(Trigger.Response(success=True))
 
     monkeypatch.setattr(loop, "_wait", fail_once)
-    home = side.make_node("/home")
-    end = side.serve(home, Trigger, "/ping", answer)
+    owner = side.make_node("/owner")
+    end = side.serve(owner, Trigger, "/ping", answer)
     assert ros.call2(Trigger, "/ping").success and not failures
-    side.destroy_node(home)  # and with it what it offers, before that is ended
-    wait_until(lambda: home not in side._nodes, lambda: "it stays")
+    side.destroy_node(owner)  # and with it what it offers, before that is ended
+    wait_until(lambda: owner not in side._nodes, lambda: "it stays")
     end()
-    assert not loop._sources
+    assert not loop._waitables
     sends[0](Trigger.Response())  # as one does whose answer was not ready in time
     side.close()

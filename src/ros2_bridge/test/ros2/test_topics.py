@@ -16,7 +16,7 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.rules.settings import Qualities
-from ros2_bridge.topics.topics import Count, ToRos1, ToRos2
+from ros2_bridge.topics.topics import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError
@@ -168,19 +168,19 @@ def test_what_gone_nodes_have_latched_is_forgotten() -> None:
     side: Any = SimpleNamespace(published=[], destroy_publisher=lambda _: None)
     side.publisher = lambda *_: SimpleNamespace(publish=side.published.append)
     kind: Any = SimpleNamespace(cls=None)
-    pair = ToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(1000, None))
+    pair = TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(1000, None))
     for number in range(9):  # each from a node with a name of its own
-        pair.look(False, {"/first", f"/rostopic_{number}"})
+        pair.forward_while(False, {"/first", f"/rostopic_{number}"})
         pair._latch("/first", b"0")
         pair._latch(f"/rostopic_{number}", b"%d" % (number + 1))
     assert pair._latches == {"/first": b"0", "/rostopic_8": b"9"}
-    pair.look(False, set())
+    pair.forward_while(False, set())
     pair._latch("/second", b"10")
     assert side.published[-3:] == [b"0", b"9", b"10"]  # the master was restarted: all stay
 
 
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:
-    pair: Any = ToRos1.__new__(ToRos1)
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
     pair._side = SimpleNamespace(is_ours=lambda sender: sender == b"ours")
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
@@ -205,8 +205,8 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
 
 
 def test_senders_without_number_are_not_all_remembered() -> None:
-    pair: Any = ToRos1.__new__(ToRos1)
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair._last = {}
     for number in range(5000):
-        pair._note(b"%d" % number, 1)
+        pair._count_lost(b"%d" % number, 1)
     assert len(pair._last) <= 1000

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from nodekit.message_definitions import Fields, parse
 from ros2_bridge.types.codec import Codec
-from ros2_bridge.types.steps import ConversionError
+from ros2_bridge.types.instructions import ConversionError
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
@@ -157,9 +157,11 @@ def test_a_refusal_says_what_is_wrong() -> None:
     codec = Codec("pkg/a", parse("pkg/a", "uint8 x"))
     with pytest.raises(ConversionError, match="^pkg/a: 2 bytes too many"):
         codec.to_cdr(b"\1\2\3")
-    with pytest.raises(ConversionError, match=r"b'(\\x00){4}' does not begin a little-endian CDR"):
+    with pytest.raises(
+        ConversionError, match=r"b'(\\x00){4}' is not the start of a little-endian CDR"
+    ):
         codec.to_ros1(b"\0\0\0\0\1")
-    with pytest.raises(ConversionError, match="9 bytes are announced, and 1 are there"):
+    with pytest.raises(ConversionError, match="9 bytes announced, 1 left"):
         Codec("pkg/a", parse("pkg/a", "string x")).to_cdr(b"\x09\0\0\0x")
 
 

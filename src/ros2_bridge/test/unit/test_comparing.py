@@ -44,15 +44,19 @@ def test_the_same(text: str, other: Dict[str, str]) -> None:
 @pytest.mark.parametrize(
     "text, other, sentence",
     [
-        ("uint8 a", {"b": "uint8"}, "pkg/a has a in ROS 1 where pkg/A has b in ROS 2"),
-        ("uint8 a", {"a": "uint16"}, "the field a of pkg/a and pkg/A is not of the same type"),
-        ("float32 a", {"a": "int32"}, "not of the same type"),
-        ("uint8[] a", {"a": "uint8[3]"}, "not of the same type"),
-        ("uint8[] a", {"a": "uint8"}, "not of the same type"),
-        ("string a", {"a": "wstring"}, "not of the same type"),
-        ("", {"a": "uint8"}, "only pkg/A of ROS 2 has the field a"),
-        ("uint8 a\nuint8 b", {"a": "uint8"}, "only pkg/a of ROS 1 has the field b"),
-        ("Inner a", {"a": "std_msgs/Header"}, "pkg/Inner has x in ROS 1 where std_msgs/Header"),
+        ("uint8 a", {"b": "uint8"}, "pkg/a has field a in ROS 1 where pkg/A has b in ROS 2"),
+        ("uint8 a", {"a": "uint16"}, "field a has different types in pkg/a and pkg/A"),
+        ("float32 a", {"a": "int32"}, "has different types"),
+        ("uint8[] a", {"a": "uint8[3]"}, "has different types"),
+        ("uint8[] a", {"a": "uint8"}, "has different types"),
+        ("string a", {"a": "wstring"}, "has different types"),
+        ("", {"a": "uint8"}, "only pkg/A of ROS 2 has field a"),
+        ("uint8 a\nuint8 b", {"a": "uint8"}, "only pkg/a of ROS 1 has field b"),
+        (
+            "Inner a",
+            {"a": "std_msgs/Header"},
+            "pkg/Inner has field x in ROS 1 where std_msgs/Header",
+        ),
     ],
 )
 def test_the_first_difference_is_named(text: str, other: Dict[str, str], sentence: str) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from ros2_bridge.environment import environment
 from ros2_bridge.environment.environment import Environment, Unavailable
-from ros2_bridge.types.twins import make_twin
+from ros2_bridge.types.twins import make_twins
 
 
 def test_another_python_is_refused(
@@ -19,7 +19,7 @@ def test_another_python_is_refused(
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", str(tmp_path / "ros2")])
     assert environment.main() == 125
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2, and this is 3.")
+    assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
 
 def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
@@ -27,9 +27,9 @@ def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
     noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
     with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
         ours.run(["sh", "-c", noise], 10.0, "no wheels")
-    with pytest.raises(Unavailable, match="no wheels: no word why"):
+    with pytest.raises(Unavailable, match="no wheels: it wrote nothing"):
         ours.run(["false"], 10.0, "no wheels")
-    with pytest.raises(Unavailable, match="not done within 0.1 s"):
+    with pytest.raises(Unavailable, match="not finished within 0.1 s"):
         ours.run(["sleep", "10"], 0.1, "no wheels")
 
 
@@ -43,7 +43,7 @@ def test_commands_run_without_ros_1(
 
 def test_what_another_package_needs_comes_first() -> None:
     uses = {"a": "b/X x\n", "b": "c/X x\n", "c": "uint8 x\n"}
-    twins = {name: make_twin(name, {"msg/X.msg": text}) for name, text in uses.items()}
+    twins = {name: make_twins(name, {"msg/X.msg": text}) for name, text in uses.items()}
     assert environment.in_order(twins) == ["c", "b", "a"]
 
 

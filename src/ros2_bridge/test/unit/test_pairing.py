@@ -1,6 +1,6 @@
-"""What is bridged, which way, and until when."""
+"""What is bridged, and which way."""
 
-from ros2_bridge.rules.pairing import Patience, Rules, Way, ranked, wanted
+from ros2_bridge.rules.pairing import Rules, Way, parameter_services, ranked, wanted
 from ros2_bridge.rules.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
@@ -49,12 +49,7 @@ def test_who_appears_already_comes_first_then_kind_by_kind() -> None:
     assert ranked(["/gone", "/c", "/b"], nodes, parts) == ["/c", "/b", "/a", "/d", "/aa"]
 
 
-def test_gone_is_what_is_missing_look_after_look() -> None:
-    patience: Patience[str] = Patience(3)
-    there = {"a": 1, "b": 2}
-    assert patience.gone(there, ["a"]) == []
-    assert patience.gone(there, ["a"]) == []
-    assert patience.gone(there, ["a", "b"]) == []  # it was back: counted anew
-    for _ in range(2):
-        assert patience.gone(there, ["a"]) == []
-    assert patience.gone(there, ["a"]) == ["b"]
+def test_services_for_parameters_are_two_of_one_node() -> None:
+    services = {"/a/describe", "/a/change", "/b/describe", "/c/change", "/describe", "/change"}
+    found = {"/a/describe", "/a/change", "/describe", "/change"}
+    assert parameter_services(services) == found

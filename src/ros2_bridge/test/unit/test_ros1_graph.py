@@ -1,11 +1,11 @@
-"""What a look at the master's answers shows."""
+"""What the master's answers show."""
 
 from typing import Any, List
 
 import pytest
 
 from nodekit import MasterUnreachable
-from ros2_bridge.ros1.ros1_graph import look
+from ros2_bridge.ros1.ros1_graph import read_graph
 
 
 class Master:
@@ -29,7 +29,7 @@ class Master:
 
 def test_others_and_what_they_publish() -> None:
     client: Any = Master()
-    graph = look(client, {"/bridge"})
+    graph = read_graph(client, {"/bridge"})
     assert graph.publishers == {"/chatter": {"/talker"}}
     assert graph.subscribers == {"/chatter": {"/listener"}}
     assert (graph.services, graph.master_pid) == ({"/reset": "/plant"}, 7)
@@ -38,11 +38,11 @@ def test_others_and_what_they_publish() -> None:
 
 def test_the_age_of_the_master_does_not_matter() -> None:
     client: Any = Master()
-    assert "/gone" not in look(client, set()).types
+    assert "/gone" not in read_graph(client, set()).types
 
 
 def test_what_is_no_master() -> None:
     client: Any = Master()
     client.STATE = 3
-    with pytest.raises(MasterUnreachable, match="no answer of a master"):
-        look(client, set())
+    with pytest.raises(MasterUnreachable, match="malformed reply of the master"):
+        read_graph(client, set())

@@ -39,9 +39,9 @@ def servers(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Servers]:
     yield made
 
 
-def look(types: service_types.ServiceTypes, names: Any) -> None:
-    """Look once, and wait for those who were asked."""
-    types.look(set(names))
+def poll(types: service_types.ServiceTypes, names: Any) -> None:
+    """Poll once, and wait for those who were asked."""
+    types.begin_poll(set(names))
     for name in names:
         types.of(name)
     wait_until(lambda: not types._asked, lambda: str(types._asked))
@@ -50,28 +50,28 @@ def look(types: service_types.ServiceTypes, names: Any) -> None:
 def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     silent = [f"/silent{number}" for number in range(8)]
-    look(types, silent)
+    poll(types, silent)
     assert set(servers.asked.values()) == {1} and len(servers.asked) == 8
     for _ in range(4):
-        look(types, silent)
-    assert set(servers.asked.values()) == {2}  # two at each look, and each of them once
-    look(types, [*silent, "/good"])
+        poll(types, silent)
+    assert set(servers.asked.values()) == {2}  # two in each poll, and each of them once
+    poll(types, [*silent, "/good"])
     assert types.of("/good") == "std_srvs/Trigger"  # nobody waits for those
     assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
 
 
 def test_who_is_gone_is_forgotten(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
-    look(types, ["/good", "/silent"])
-    look(types, [])
-    look(types, ["/good", "/silent"])
+    poll(types, ["/good", "/silent"])
+    poll(types, [])
+    poll(types, ["/good", "/silent"])
     assert servers.asked == {"/good": 2, "/silent": 2}
 
 
 def test_a_defect_takes_nobody_s_turn(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     for _ in range(service_types._MOST + 1):
-        look(types, ["/defect"])
+        poll(types, ["/defect"])
     assert servers.asked["/defect"] == service_types._MOST + 1
 
 
@@ -79,10 +79,10 @@ def test_who_is_elsewhere_is_asked_anew(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     several = [f"/good{number}" for number in range(3 * service_types._LOOKUPS)]
     for _ in range(len(several) // service_types._MOST + 1):
-        look(types, several)
+        poll(types, several)
     assert set(servers.asked.values()) == {1} and len(servers.asked) == len(several)
     servers.places = {several[0]: "second", several[-1]: "second"}
     for _ in range(2 * 3):
-        look(types, several)
+        poll(types, several)
     assert {name for name, count in servers.asked.items() if count > 1} == {*servers.places}
     assert servers.asked[several[0]] == servers.asked[several[-1]] == 2

@@ -51,9 +51,9 @@ def test_what_is_read_at_the_start_says_so() -> None:
 
 
 def test_direction() -> None:
-    rules = BridgeParameters(direction="to_ros2").openings(Renaming())
+    rules = BridgeParameters(direction="to_ros2").bridged(Renaming())
     assert (rules.to_ros2, rules.to_ros1) == (True, False)
-    rules = BridgeParameters(direction="to_ros1").openings(Renaming())
+    rules = BridgeParameters(direction="to_ros1").bridged(Renaming())
     assert (rules.to_ros2, rules.to_ros1) == (False, True)
 
 

@@ -5,7 +5,7 @@ from typing import Dict
 import pytest
 
 from nodekit.message_definitions import DefinitionError
-from ros2_bridge.types.twins import make_twin, twin_type
+from ros2_bridge.types.twins import make_twins, twin_type
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
         "inner_one[] inner\n"
         "geometry_msgs/Point place\n"
     )
-    twin = make_twin("pkg", {"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
+    twin = make_twins("pkg", {"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
     assert twin.files["msg/OuterOne.msg"] == (
         "# What it is.\n"
         "uint8 SMALL=3\n"
@@ -54,18 +54,18 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
 
 
 def test_service_keeps_the_line_between_request_and_answer() -> None:
-    twin = make_twin("pkg", {"srv/Ask.srv": "bool enable\n---\nstring message\n"})
+    twin = make_twins("pkg", {"srv/Ask.srv": "bool enable\n---\nstring message\n"})
     assert twin.files["srv/Ask.srv"] == "bool enable\n---\nstring message\n"
 
 
 @pytest.mark.parametrize(
     "definitions, words",
     [
-        ({"msg/A.msg": "int32 trailing_\n"}, "pkg/msg/A.msg: ROS 2 has no fields"),
+        ({"msg/A.msg": "int32 trailing_\n"}, "pkg/msg/A.msg: trailing_ is not a legal name"),
         ({"msg/A.msg": "int32\n"}, "'int32' is no field"),
         ({"msg/my_type.msg": "", "msg/MyType.msg": ""}, "another type is pkg/MyType"),
     ],
 )
 def test_what_has_no_twin_is_refused(definitions: Dict[str, str], words: str) -> None:
     with pytest.raises(DefinitionError, match=words.replace("/", ".")):
-        make_twin("pkg", definitions)
+        make_twins("pkg", definitions)

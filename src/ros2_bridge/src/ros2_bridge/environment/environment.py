@@ -20,7 +20,7 @@ import yaml
 
 from nodekit.message_definitions import DefinitionError
 from ros2_bridge.environment.start import home
-from ros2_bridge.types.twins import RENAMED, Twin, make_twin
+from ros2_bridge.types.twins import RENAMED, TwinPackage, make_twins
 
 #: Versions of Python that the wheels are for.
 PYTHONS = ((3, 11), (3, 12), (3, 13))
@@ -79,9 +79,9 @@ class Environment:
                     timeout=limit,
                 )
         except subprocess.TimeoutExpired:
-            raise Unavailable(f"{what}: not done within {limit:g} s") from None
+            raise Unavailable(f"{what}: not finished within {limit:g} s") from None
         except (OSError, subprocess.CalledProcessError):
-            lines = log.read_text("utf-8", "replace").splitlines() or ["no word why"]
+            lines = log.read_text("utf-8", "replace").splitlines() or ["it wrote nothing"]
             errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
             raise Unavailable(f"{what}: {errors[0].strip()} (see {log})") from None
 
@@ -101,7 +101,7 @@ class Environment:
             shutil.rmtree(str(place), ignore_errors=True)
         self._folder.parent.mkdir(parents=True, exist_ok=True)
         venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
-        self.run(venv, 60.0, "no virtual environment")
+        self.run(venv, 60.0, "cannot make a virtual environment")
         # Their own lists are incomplete, so ours is complete, and pip need not ask for theirs.
         # Python compiles what is imported, which is a tenth of all, when it is.
         pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
@@ -118,17 +118,17 @@ class Environment:
         """Build and install the twins that are new or changed, and write down their names.
 
         :param packages: folders of packages, with messages or without
-        :raises Unavailable: if a message has no twin, or does not build
+        :raises Unavailable: if a type cannot have a twin, or one does not build
         """
         texts = {**definitions(packages), **WITHOUT_WHEEL}
         try:
             twins = {
-                name: make_twin(name, files)
+                name: make_twins(name, files)
                 for name, files in texts.items()
                 if files and not self.has_wheel(name)
             }
         except DefinitionError as error:
-            raise Unavailable(f"a message has no twin in ROS 2: {error}") from None
+            raise Unavailable(f"a type cannot have a twin in ROS 2: {error}") from None
         self._build(twins)
         names = dict(RENAMED)
         for twin in twins.values():
@@ -137,7 +137,7 @@ class Environment:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(yaml.safe_dump(names), "utf-8")
 
-    def _build(self, twins: Mapping[str, Twin]) -> None:
+    def _build(self, twins: Mapping[str, TwinPackage]) -> None:
         digests: Dict[str, str] = {}
         stale = []
         for name in in_order(twins):
@@ -160,8 +160,8 @@ class Environment:
         took = time.monotonic() - began
         say(f"built the ROS 2 twins of {', '.join(stale)} in {took:.0f} s")
 
-    def _write_source(self, name: str, twin: Twin) -> None:
-        """Write a twin's definitions anew."""
+    def _write_source(self, name: str, twin: TwinPackage) -> None:
+        """Write the definitions of a package of twins anew."""
         shutil.rmtree(str(self._twins / name), ignore_errors=True)
         for path, text in twin.files.items():
             target = self._twins / name / "source" / path
@@ -174,7 +174,7 @@ def judge_python() -> None:
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)
         mine = "%d.%d" % sys.version_info[:2]
-        raise Unavailable(f"PyPI has ROS 2 for Python {known}, and this is {mine}")
+        raise Unavailable(f"PyPI has ROS 2 for Python {known} only, and this is {mine}")
 
 
 def definitions(packages: Sequence[pathlib.Path]) -> Dict[str, Dict[str, str]]:
@@ -199,7 +199,7 @@ def companions(package: pathlib.Path) -> List[pathlib.Path]:
     return [folder for folder in folders if maintainer(folder) == maintainer(package)]
 
 
-def in_order(twins: Mapping[str, Twin]) -> List[str]:
+def in_order(twins: Mapping[str, TwinPackage]) -> List[str]:
     """Return the names so that each stands behind those that it needs."""
     names: List[str] = []
 

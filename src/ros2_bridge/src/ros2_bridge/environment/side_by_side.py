@@ -20,7 +20,13 @@ def join() -> None:
     To be called first of all, by the environment's Python with ROS 1's packages in PYTHONPATH.
     """
     import_ros()
-    for name in ("rospy", "genmsg", "rospkg", "nodekit.master", "ros2_bridge.environment.ros1"):
+    for name in (
+        "rospy",
+        "genmsg",
+        "rospkg",
+        "nodekit.master",
+        "ros2_bridge.environment.ros1_messages",
+    ):
         importlib.import_module(name)
     for name in nodekit.__all__:  # what is imported later would find ROS 2's std_srvs
         getattr(nodekit, name)

@@ -28,8 +28,8 @@ def main(module: str) -> None:
     environment = find(os.environ, pathlib.Path(__file__).resolve())
     if environment is None:
         end(
-            "bridge: there is no ROS 2 here: make it with 'rosrun ros2_bridge make_environment' (in"
-            f" the workspace, ./ci/ros2), or name in {VARIABLE} an environment that was made so"
+            "bridge: no environment with ROS 2 found: make one with 'rosrun ros2_bridge"
+            f" make_environment' (in the workspace: ./ci/ros2), or set {VARIABLE} to one"
         )
     if pathlib.Path(sys.prefix).resolve() != environment.resolve():
         python = str(environment / "bin" / "python")

@@ -157,13 +157,14 @@ def main(twins: pathlib.Path, given: List[str]) -> None:
         )
         generate(packages[-1])
     headers = ENVIRONMENT / "include"
-    build(
-        packages,
-        [
-            *(headers, *headers.iterdir(), *twins.glob("*/generated")),
-            *(pathlib.Path(sysconfig.get_path("include")), pathlib.Path(numpy.get_include())),
-        ],
-    )
+    includes = [
+        headers,
+        *headers.iterdir(),
+        *twins.glob("*/generated"),
+        pathlib.Path(sysconfig.get_path("include")),
+        pathlib.Path(numpy.get_include()),
+    ]
+    build(packages, includes)
     for package in packages:
         for path in package.code.rglob("*.o"):
             path.unlink()

@@ -5,11 +5,12 @@ import sys
 import yaml
 
 from nodekit import Node, run
-from ros2_bridge.environment.ros1 import String, Trigger
-from ros2_bridge.looking import Looking
+from ros2_bridge.environment.ros1_messages import String, Trigger
+from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.one_bridge import marker, refuse_second
 from ros2_bridge.rules.settings import BridgeParameters
-from ros2_bridge.types.print_pairs import print_pairs
+from ros2_bridge.rules.skipped import Unbridgeable
+from ros2_bridge.types.types import Types, shared_types
 
 
 class Bridge:
@@ -19,7 +20,7 @@ class Bridge:
         - ``~statistics`` (std_msgs/String): each second what has gone through, as YAML
 
     :ROS Services:
-        - ``/ros2_bridge_of_domain_N`` (std_srvs/Trigger): tells the bridge's name
+        - ``/ros2_bridge_of_domain_N`` (std_srvs/Trigger): returns the bridge's name
 
     :ROS Parameters:
         - those of :class:`.BridgeParameters`, private and live; and ``~qos``, read at the start
@@ -27,14 +28,27 @@ class Bridge:
 
     def __init__(self, node: Node) -> None:
         parameters = node.parameters(BridgeParameters, exempt=("qos",))
-        self._looking = Looking(node, parameters)
+        self._loop = GraphLoop(node, parameters)
         self._statistics = node.publisher("~statistics", String)
         node.every(1.0, self._publish_statistics, steady=True)
         node.service(marker(), Trigger, lambda _: (True, node.name))
 
     def _publish_statistics(self, _: float) -> None:
         if self._statistics.get_num_connections():
-            self._statistics.publish(String(yaml.safe_dump(self._looking.statistics())))
+            self._statistics.publish(String(yaml.safe_dump(self._loop.statistics())))
+
+
+def print_pairs() -> None:
+    """Print each pair of types; what has the same name and differs, on standard error."""
+    types = Types()
+    for kind, name in shared_types():
+        try:
+            other = types.message(name).ros2 if kind == "msg" else types.service(name).ros2
+        except Unbridgeable as reason:
+            print(f"not bridged: {reason}", file=sys.stderr)
+            continue
+        package, _, base = other.partition("/")
+        print(f"{name} <=> {package}/{kind}/{base}")
 
 
 def main() -> None:

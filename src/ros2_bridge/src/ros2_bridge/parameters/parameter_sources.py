@@ -8,7 +8,7 @@ from nodekit import CallError, Maker, MasterUnreachable
 from nodekit.groups.groups import Outside
 from nodekit.master import MasterClient
 from nodekit.parameters.kinds import MISSING, UNREADABLE
-from ros2_bridge.environment.ros1 import SetParameters, Trigger
+from ros2_bridge.environment.ros1_messages import SetParameters, Trigger
 from ros2_bridge.parameters.parameter_values import (
     BOOL,
     HIGHEST,
@@ -66,7 +66,7 @@ class Described:
         except CallError as error:
             raise Unreadable(str(error)) from None
         except (yaml.YAMLError, KeyError, TypeError) as error:
-            raise Unreadable(f"it describes what makes no sense: {error!r}") from None
+            raise Unreadable(f"it sent a malformed description: {error!r}") from None
 
     def change(self, values: Mapping[str, Any]) -> str:
         """Change all of some parameters, or none.
@@ -117,7 +117,7 @@ class Plain:
         keys = {f"{self._name}/{ros1_key(name)}": value for name, value in values.items()}
         try:
             ((code, _, _),) = self._client.request([("lookupService", f"{self._name}/describe")])
-            if code == 1:  # a managed one that was configured since the last look
+            if code == 1:  # a managed one that was configured since the last poll
                 return f"{self._name} has just begun to judge its parameters itself: try again"
             self._client.write(keys)
         except MasterUnreachable as error:
@@ -157,7 +157,7 @@ class WithSimTime:
         :returns: why not; empty where they are in force
         """
         if self.NAME in values:
-            return f"{self.NAME} is one for all nodes of ROS 1: rosparam set {self.ROS1_NAME}"
+            return f"{self.NAME} is shared by all nodes of ROS 1: rosparam set {self.ROS1_NAME}"
         return self._source.change(values)
 
 
@@ -168,7 +168,7 @@ def unfit(name: str, value: Any) -> str:
         if one is None:
             return f"{name} cannot be removed: ROS 1's nodes keep their parameters"
         if type(one) is int and not LOWEST <= one <= HIGHEST:
-            return f"{name}: refused {one}: ROS 1 carries whole numbers of 32 bits only"
+            return f"{name}: refused {one}: ROS 1 carries integers of 32 bits only"
         if type(one) is str and any(ord(sign) < 32 and sign not in "\t\n\r" for sign in one):
-            return f"{name}: refused {one!r}: ROS 1 carries no text with control characters"
+            return f"{name}: refused {one!r}: ROS 1 carries no control characters"
     return ""

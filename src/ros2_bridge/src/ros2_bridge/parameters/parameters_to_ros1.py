@@ -25,9 +25,9 @@ from ros2_bridge.parameters.parameter_values import (
     kind_of,
     ros1_key,
 )
-from ros2_bridge.ros1.telling import Telling
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.skipped import SkipLog
 
 #: Longest wait for the node, s.
 _TIMEOUT_S = 2.0
@@ -44,40 +44,40 @@ class ParametersToRos1:
     """
 
     def __init__(
-        self, side: Ros2, client: MasterClient, name: str, other: str, telling: Telling
+        self, side: Ros2, client: MasterClient, name: str, other: str, skipped: SkipLog
     ) -> None:
-        self._name, self._master, self._telling = name, client, telling
+        self._name, self._master, self._skipped = name, client, skipped
         self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
         self._get = Ros2Client(side, GetParameters, f"{other}/get_parameters")
         self._set = Ros2Client(side, SetParameters, f"{other}/set_parameters")
         #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
-        self._is_read = False
-        #: What stands on the server, as it was told last and until it is taken.
-        self._tree: Deque[Any] = collections.deque(maxlen=1)
-        self._following = Following(name, get_watcher(), self._take_tree)
+        self._is_written = False
+        #: What stands on the server now, until it is sent to the node.
+        self._latest: Deque[Any] = collections.deque(maxlen=1)
+        self._following = Following(name, get_watcher(), self._send_soon)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
         threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
-        self.read()
+        self.write_all()
         try:
             open_all([self._following])
         except BaseException:
             self.close()
             raise
 
-    def read(self) -> None:
+    def write_all(self) -> None:
         """Write all that the node has to the server, as when that has just been restarted."""
-        self._work.put(self._read)
+        self._work.put(self._write_all)
 
-    def look(self) -> None:
-        """Try again to read what could not be read yet."""
-        if not self._is_read and self._work.empty():
-            self.read()
+    def retry_write_all(self) -> None:
+        """Write all that the node has, where that has failed."""
+        if not self._is_written and self._work.empty():
+            self.write_all()
 
-    def take_event(self, event: Any) -> None:
-        """Take note of what has changed in the node."""
+    def write_event(self, event: Any) -> None:
+        """Write to the server what has changed in the node."""
         changed = [
             (one.name, one.value) for one in [*event.new_parameters, *event.changed_parameters]
         ]
@@ -100,16 +100,16 @@ class ParametersToRos1:
             try:
                 self._work.get()()
             except (NoAnswer, MasterUnreachable) as error:
-                self._is_read = False  # the server may lack something
+                self._is_written = False  # the server may lack something
                 rospy.logwarn_throttle(10.0, f"parameters of {self._name} in ROS 2: {error}")
-            except Exception:  # of a node that answers what makes no sense
+            except Exception:  # of a node that sends malformed responses
                 rospy.logerr_throttle(10.0, traceback.format_exc())
 
-    def _read(self) -> None:
+    def _write_all(self) -> None:
         names = self._list.call(ListParameters.Request(), _TIMEOUT_S).result.names
         values = self._get.call(GetParameters.Request(names=names), _TIMEOUT_S).values
         self._write(list(zip(names, values)), [])
-        self._is_read = True
+        self._is_written = True
 
     def _write(self, changed: List[Tuple[str, Any]], gone: List[str]) -> None:
         written = {}
@@ -117,24 +117,25 @@ class ParametersToRos1:
             value = messages.to_plain(message)
             why = "" if value is None else unfit(name, value)
             if why:
-                self._telling.say(f"{self._name}: {why}")
+                self._skipped.report(f"{self._name}: {why}")
             elif value is not None:
                 self._values[name], self._kinds[name] = value, message.type
                 written[self._key(name)] = value
-        self._tell_server(written)
+        self._write_server(written)
         gone = [name for name in gone if self._values.pop(name, None) is not None]
         self._master.request([("deleteParam", self._key(name)) for name in gone])
 
-    def _tell_server(self, values: Dict[str, Any]) -> None:
-        """Set parameters there, and look once more: the same may be set again from there."""
+    def _write_server(self, values: Dict[str, Any]) -> None:
+        """Set parameters there, and read once more: the same may be set again from there."""
         self._master.write(values)
         if values:
             self._following.tell_again()
 
     def _is_news(self, name: str, message: Any) -> bool:
-        """Tell whether a change is none that came from the server.
+        """Tell whether a change did not come from the server.
 
-        Of that the server is not told: by now it may hold the next one, which is still to be taken.
+        One that did is not written there: by now it may hold the next one, which is still to be
+        sent.
         """
         known = self._values.get(name)
         value = messages.to_plain(message)
@@ -143,20 +144,20 @@ class ParametersToRos1:
     def _key(self, name: str) -> str:
         return f"{self._name}/{ros1_key(name)}"
 
-    def _take_tree(self, tree: Any) -> None:
-        """Take note of what stands on the server.
+    def _send_soon(self, tree: Any) -> None:
+        """Have the node take what stands on the server now.
 
-        What stood there before is of no matter: what was refused of it may have been put right.
+        What stood there before does not matter: what was refused of it may have been put right.
         """
-        self._tree.append(tree)
-        self._work.put(self._take_latest)
+        self._latest.append(tree)
+        self._work.put(self._send_latest)
 
-    def _take_latest(self) -> None:
-        tree = self._tree.pop() if self._tree else None  # it may have been taken already
+    def _send_latest(self) -> None:
+        tree = self._latest.pop() if self._latest else None  # it may have been sent already
         if isinstance(tree, dict):
-            self._take(flat(tree))
+            self._send_changes(flat(tree))
 
-    def _take(self, found: Dict[str, Any]) -> None:
+    def _send_changes(self, found: Dict[str, Any]) -> None:
         refused, kept = [], {}
         for name, old in list(self._values.items()):
             value = found.get(name, old)
@@ -165,7 +166,7 @@ class ParametersToRos1:
                 value = as_kind(value, kind)
             if (type(value), value) == (type(old), old):
                 continue
-            why = self._change(name, value)
+            why = self._send(name, value)
             if why:
                 refused.append(f"{self._key(name)}={value!r} ({why}; {old!r} stays)")
                 kept[self._key(name)] = old
@@ -173,18 +174,18 @@ class ParametersToRos1:
                 self._values[name] = value
         if refused:
             rospy.logwarn("refused by ROS 2: %s", ", ".join(refused))
-            self._tell_server(kept)
+            self._write_server(kept)
 
-    def _change(self, name: str, value: Any) -> str:
+    def _send(self, name: str, value: Any) -> str:
         """Have the node take a value; return why not."""
         message = messages.to_message(value, fitting_kind(value, self._kinds[name]))
         if not message.type:
-            return "no parameter of ROS 2 has such a value"
+            return "parameters of ROS 2 cannot have such a value"
         request = SetParameters.Request(parameters=[Parameter(name=name, value=message)])
         try:
             results = self._set.call(request, _TIMEOUT_S).results
         except NoAnswer as error:
             return str(error)
         if len(results) != 1:
-            return f"the node answers with {len(results)} results"
-        return "" if results[0].successful else results[0].reason or "without a reason"
+            return f"the node sent {len(results)} results for one parameter"
+        return "" if results[0].successful else results[0].reason or "no reason given"

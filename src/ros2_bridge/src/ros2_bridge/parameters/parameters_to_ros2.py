@@ -5,8 +5,12 @@ import time
 from typing import Any, Callable, Dict, List
 
 import rospy
-from rcl_interfaces.msg import ListParametersResult, ParameterDescriptor, ParameterValue
-from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    ParameterDescriptor,
+    ParameterValue,
+    SetParametersResult,
+)
 from rcl_interfaces.srv import (
     DescribeParameters,
     GetParameters,
@@ -17,7 +21,7 @@ from rcl_interfaces.srv import (
 )
 from rclpy.node import Node as Ros2Node
 
-from nodekit import Node
+from nodekit import Maker
 from nodekit.groups.groups import Outside
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
@@ -25,38 +29,38 @@ from ros2_bridge.parameters.parameter_values import changes, differs, flat, list
 from ros2_bridge.ros2.ros2_side import Ros2
 
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
-_MOST_LOOKS, _PAUSE_S = 20, 0.1
+_MOST_READS, _PAUSE_S = 20, 0.1
 
 
 class ParametersToRos2:
-    """Answers ROS 2's services of parameters for a node of ROS 1, and tells of its changes.
+    """Answers ROS 2's services of parameters for a node of ROS 1, and publishes its changes.
 
-    :param node: the bridge in ROS 1
+    :param made: makes what follows them; is closed with this
     :param side: the bridge in ROS 2
-    :param home: the node of ROS 2 that stands for it
-    :param other: the global name that it has in ROS 2
+    :param node: the node of ROS 2 that stands for it
+    :param name, other: the global name that it has in ROS 1, and in ROS 2
     :param source: where its parameters are
-    :param tell: publishes an event
+    :param publish: publishes an event
     """
 
     def __init__(
         self,
-        node: Node,
+        made: Maker,
         side: Ros2,
-        home: Ros2Node,
+        node: Ros2Node,
         name: str,
         other: str,
         source: WithSimTime,
-        tell: Callable[[Any], None],
+        publish: Callable[[Any], None],
     ) -> None:
-        self._name, self._other, self._source, self._tell = name, other, source, tell
-        self._clock = home.get_clock()
+        self._made, self._name, self._other, self._source = made, name, other, source
+        self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
         self._server: Dict[str, Any] = {}
-        self._is_known = self._is_looking = self._again = False
+        self._is_known = self._is_reading = self._again = False
         self._ends = [
-            side.serve(home, cls, f"{other}/{verb}", self._beside(answer))
+            side.serve(node, cls, f"{other}/{verb}", self._beside(answer))
             for cls, verb, answer in (
                 (ListParameters, "list_parameters", self._list),
                 (GetParameters, "get_parameters", self._get),
@@ -66,8 +70,11 @@ class ParametersToRos2:
                 (SetParametersAtomically, "set_parameters_atomically", self._set_atomically),
             )
         ]
-        self._made = node.lifetime()
-        self._made.follow(name, self._look_soon, group=Outside())
+        try:
+            made.follow(name, self._publish_soon, group=Outside())
+        except BaseException:
+            self.close()
+            raise
 
     def _beside(self, answer: Callable[[Any], Any]) -> Callable[[Any, Callable[[Any], None]], None]:
         """Return what answers in a thread of its own: it waits for the node."""
@@ -75,8 +82,8 @@ class ParametersToRos2:
         def work(request: Any, send: Callable[[Any], None]) -> None:
             try:
                 send(answer(request))
-            except Unreadable as error:  # ROS 2 knows no error of a service: there is no answer
-                rospy.logwarn_throttle(1.0, f"the parameters of {self._name} are not told: {error}")
+            except Unreadable as error:  # ROS 2 has no errors of services: there is no response
+                rospy.logwarn_throttle(1.0, f"cannot read the parameters of {self._name}: {error}")
 
         return lambda *given: threading.Thread(target=work, args=given, daemon=True).start()
 
@@ -120,48 +127,48 @@ class ParametersToRos2:
         reasons = [reason for reason in (unfit(*item) for item in values.items()) if reason]
         reason = "; ".join(reasons) or self._source.change(values)
         if not reason:
-            self._look()
+            self._publish_changes()
         return SetParametersResult(successful=not reason, reason=reason)
 
-    def _look_soon(self, tree: Any) -> None:
-        """Look what has changed, in a thread of its own, and once more where that is under way.
+    def _publish_soon(self, tree: Any) -> None:
+        """Publish what has changed, in a thread of its own, and once more where that is under way.
 
         :param tree: what the server holds now
         """
         with self._lock:
             self._server = flat(tree) if isinstance(tree, dict) else {}
             self._again = True
-            if self._is_looking:
+            if self._is_reading:
                 return
-            self._is_looking = True
-        threading.Thread(target=self._look_until_done, daemon=True).start()
+            self._is_reading = True
+        threading.Thread(target=self._publish_until_done, daemon=True).start()
 
-    def _look_until_done(self) -> None:
+    def _publish_until_done(self) -> None:
         try:
-            self._look_until_in_force()
-        except Exception:  # or nobody would ever look again
+            self._publish_until_in_force()
+        except Exception:  # or nobody would ever read again
             with self._lock:
-                self._is_looking = False
+                self._is_reading = False
             raise
 
-    def _look_until_in_force(self) -> None:
-        looks = 0
+    def _publish_until_in_force(self) -> None:
+        reads = 0
         while True:
             with self._lock:
-                looks = 0 if self._again else looks
+                reads = 0 if self._again else reads
                 self._again = False
-            in_force = self._look()
-            looks += 1
+            in_force = self._publish_changes()
+            reads += 1
             with self._lock:
                 # The node judges what was set on the server in its own time.
-                behind = looks < _MOST_LOOKS and differs(self._server, in_force)
+                behind = reads < _MOST_READS and differs(self._server, in_force)
                 if not (behind or self._again):
-                    self._is_looking = False
+                    self._is_reading = False
                     return
             time.sleep(_PAUSE_S)
 
-    def _look(self) -> Dict[str, Any]:
-        """Tell others what has changed in force; of what is refused they hear nothing.
+    def _publish_changes(self) -> Dict[str, Any]:
+        """Publish what has changed in force; of what is refused nothing is published.
 
         :returns: the values in force
         """
@@ -175,7 +182,7 @@ class ParametersToRos2:
             is_first, self._known, self._is_known = not self._is_known, now, True
         if any(parts) and not is_first:
             stamp = self._clock.now().to_msg()
-            self._tell(messages.event(self._other, stamp, *parts))
+            self._publish(messages.event(self._other, stamp, *parts))
         return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:

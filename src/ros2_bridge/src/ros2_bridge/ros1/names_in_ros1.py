@@ -1,8 +1,8 @@
 """The names of ROS 2's nodes in ROS 1's list of nodes.
 
 The master lists whoever has registered something. Each node of ROS 2 is registered as a subscriber
-of /parameter_events, which it has there too; what the master then tells it has no use. To be
-registered as publishers would have subscribers connect to the bridge twice.
+of /parameter_events, which it has there too; what the master then tells it has no use. If they were
+registered as publishers, subscribers would connect to the bridge twice.
 
 They do not have the bridge's own address: the master ends whoever is at the address of a name that
 another node takes, and a node of ROS 1 may have the name of one of ROS 2.
@@ -26,7 +26,7 @@ _TIMEOUT_S = 1.0
 class NamesInRos1:
     """Registers names with the master, and takes them back.
 
-    :ivar names: those that are registered: they are no nodes of ROS 1
+    :ivar names: those that are registered: nodes of ROS 2, not of ROS 1
     """
 
     def __init__(self) -> None:
@@ -35,8 +35,8 @@ class NamesInRos1:
         self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
         self._server.start()
 
-    def look(self, nodes: Set[str], is_restarted: bool) -> None:
-        """Register who has come, and take back who has gone.
+    def register(self, nodes: Set[str], is_restarted: bool) -> None:
+        """Register the nodes that have come, and take back those that have gone.
 
         :param nodes: names of the nodes of ROS 2
         :param is_restarted: whether the master has forgotten all
@@ -58,7 +58,7 @@ class NamesInRos1:
     def close(self) -> None:
         """Take all of them back, if the master answers."""
         with contextlib.suppress(ConnectionError):
-            self.look(set(), False)
+            self.register(set(), False)
         self._server.shutdown("")
 
     def _is_at(self, name: str, uri: str) -> bool:
@@ -91,11 +91,11 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
     def uri(self) -> str:
         """Where it is."""
         if not self._is_ready.wait(_TIMEOUT_S):
-            raise ConnectionError("the names of ROS 2's nodes have no address in ROS 1")
+            raise ConnectionError("the nodes of ROS 2 have no address in ROS 1")
         return self._uri
 
     def shutdown(self, _caller: str, _why: str = "") -> List[Any]:
-        """Take note that a name may be another's now; ``rosnode kill`` asks for this as well."""
+        """Remember that a name may be another's now; ``rosnode kill`` asks for this as well."""
         self.is_taken.set()
         return [1, "", 0]
 
@@ -108,5 +108,5 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
         return [1, "", []]
 
     def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
-        """Hear who publishes /parameter_events in ROS 1: it is of no use."""
+        """Accept who publishes /parameter_events in ROS 1, which is of no use."""
         return [1, "", 0]

@@ -12,14 +12,14 @@ from nodekit.entry_point import end
 
 #: The highest number of a domain: ports follow from it, and there is none for the next one.
 _LAST_DOMAIN = 232
-#: Has a name that one process of a machine can have at a time, until its end, whatever that is.
+#: Its name only one process of a machine can have at a time, until it ends, in whatever way.
 _held = socket.socket(socket.AF_UNIX)
 
 
 def domain() -> int:
     """Return the number of ROS 2's domain.
 
-    :raises ValueError: if there is none of that number
+    :raises ValueError: if the environment does not have a legal one
     """
     given = os.environ.get("ROS_DOMAIN_ID") or "0"
     if not given.isdecimal() or int(given) > _LAST_DOMAIN:
@@ -35,17 +35,17 @@ def marker() -> str:
 
 
 def refuse_second() -> None:
-    """End where there is such a bridge already: two would answer each other for ever."""
+    """End where there is such a bridge already: two would forward to each other for ever."""
     try:
         name = marker()
     except ValueError as error:
         end(f"bridge: {error}")
     with contextlib.suppress(CallError):
         other = probe_service(name, 1.0).get("callerid")
-        end(f"bridge: {other} joins this master and this domain already")
+        end(f"bridge: {other} already connects this master and this domain")
     # One that is starting too, or that is stopped, does not answer.
     master = uuid.uuid5(uuid.NAMESPACE_URL, rosgraph.get_master_uri().rstrip("/"))
     try:
         _held.bind(f"\0{name} {master}")
     except OSError:
-        end("bridge: another one on this machine joins this master and this domain already")
+        end("bridge: another one on this machine already connects this master and this domain")

@@ -7,10 +7,10 @@ from nodekit.master import MasterClient, Registrations
 
 
 class Ros1Graph(NamedTuple):
-    """One look at the graph, without the bridge itself.
+    """The graph of ROS 1 at one moment, without the bridge itself.
 
     :param publishers, subscribers: names of nodes by topic
-    :param types: of the topics that are published, by topic; ``*`` where no publisher tells
+    :param types: of the topics that are published, by topic; ``*`` where no publisher tells it
     :param services: name of the node by service
     :param master_pid: process id of the master: another one has forgotten everything
     """
@@ -27,11 +27,11 @@ class Ros1Graph(NamedTuple):
         return {*self.services.values(), *(node for nodes in by_topic for node in nodes)}
 
 
-def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
+def read_graph(client: MasterClient, own: Set[str]) -> Ros1Graph:
     """Ask the master, all in one request: while nothing changes, its answer need not be parsed.
 
-    It is not asked for the types of all topics: those it remembers for ever, of topics too that
-    are no more.
+    It is not asked for the types of all topics: those it remembers for ever, also of topics that
+    are gone.
 
     :param client: asks it, and little else: it remembers two answers
     :param own: names of nodes that are the bridge's
@@ -50,4 +50,4 @@ def look(client: MasterClient, own: Set[str]) -> Ros1Graph:
         servers = {name: min(nodes) for name, nodes in services.items()}
         return Ros1Graph(publishers, subscribers, dict(types[2]), servers, pid[2])
     except (TypeError, ValueError):
-        raise MasterUnreachable(f"no answer of a master: {state!r:.80}") from None
+        raise MasterUnreachable(f"malformed reply of the master: {state!r:.80}") from None

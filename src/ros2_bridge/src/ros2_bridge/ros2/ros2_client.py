@@ -3,14 +3,13 @@
 import threading
 from typing import Any, Callable, Dict, List
 
-
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
 from ros2_bridge.ros2.ros2_side import Ros2
 
 
 class NoAnswer(Exception):
-    """A service of ROS 2 that does not answer; the text says which, and why."""
+    """A service of ROS 2 has not responded; the text says which, and why."""
 
 
 class Ros2Client:
@@ -25,7 +24,7 @@ class Ros2Client:
         self._cls, self._name = cls, name
         self._lock = threading.Lock()
         self._waiting: Dict[int, Callable[[Any], None]] = {}
-        self._client, self.close = side.client(cls, name, self._take)
+        self._client, self.close = side.client(cls, name, self._receive)
 
     def call(self, request: Any, timeout: float) -> Any:
         """Call the service and wait for the answer.
@@ -36,30 +35,32 @@ class Ros2Client:
         answers: List[Any] = []
         came = threading.Event()
 
-        def take(answer: Any) -> None:
+        def receive(answer: Any) -> None:
             answers.append(answer)
             came.set()
 
         try:
             if not self._client.service_is_ready():
-                raise NoAnswer(f"nobody in ROS 2 offers {self._name}")
+                raise NoAnswer(f"{self._name} is not offered in ROS 2")
             with self._lock:  # or the answer could come before it is waited for
                 number = self._client.handle.send_request(request)
-                self._waiting[number] = take
+                self._waiting[number] = receive
         except _rclpy.InvalidHandle:
-            raise NoAnswer(f"{self._name} in ROS 2 is not called any more") from None
+            raise NoAnswer(
+                f"{self._name} in ROS 2: the bridge has just closed its client"
+            ) from None
         if not came.wait(timeout):
             with self._lock:
                 self._waiting.pop(number, None)
             raise NoAnswer(f"{self._name} in ROS 2: no answer within {timeout:g} s")
         return answers[0]
 
-    def _take(self, most: int) -> None:
+    def _receive(self, most: int) -> None:
         for _ in range(most):
             header, answer = self._client.handle.take_response(self._cls.Response)
             if header is None:
                 break
             with self._lock:
-                take = self._waiting.pop(header.request_id.sequence_number, None)
-            if take is not None:
-                take(answer)
+                receive = self._waiting.pop(header.request_id.sequence_number, None)
+            if receive is not None:
+                receive(answer)

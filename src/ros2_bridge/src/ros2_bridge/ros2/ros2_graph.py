@@ -9,7 +9,7 @@ from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
 
-#: Most of our own topics for whose other users is searched at a look.
+#: Most of our own topics whose other users a poll searches for.
 _TOGETHER = 50
 
 
@@ -31,7 +31,7 @@ class Topic(NamedTuple):
 
 
 class Ros2Graph:
-    """Looks at the graph, and tells of everything by its name in ROS 1.
+    """Reads the graph, with everything by its name in ROS 1.
 
     :param side: the bridge in ROS 2, which is left out of all answers
     :param names: what has another name in ROS 2
@@ -82,7 +82,7 @@ class Ros2Graph:
 
         For each question about a topic ROS 2 goes through all endpoints that there are, so it is
         not asked about each topic of ours, which may be thousands. Those that nodes use, the nodes
-        tell. Whoever is no node, only DDS, is found in turn.
+        tell. Programs that use DDS without a node are found in turn.
         """
         node, ours = self._side.node, self._side.topics()
         names = {name for name, _ in node.get_topic_names_and_types()} - ours

@@ -18,15 +18,15 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from ros2_bridge.ros2.wait_loop import Source, WaitLoop
+from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
 from ros2_bridge.rules.settings import Quality
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
 _PARTICIPANT = 12
-#: Longest time for taking leave, s: Ctrl-C ends the bridge within 2 s.
-_LEAVE_S = 0.7
+#: Longest time for disconnecting, s: Ctrl-C ends the bridge within 2 s.
+_DISCONNECT_S = 0.7
 #: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
-#: have, adds up the failures, and would say of each endpoint that there are too many to be told.
+#: have, collects the failures, and would log for each endpoint that they were truncated.
 _forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
@@ -54,7 +54,7 @@ class Ros2:
         self._nodes: Dict[Node, str] = {}
         #: How many publishers and subscriptions of each topic are ours.
         self._published: "Counter[str]" = collections.Counter()
-        self._heard: "Counter[str]" = collections.Counter()
+        self._subscribed: "Counter[str]" = collections.Counter()
         self.node = self.make_node(name)
         self.messages = WaitLoop(self.context, "messages from ROS 2")
         self.calls = WaitLoop(self.context, "calls from ROS 2")
@@ -97,7 +97,7 @@ class Ros2:
                 node.destroy_node()
                 del self._nodes[node]
 
-        self.calls.remove(Source("none", node, lambda _: None), destroy)
+        self.calls.run_between_waits(destroy)
 
     def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
         """Publish a topic: ``publish`` of what is returned takes bytes."""
@@ -116,7 +116,7 @@ class Ros2:
     def subscribe(
         self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Any]], None]
     ) -> Callable[[], None]:
-        """Hear a topic.
+        """Subscribe to a topic.
 
         :param receive: called with what has arrived, each message as bytes, what is known of it
         :returns: what ends it
@@ -126,10 +126,10 @@ class Ros2:
                 cls, topic, lambda message: None, _profile(quality), raw=True
             )
             _forget_failures()
-            self._heard[topic] += 1
+            self._subscribed[topic] += 1
         handle = subscription.handle
 
-        def take(most: int) -> None:
+        def receive_messages(most: int) -> None:
             messages: List[Any] = []
             while len(messages) < most:
                 message = handle.take_message(cls, True)
@@ -138,15 +138,12 @@ class Ros2:
                 messages.append(message)
             receive(messages)
 
-        source = Source("subscription", subscription, take)
-        self.messages.add(source)
-
         def destroy() -> None:
-            with self._lock:
-                _uncount(self._heard, topic)
-                self.node.destroy_subscription(subscription)
+            _uncount(self._subscribed, topic)
+            self.node.destroy_subscription(subscription)
 
-        return lambda: self.messages.remove(source, destroy)
+        waitable = Waitable("subscription", subscription, receive_messages)
+        return self._attach(self.messages, waitable, destroy)
 
     def serve(
         self, node: Node, cls: Any, name: str, answer: Callable[[Any, Callable[[Any], None]], None]
@@ -154,55 +151,60 @@ class Ros2:
         """Offer a service.
 
         :param node: whose it is
-        :param answer: called in the loop's thread with the request and what sends the answer, once
-            and from any thread
+        :param answer: called in the loop's thread with the request and what sends the response,
+            once and from any thread
         :returns: what ends it
         """
         with self._lock:
             service = node.create_service(cls, name, lambda request, response: response)
             _forget_failures()
 
-        def take(most: int) -> None:
+        def receive_requests(most: int) -> None:
             for _ in range(most):
                 request, header = service.handle.service_take_request(cls.Request)
                 if header is None:
                     break
                 answer(request, partial(_send, service, header))
 
-        source = Source("service", service, take)
-        self.calls.add(source)
-
-        def destroy() -> None:
-            with self._lock:
-                node.destroy_service(service)
-
-        return lambda: self.calls.remove(source, destroy)
+        waitable = Waitable("service", service, receive_requests)
+        return self._attach(self.calls, waitable, lambda: node.destroy_service(service))
 
     def client(
-        self, cls: Any, name: str, take: Callable[[int], None]
+        self, cls: Any, name: str, receive: Callable[[int], None]
     ) -> Tuple[Any, Callable[[], None]]:
         """Make what calls a service.
 
-        :param take: takes answers that have arrived; called in the loop's thread
+        :param receive: takes responses that have arrived, up to so many; called in the loop's
+            thread
         :returns: rclpy's client, and what ends it
         """
         with self._lock:
             client = self.node.create_client(cls, name)
             _forget_failures()
-        source = Source("client", client, take)
-        self.calls.add(source)
+        waitable = Waitable("client", client, receive)
+        return client, self._attach(self.calls, waitable, lambda: self.node.destroy_client(client))
 
-        def destroy() -> None:
+    def _attach(
+        self, loop: WaitLoop, waitable: Waitable, destroy: Callable[[], Any]
+    ) -> Callable[[], None]:
+        """Have a loop wait for something.
+
+        :param destroy: destroys it; called with the lock, once nobody waits for it
+        :returns: what ends it
+        """
+        loop.add(waitable)
+
+        def locked() -> None:
             with self._lock:
-                self.node.destroy_client(client)
+                destroy()
 
-        return client, lambda: self.calls.remove(source, destroy)
+        return lambda: loop.remove(waitable, locked)
 
     def close(self) -> None:
-        """End everything, and take leave of ROS 2, which would list it for 20 s more."""
+        """End everything, and disconnect from ROS 2, which would list it for 20 s more."""
         self.messages.close()
         self.calls.close()
-        enough = time.monotonic() + _LEAVE_S
+        enough = time.monotonic() + _DISCONNECT_S
         with self._lock:
             for node in self._nodes:
                 if time.monotonic() < enough:
@@ -210,15 +212,15 @@ class Ros2:
             rclpy.shutdown(context=self.context)
 
     def topics(self) -> Set[str]:
-        """Return the topics that we publish or hear."""
+        """Return the topics that we publish or subscribe to."""
         with self._lock:
-            return {*self._published, *self._heard}
+            return {*self._published, *self._subscribed}
 
     def is_alone_with(self, topic: str) -> bool:
         """Tell quickly whether nobody else has anything to do with a topic."""
         return bool(
             self.node.count_publishers(topic) == self._published[topic]
-            and self.node.count_subscribers(topic) == self._heard[topic]
+            and self.node.count_subscribers(topic) == self._subscribed[topic]
         )
 
     def own_names(self) -> Set[str]:

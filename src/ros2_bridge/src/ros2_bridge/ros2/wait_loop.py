@@ -13,24 +13,24 @@ from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 import rospy
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-#: Most messages, requests or answers that are taken from one source before the others' turn.
+#: Most messages, requests or responses that are taken from one waitable before the others' turn.
 _MOST = 1000
 _KINDS = ("subscription", "client", "service")
 #: Pause before it is waited again where that has failed, s.
 _PAUSE_S = 0.2
 
 
-class Source(NamedTuple):
-    """Where something arrives.
+class Waitable(NamedTuple):
+    """What a wait set can wait for.
 
     :param kind: subscription, client or service
     :param entity: rclpy's object
-    :param take: takes what has arrived, up to so many at once; called in the loop's thread
+    :param receive: takes what has arrived, up to so many at once; called in the loop's thread
     """
 
     kind: str
     entity: Any
-    take: Callable[[int], None]
+    receive: Callable[[int], None]
 
 
 class WaitLoop:
@@ -43,29 +43,34 @@ class WaitLoop:
     def __init__(self, context: Any, name: str) -> None:
         self._context = context
         self._lock = threading.Lock()
-        self._sources: Dict[int, Source] = {}
-        self._leaving: List[Callable[[], None]] = []
+        self._waitables: Dict[int, Waitable] = {}
+        self._between: List[Callable[[], None]] = []
         self._changed, self._ended = True, False
         with context.handle:
             self._bell = _rclpy.GuardCondition(context.handle)
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def add(self, source: Source) -> None:
-        """Take from a source from now on."""
+    def add(self, waitable: Waitable) -> None:
+        """Wait for something from now on."""
         with self._lock:
-            self._sources[id(source.entity)] = source
+            self._waitables[id(waitable.entity)] = waitable
             self._changed = True
         self._ring()
 
-    def remove(self, source: Source, destroy: Callable[[], None]) -> None:
-        """Take from a source no longer.
+    def remove(self, waitable: Waitable, destroy: Callable[[], None]) -> None:
+        """Wait for something no longer.
 
-        :param destroy: called once it is not waited for any more
+        :param destroy: called once nobody waits for it
         """
         with self._lock:
-            self._sources.pop(id(source.entity), None)
-            self._leaving.append(destroy)
+            self._waitables.pop(id(waitable.entity), None)
+        self.run_between_waits(destroy)
+
+    def run_between_waits(self, function: Callable[[], None]) -> None:
+        """Call a function in the loop's thread, at a moment when that waits for nothing."""
+        with self._lock:
+            self._between.append(function)
             self._changed = True
         self._ring()
 
@@ -87,50 +92,55 @@ class WaitLoop:
 
     def _wait_until_changed(self) -> None:
         with self._lock:
-            sources = list(self._sources.values())
-            leaving, self._leaving = self._leaving, []
+            waitables = list(self._waitables.values())
+            between, self._between = self._between, []
             self._changed = False
-        for destroy in leaving:
-            _guarded(destroy)
+        for function in between:
+            _guarded(function)
         with contextlib.ExitStack() as held:
-            wait_set, by_kind = self._fill(sources, held)
+            wait_set, by_kind = self._fill(waitables, held)
             while not (self._changed or self._ended):
                 self._wait(wait_set, by_kind)
 
     def _fill(
-        self, sources: List[Source], held: contextlib.ExitStack
-    ) -> Tuple[Any, List[Tuple[str, Any, Dict[int, Source]]]]:
+        self, waitables: List[Waitable], held: contextlib.ExitStack
+    ) -> Tuple[Any, List[Tuple[str, Any, Dict[int, Waitable]]]]:
         """Build a wait set; what it waits for is held, so that nobody destroys it meanwhile."""
         by_kind = []
         held.enter_context(self._context.handle)
         held.enter_context(self._bell)
         for kind in _KINDS:
             mine = {}
-            for source in sources:
+            for waitable in waitables:
                 with contextlib.suppress(_rclpy.InvalidHandle):  # destroyed with its node
-                    if source.kind == kind:
-                        held.enter_context(source.entity.handle)
-                        mine[source.entity.handle.pointer] = source
+                    if waitable.kind == kind:
+                        held.enter_context(waitable.entity.handle)
+                        mine[waitable.entity.handle.pointer] = waitable
             by_kind.append((kind, f"add_{kind}", mine))
         counts = {kind: len(mine) for kind, _, mine in by_kind}
         wait_set = _rclpy.WaitSet(
-            *(counts["subscription"], 1, 0, counts["client"], counts["service"], 0),
+            counts["subscription"],
+            1,  # the bell
+            0,
+            counts["client"],
+            counts["service"],
+            0,
             self._context.handle,
         )
         held.enter_context(wait_set)
         return wait_set, [(kind, getattr(wait_set, add), mine) for kind, add, mine in by_kind]
 
-    def _wait(self, wait_set: Any, by_kind: List[Tuple[str, Any, Dict[int, Source]]]) -> None:
+    def _wait(self, wait_set: Any, by_kind: List[Tuple[str, Any, Dict[int, Waitable]]]) -> None:
         wait_set.clear_entities()
         wait_set.add_guard_condition(self._bell)
         for _, add, mine in by_kind:
-            for source in mine.values():
-                add(source.entity.handle)
+            for waitable in mine.values():
+                add(waitable.entity.handle)
         wait_set.wait(-1)
         for kind, _, mine in by_kind:
             if mine:
                 for pointer in wait_set.get_ready_entities(kind):
-                    _guarded(mine[pointer].take, _MOST)
+                    _guarded(mine[pointer].receive, _MOST)
 
 
 def _guarded(function: Callable[..., None], *arguments: Any) -> bool:

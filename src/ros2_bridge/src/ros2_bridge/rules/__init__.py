@@ -1,1 +1,1 @@
-"""What is bridged, under which name, in which direction."""
+"""What is bridged, under which name, in which direction, until when; what is not, and why."""

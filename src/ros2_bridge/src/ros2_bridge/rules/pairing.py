@@ -3,19 +3,7 @@
 import fnmatch
 import functools
 import re
-from typing import (
-    Dict,
-    Generic,
-    Hashable,
-    Iterable,
-    List,
-    Mapping,
-    NamedTuple,
-    Sequence,
-    Set,
-    Tuple,
-    TypeVar,
-)
+from typing import Iterable, List, NamedTuple, Sequence, Set, Tuple
 
 from ros2_bridge.rules.renaming import Renaming
 
@@ -23,17 +11,16 @@ from ros2_bridge.rules.renaming import Renaming
 ROSOUT = "/rosout"
 #: Names that each side has for itself, or that are bridged in a way of their own.
 NEVER = (
-    *(
-        ROSOUT,
-        "/rosout_agg",
-        "/parameter_events",
-        "/statistics",
-        "*/_action/*",
-        "*/_service_event",
-    ),
-    *("*/get_loggers", "*/set_logger_level", "*/get_type_description"),
+    ROSOUT,
+    "/rosout_agg",
+    "/parameter_events",
+    "/statistics",
+    "*/_action/*",
+    "*/_service_event",
+    "*/get_loggers",
+    "*/set_logger_level",
+    "*/get_type_description",
 )
-
 #: Packages whose types each ROS has for itself, or that are bridged in a way of their own:
 #: dynamic_reconfigure's service ``set_parameters`` has the very name of ROS 2's.
 OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_description_interfaces/")
@@ -109,27 +96,13 @@ def ranked(there: Iterable[str], *kinds: Set[str]) -> List[str]:
     return order
 
 
-Key = TypeVar("Key", bound=Hashable)
+def parameter_services(services: Set[str]) -> Set[str]:
+    """Return those by which nodes made with nodekit describe and change their parameters.
 
+    ROS 2 has its own for that.
 
-class Patience(Generic[Key]):
-    """Tells what has gone for good: what is missing in several looks, one after the other.
-
-    A master that was restarted learns of its nodes only within a second.
-
-    :param looks: how many
+    :param services: of ROS 1
     """
-
-    def __init__(self, looks: int) -> None:
-        self._looks = looks
-        self._missing: Dict[Key, int] = {}
-
-    def gone(self, there: Mapping[Key, object], wanted: Sequence[Key]) -> List[Key]:
-        """Return what is to be ended.
-
-        :param there: what is bridged
-        :param wanted: what this look says is to be bridged
-        """
-        missing = set(there) - set(wanted)
-        self._missing = {key: self._missing.get(key, 0) + 1 for key in missing}
-        return [key for key, count in self._missing.items() if count >= self._looks]
+    spaces = {name.rpartition("/")[0] for name in services if name.endswith("/describe")}
+    both = {space for space in spaces if f"{space}/change" in services}
+    return {f"{space}/{name}" for space in both for name in ("describe", "change")}

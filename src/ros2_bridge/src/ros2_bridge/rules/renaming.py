@@ -14,7 +14,8 @@ class Renaming:
     has none there.
 
     :param rules: each ``NAME=NAME``, in ROS 1 and in ROS 2; ``/`` stands for all names
-    :raises ValueError: if they make no sense; the text is a clause that says what must hold
+    :raises ValueError: if one is malformed, or two are for one name; the text is a clause that says
+        what must hold
     """
 
     def __init__(self, rules: Sequence[str] = ()) -> None:
@@ -25,13 +26,11 @@ class Renaming:
             for name in (ros1, ros2):
                 if not sign or not _NAME.fullmatch(name):
                     raise ValueError(
-                        "each rule must be NAME=NAME, in ROS 1 and in ROS 2, as /robot1=/, which"
+                        "each rule must be NAME=NAME, the name in ROS 1 first, such as /robot1=/;"
                         f" {rule!r} is not"
                     )
             if ros1 in self._to_ros2 or ros2 in self._to_ros1:
-                raise ValueError(
-                    f"each name must be in one rule only, which that of {rule!r} is not"
-                )
+                raise ValueError(f"each name may be in one rule only; {rule!r} repeats one")
             self._to_ros2[ros1], self._to_ros1[ros2] = ros2, ros1
 
     def in_ros2(self, name: str) -> Optional[str]:

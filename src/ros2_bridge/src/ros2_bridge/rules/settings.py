@@ -33,13 +33,13 @@ class BridgeParameters(ParameterSet):
     deny = ListParameter(
         (),
         element=StringParameter("", help="a pattern"),
-        help="patterns of topics and services that are not",
+        help="patterns of topics and services that are not bridged",
     )
     remap = read_once(
         ListParameter(
             (),
             element=StringParameter("", help="a rule"),
-            help="rules NAME=NAME for what has another name in ROS 2, and all below it",
+            help="rules NAME=NAME, ROS 1 first: another name in ROS 2, also for all below it",
         )
     )
     parameters = BoolParameter(True, help="whether parameters are bridged")
@@ -48,29 +48,29 @@ class BridgeParameters(ParameterSet):
             1000,
             minimum=1,
             maximum=100_000,
-            help="how many messages of a topic ROS 2 keeps in a burst",
+            help="history depth of each topic in ROS 2: messages kept in a burst",
         )
     )
     max_nodes = IntParameter(
         100,
         minimum=0,
         maximum=1000,
-        help="most nodes of ROS 1 that appear in ROS 2, and of ROS 2 whose parameters are in ROS 1",
+        help="most nodes of ROS 1 shown in ROS 2, and of ROS 2 with parameters shown in ROS 1",
     )
     service_timeout = FloatParameter(
-        5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for the answer of a service"
+        5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for a service's response"
     )
 
     @rule("remap")
-    def remap_makes_sense(self) -> None:
-        """Refuse what are no rules, or more than one for a name."""
+    def remap_is_unambiguous(self) -> None:
+        """Refuse malformed rules, and more than one for a name."""
         self.names()
 
     def names(self) -> Renaming:
         """Return what has another name in ROS 2."""
         return Renaming(self.remap)
 
-    def openings(self, names: Renaming) -> Rules:
+    def bridged(self, names: Renaming) -> Rules:
         """Return what may be bridged.
 
         :param names: what has another name in ROS 2
@@ -99,7 +99,7 @@ class Qualities:
     :param chosen: a list of mappings, each a pattern of topics, ``topic``, and what is chosen of
         ``depth``, ``reliability`` and ``durability``. (The server of parameters takes no slash in a
         name, so topics cannot be the keys of a mapping.)
-    :raises ParameterError: if it makes no sense
+    :raises ParameterError: if it is malformed
     """
 
     #: What each may be, in ROS 2's own words.
@@ -111,7 +111,9 @@ class Qualities:
     def __init__(self, depth: int, chosen: Any) -> None:
         self._depth = depth
         self._chosen: List[Mapping[str, Any]] = []
-        for choice in [] if chosen is None else chosen if isinstance(chosen, list) else [chosen]:
+        if chosen is None:
+            chosen = []
+        for choice in chosen if isinstance(chosen, list) else [chosen]:
             if not isinstance(choice, dict) or not isinstance(choice.get("topic"), str):
                 raise ParameterError("qos", choice, "a list of mappings, each with a topic")
             for name, value in choice.items():

@@ -11,22 +11,23 @@ from nodekit import CallError, Node
 from nodekit.groups.groups import Outside
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
-from ros2_bridge.types.steps import ConversionError
+from ros2_bridge.types.instructions import ConversionError
 from ros2_bridge.types.types import ServiceType
 
-#: Fields in which services tell, by convention, that they have failed and why.
+#: Fields that say, by convention, why a service has failed.
 _WHY = ("message", "status_message", "reason")
 
 
 class ServiceToRos2:
     """A service of ROS 1, offered in ROS 2.
 
-    ROS 2 has no errors of services. Where an answer has ``success`` and ``message``, an error is
-    told there; otherwise there is no answer, as where a server has died, and a line in the log.
+    ROS 2 has no errors of services. Where a response has ``success`` and ``message``, an error is
+    reported there; otherwise there is no response, as where a server has died, and a line in the
+    log.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
-    :param home: node of ROS 2 that offers it
+    :param owner: node of ROS 2 that offers it
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
     """
@@ -35,15 +36,15 @@ class ServiceToRos2:
         self,
         node: Node,
         side: Ros2,
-        home: Ros2Node,
+        owner: Ros2Node,
         name: str,
         other: str,
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
-        self.home = home
+        self.owner = owner
         self.kind, self._timeout = kind, timeout
-        self._end = side.serve(home, kind.cls, other, self._answer)
+        self._end = side.serve(owner, kind.cls, other, self._answer)
         self._made = node.lifetime()
         self._client = self._made.client(name, kind.raw, group=Outside())
 
@@ -74,7 +75,7 @@ class ServiceToRos2:
             setattr(answer, reason[0], why)
             send(answer)
         else:
-            rospy.logwarn_throttle(1.0, f"no answer in ROS 2: {why}")
+            rospy.logwarn_throttle(1.0, f"a caller in ROS 2 gets no response: {why}")
 
     def close(self) -> None:
         """End it."""
@@ -83,7 +84,7 @@ class ServiceToRos2:
 
 
 class ServiceToRos1:
-    """A service of ROS 2, offered in ROS 1; without an answer in time the caller gets an error.
+    """A service of ROS 2, offered in ROS 1; without a response in time the caller gets an error.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2

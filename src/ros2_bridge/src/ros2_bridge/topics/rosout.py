@@ -1,45 +1,41 @@
 """The log of ROS 1's nodes, in ROS 2's."""
 
-from typing import Any
+from typing import Any, Callable
 
 from rcl_interfaces.msg import Log
 
 from nodekit import Node
 from nodekit.groups.groups import Outside
-from ros2_bridge.environment import ros1
+from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
+from ros2_bridge.topics.topics import OnDemand
 
 #: ROS 2's levels by ROS 1's.
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 
 
 class Rosout:
-    """Passes lines of the log on, under the names of their nodes, while somebody reads them.
+    """Forwards lines of the log, under the names of their nodes.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param names: what has another name in ROS 2
+
+    :ivar subscription: to ROS 1's log; to be switched on while ROS 2's has subscribers
     """
 
     def __init__(self, node: Node, side: Ros2, names: Renaming) -> None:
         self._node, self._names = node, names
         self._publisher = side.publisher(Log, ROSOUT, Quality(1000, latched=True))
-        self._hearing: Any = None
+        self.subscription = OnDemand(self._subscribe)
 
-    def look(self, is_read: bool) -> None:
-        """Hear the log, or no longer.
-
-        :param is_read: whether somebody reads it in ROS 2
-        """
-        if is_read and self._hearing is None:
-            self._hearing = self._node.lifetime()
-            self._hearing.subscribe(ROSOUT, ros1.Log, self._forward, group=Outside())
-        elif not is_read and self._hearing is not None:
-            self._hearing.close()
-            self._hearing = None
+    def _subscribe(self) -> Callable[[], None]:
+        made = self._node.lifetime()
+        made.subscribe(ROSOUT, Ros1Log, self._forward, group=Outside())
+        return made.close
 
     def _forward(self, line: Any) -> None:
         log = Log(

@@ -1,4 +1,4 @@
-"""One topic, one way. What the other side does not listen to is not fetched."""
+"""One topic, one way. What has no subscribers on the other side is not fetched."""
 
 import contextlib
 import threading
@@ -25,10 +25,29 @@ class Count:
         self.passed = self.lost = self.refused = 0
 
 
-class ToRos2:
+class OnDemand:
+    """A subscription that is there only while it is needed.
+
+    :param subscribe: makes it, and returns what ends it
+    """
+
+    def __init__(self, subscribe: Callable[[], Callable[[], None]]) -> None:
+        self._subscribe = subscribe
+        self._unsubscribe: Optional[Callable[[], None]] = None
+
+    def switch(self, is_needed: bool) -> None:
+        """Begin or end it, where that is due."""
+        if is_needed and self._unsubscribe is None:
+            self._unsubscribe = self._subscribe()
+        elif not is_needed and self._unsubscribe is not None:
+            self._unsubscribe()
+            self._unsubscribe = None
+
+
+class TopicToRos2:
     """A topic of ROS 1 in ROS 2.
 
-    It is published from the beginning, and heard while somebody listens in ROS 2.
+    It is published from the beginning, and subscribed to while it has subscribers in ROS 2.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -48,27 +67,24 @@ class ToRos2:
         self._other, self._qualities = other, qualities
         self.count = Count()
         self._lock = threading.Lock()
-        self._latched = False
         self._latches: Dict[str, bytes] = {}
         self._callers: Set[str] = set()
-        self._hearing: Any = None
+        self._subscription = OnDemand(self._subscribe)
         self._publisher = side.publisher(kind.cls, other, qualities.of(topic))
 
-    def look(self, listeners: bool, callers: Set[str]) -> None:
-        """Hear the topic, or no longer.
+    def _subscribe(self) -> Callable[[], None]:
+        made = self._node.lifetime()
+        made.subscribe_batches(self.topic, self.kind.raw, self._forward, group=Outside())
+        return made.close
 
-        :param listeners: whether somebody listens in ROS 2
+    def forward_while(self, is_heard: bool, callers: Set[str]) -> None:
+        """Subscribe to the topic, or no longer.
+
+        :param is_heard: whether it has subscribers in ROS 2
         :param callers: who publishes it in ROS 1
         """
         self._callers = callers or self._callers  # none: the master has been restarted
-        if listeners and self._hearing is None:
-            self._hearing = self._node.lifetime()
-            self._hearing.subscribe_batches(
-                self.topic, self.kind.raw, self._forward, group=Outside()
-            )
-        elif not listeners and self._hearing is not None:
-            self._hearing.close()
-            self._hearing = None
+        self._subscription.switch(is_heard)
 
     def _forward(self, messages: List[Any]) -> None:
         for message in messages:
@@ -109,16 +125,16 @@ class ToRos2:
 
     def close(self) -> None:
         """End it."""
-        self.look(False, set())
+        self._subscription.switch(False)
         with self._lock:
             self._side.destroy_publisher(self._publisher)
 
 
-class ToRos1:
+class TopicToRos1:
     """A topic of ROS 2 in ROS 1.
 
-    It is published from the beginning, and heard while somebody listens in ROS 1; where it is
-    latched, always.
+    It is published from the beginning, and subscribed to while it has subscribers in ROS 1; where
+    it is latched, always.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -137,33 +153,31 @@ class ToRos1:
         found: Topic,
     ) -> None:
         self._side, self.topic, self._other, self.kind = side, topic, other, kind
-        self._qualities, self.found = qualities, found
+        self._qualities, self._found = qualities, found
         self.count = Count()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
         self._made = node.lifetime()
         self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
-        self._end: Optional[Callable[[], None]] = None
+        self._subscription = OnDemand(self._subscribe)
         try:
-            self.look()
+            self.forward_if_heard()
         except BaseException:
             self.close()
             raise
 
-    def look(self) -> None:
-        """Hear the topic, or no longer."""
-        listeners = self.found.latched or self._publisher.get_num_connections() > 0
-        if listeners and self._end is None:
-            qos = self._qualities.of(self.topic, self.found.latched, self.found.best_effort)
-            self._last.clear()
-            self._end = self._side.subscribe(self.kind.cls, self._other, qos, self._forward)
-        elif not listeners and self._end is not None:
-            self._end()
-            self._end = None
+    def _subscribe(self) -> Callable[[], None]:
+        qos = self._qualities.of(self.topic, self._found.latched, self._found.best_effort)
+        self._last.clear()
+        return self._side.subscribe(self.kind.cls, self._other, qos, self._forward)
 
-    def is_still(self, found: Topic) -> bool:
+    def forward_if_heard(self) -> None:
+        """Subscribe to the topic, or no longer."""
+        self._subscription.switch(self._found.latched or self._publisher.get_num_connections() > 0)
+
+    def fits(self, found: Topic) -> bool:
         """Tell whether others publish it as they did, as far as it matters."""
-        mine = self.found
+        mine = self._found
         return (mine.latched, mine.best_effort) == (found.latched, found.best_effort)
 
     def _forward(self, arrived: List[Any]) -> None:
@@ -172,7 +186,7 @@ class ToRos1:
             sender = info["publisher_gid"]["data"]
             if self._side.is_ours(sender):
                 continue  # what has come from ROS 1
-            self._note(sender, info["publication_sequence_number"])
+            self._count_lost(sender, info["publication_sequence_number"])
             message = self.kind.raw()
             try:
                 message._buff = self.kind.codec.to_ros1(data, self._seq)
@@ -187,7 +201,7 @@ class ToRos1:
                 self._publisher.publish_all(messages)
                 self.count.passed += len(messages)
 
-    def _note(self, sender: bytes, number: Optional[int]) -> None:
+    def _count_lost(self, sender: bytes, number: Optional[int]) -> None:
         """Count what a publisher has numbered and what has not arrived."""
         if number is None:
             return
@@ -204,7 +218,5 @@ class ToRos1:
 
     def close(self) -> None:
         """End it."""
-        if self._end is not None:
-            self._end()
-            self._end = None
+        self._subscription.switch(False)
         self._made.close()

@@ -1,6 +1,6 @@
 """Bytes of a ROS 1 message into bytes of ROS 2's (CDR) and back, without a message in between.
 
-A definition is compiled once into steps; after that a codec holds no state, so any number of
+A definition is compiled once into instructions; after that a codec holds no state, so any number of
 threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in four
 points: each number stands at a multiple of its size, counted from behind the first four bytes; a
 text ends with a zero, which is counted; a Header has no ``seq``; and what is empty has one byte.
@@ -10,13 +10,13 @@ import struct
 from typing import Any, Dict, List
 
 from nodekit.message_definitions import SIZES, TIMES, Field, Fields
-from ros2_bridge.types.steps import (
+from ros2_bridge.types.instructions import (
     EMPTY,
     SEQ,
     ConversionError,
+    Instruction,
     Number,
     Piece,
-    Step,
     array,
     block,
     chain,
@@ -29,7 +29,7 @@ from ros2_bridge.types.steps import (
 #: What begins each CDR message: little endian, no options.
 _CDR = b"\0\1\0\0"
 _LENGTH = struct.Struct("<I")
-#: What bytes that are no message make a step raise.
+#: What malformed bytes make an instruction raise.
 _FAILURES = (struct.error, ConversionError)
 
 
@@ -95,7 +95,7 @@ class Codec:
     def to_cdr(self, data: bytes) -> bytes:
         """Return a ROS 1 message as ROS 2's bytes.
 
-        :raises ConversionError: if it is none of this type
+        :raises ConversionError: if it is not a message of this type
         """
         out = bytearray()
         end = self._convert(self._down, data, out)
@@ -108,18 +108,20 @@ class Codec:
 
         :param cdr: the message
         :param seq: for the Header that it begins with, if any
-        :raises ConversionError: if it is none of this type
+        :raises ConversionError: if it is not a message of this type
         """
         if cdr[:2] != _CDR[:2]:
-            raise ConversionError(f"{self._type}: {cdr[:4]!r} does not begin a little-endian CDR")
+            raise ConversionError(
+                f"{self._type}: {cdr[:4]!r} is not the start of a little-endian CDR"
+            )
         out = bytearray()
         self._convert(self._up, memoryview(cdr)[4:], out)
         if self.has_header:
             _LENGTH.pack_into(out, 0, seq & 0xFFFFFFFF)
         return bytes(out)
 
-    def _convert(self, step: Step, source: Any, out: bytearray) -> int:
+    def _convert(self, instruction: Instruction, source: Any, out: bytearray) -> int:
         try:
-            return step(source, 0, out)
+            return instruction(source, 0, out)
         except _FAILURES as error:
             raise ConversionError(f"{self._type}: {error}") from None

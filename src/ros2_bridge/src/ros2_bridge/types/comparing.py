@@ -36,17 +36,17 @@ def difference(datatype: str, fields: Fields, other: str, describe: Describe) ->
         return None  # a time of ROS 1 is one field, and its bytes are these
     for mine, its in zip(ours, theirs):
         if mine[0].lower() != its[0]:
-            return f"{datatype} has {mine[0]} in ROS 1 where {other} has {its[0]} in ROS 2"
+            return f"{datatype} has field {mine[0]} in ROS 1 where {other} has {its[0]} in ROS 2"
         inner = mine[1] if mine[1] in fields else None
         if mine[2] != its[2] or (inner is None and mine[1] != its[1]):
-            return f"the field {mine[0]} of {datatype} and {other} is not of the same type"
+            return f"field {mine[0]} has different types in {datatype} and {other}"
         found = inner and difference(inner, fields, its[1], describe)
         if found:
             return found
     longer = ours[len(theirs) :] or theirs[len(ours) :]
     if longer:
         which = f"{datatype} of ROS 1" if len(ours) > len(theirs) else f"{other} of ROS 2"
-        return f"only {which} has the field {longer[0][0]}"
+        return f"only {which} has field {longer[0][0]}"
     return None
 
 
@@ -60,7 +60,7 @@ def _ours(base: str) -> str:
 
 
 def _theirs(kind: str) -> Tuple[str, Optional[int]]:
-    """Return the type of an element, and the length of an array, 0 where it is none."""
+    """Return the type of an element, and the length of an array, 0 where it is not one."""
     sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
     length: Optional[int] = 0
     if sequence is not None:

@@ -9,9 +9,9 @@ from nodekit.master import MasterClient, Turns
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
-#: Most servers that are asked again at a look: the master lists all of those that were killed.
+#: Most servers that are asked again in a poll: the master lists all of those that were killed.
 _AGAIN = 2
-#: Most servers of which is looked whether they are still where they were.
+#: Most servers in a poll whose addresses are compared with those of before.
 _LOOKUPS = 20
 
 
@@ -46,8 +46,8 @@ class ServiceTypes:
         threading.Thread(target=self._ask, args=(name,), daemon=True).start()
         return None
 
-    def look(self, there: Set[str]) -> None:
-        """Begin a look: forget all services but these, and choose who is asked again.
+    def begin_poll(self, there: Set[str]) -> None:
+        """Forget all services but these, and choose who is asked again.
 
         :raises MasterUnreachable: if the master does not answer
         """

@@ -1,4 +1,4 @@
-"""The ROS 2 twin of a ROS 1 message package: the same types, as ROS 2 wants them written.
+"""The ROS 2 twins of a ROS 1 package's types: the same types, as ROS 2 wants them written.
 
 ROS 2 takes names of types in CamelCase only, and of fields in lower case; it has other names for
 time, and the text of a constant stands between quotes.
@@ -32,8 +32,8 @@ def twin_type(datatype: str) -> str:
     return package + slash + base
 
 
-class Twin(NamedTuple):
-    """A message package for ROS 2.
+class TwinPackage(NamedTuple):
+    """A ROS 2 package with the twins of a ROS 1 package's types.
 
     :param files: text by path within the package
     :param needs: packages whose types it uses
@@ -45,12 +45,12 @@ class Twin(NamedTuple):
     names: Dict[str, str]
 
 
-def make_twin(package: str, definitions: Mapping[str, str]) -> Twin:
-    """Write the twin of a message package.
+def make_twins(package: str, definitions: Mapping[str, str]) -> TwinPackage:
+    """Write the twins of a message package.
 
     :param package: its name
     :param definitions: text by path within it, such as ``msg/signal_msg.msg``
-    :raises DefinitionError: if one of them makes no sense, or ROS 2 cannot have it
+    :raises DefinitionError: if one of them is invalid, or ROS 2 cannot have it
     """
     files: Dict[str, str] = {}
     needs: Set[str] = set()
@@ -63,7 +63,7 @@ def make_twin(package: str, definitions: Mapping[str, str]) -> Twin:
             names[f"{package}/{base}"] = twin
         target = f"{folder}/{twin.rpartition('/')[2]}.{suffix}"
         if target in files:
-            raise DefinitionError(f"{package}/{path}: another type is {twin} in ROS 2 too")
+            raise DefinitionError(f"{package}/{path}: another type is {twin} in ROS 2 already")
         try:
             files[target] = _definition(text, package, needs)
         except DefinitionError as error:
@@ -72,7 +72,7 @@ def make_twin(package: str, definitions: Mapping[str, str]) -> Twin:
     interfaces = sorted(files)
     files["package.xml"] = _manifest(package, sorted(needs))
     files["CMakeLists.txt"] = _cmake(package, interfaces, sorted(needs))
-    return Twin(files, needs, names)
+    return TwinPackage(files, needs, names)
 
 
 def _definition(text: str, package: str, needs: Set[str]) -> str:
@@ -102,7 +102,7 @@ def _line(line: str, package: str, needs: Set[str]) -> str:
 
 def _legal(name: str, pattern: "re.Pattern[str]") -> str:
     if not pattern.match(name):
-        raise DefinitionError(f"ROS 2 has no fields or constants with a name like {name}")
+        raise DefinitionError(f"{name} is not a legal name of a field or constant in ROS 2")
     return name
 
 
@@ -112,7 +112,7 @@ def _manifest(package: str, needs: List[str]) -> str:
 <package format="3">
   <name>{package}</name>
   <version>0.1.0</version>
-  <description>The ROS 2 twin of a ROS 1 package of this name.</description>
+  <description>The ROS 2 twins of the types of the ROS 1 package of this name.</description>
   <maintainer email="maintainers@basic-comms.invalid">basic_comms maintainers</maintainer>
   <license>BSD-3-Clause</license>
   <buildtool_depend>ament_cmake</buildtool_depend>

@@ -2,10 +2,11 @@
 
 import contextlib
 import importlib
+import os
 import pathlib
 import sys
 import threading
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple
 
 import genmsg.gentools
 import genmsg.msg_loader
@@ -14,6 +15,7 @@ import rospy
 import yaml
 
 from nodekit.message_definitions import parse
+from ros2_bridge.rules.skipped import Unbridgeable
 from ros2_bridge.types.codec import Codec
 from ros2_bridge.types.comparing import difference
 from ros2_bridge.types.twins import twin_type
@@ -22,10 +24,6 @@ from ros2_bridge.types.twins import twin_type
 SHARE = pathlib.Path("/usr/share")
 #: What is raised for a type that there simply is not.
 _UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
-
-
-class Unbridgeable(Exception):
-    """A type that is not in both ROSes; the text says why."""
 
 
 class MessageType(NamedTuple):
@@ -108,7 +106,7 @@ class Types:
 
     def _make_message(self, name: str) -> MessageType:
         context, paths = genmsg.MsgContext.create_default(), self._paths(name, "msg")
-        with _judging(f"ROS 1 has no type {name} here"):
+        with _explaining(f"type {name} is not installed in ROS 1"):
             spec = genmsg.msg_loader.load_msg_by_type(context, name, paths)
         cls = self._import(name, "msg")
         codec, raw = self._part(context, spec, paths, name, cls)
@@ -116,7 +114,7 @@ class Types:
 
     def _make_service(self, name: str) -> ServiceType:
         context, paths = genmsg.MsgContext.create_default(), self._paths(name, "srv")
-        with _judging(f"ROS 1 has no service type {name} here"):
+        with _explaining(f"service type {name} is not installed in ROS 1"):
             spec = genmsg.msg_loader.load_srv_by_type(context, name, paths)
             genmsg.msg_loader.load_depends(context, spec, paths)
             md5sum = genmsg.gentools.compute_md5(context, spec)
@@ -126,14 +124,18 @@ class Types:
             for part, kind in ((spec.request, "Request"), (spec.response, "Response"))
         ]
         (request, request_class), (response, response_class) = parts
-        attributes = {"_type": name, "_md5sum": md5sum}
-        attributes.update(_request_class=request_class, _response_class=response_class)
+        attributes = {
+            "_type": name,
+            "_md5sum": md5sum,
+            "_request_class": request_class,
+            "_response_class": response_class,
+        }
         raw = type("Raw", (), attributes)
         return ServiceType(name, self.ros2_name(name), raw, cls, request, response)
 
     def _part(self, context: Any, spec: Any, paths: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
         """Return codec and raw class of a message, or of one half of a service."""
-        with _judging(f"the definition of {name} in ROS 1 makes no sense"):
+        with _explaining(f"invalid definition of {name} in ROS 1"):
             genmsg.msg_loader.load_depends(context, spec, paths)
             md5sum = genmsg.gentools.compute_md5(context, spec)
             text = genmsg.gentools.compute_full_text(context, spec)
@@ -141,7 +143,7 @@ class Types:
             codec = Codec(name, fields)
         found = difference(name, fields, self.ros2_name(name), lambda its: self._describe(its, cls))
         if found:
-            raise Unbridgeable(f"{name} is not the same type in both ROSes: {found}")
+            raise Unbridgeable(f"{name} differs between ROS 1 and ROS 2: {found}")
         attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
         # Pickled by nobody, so its module does not matter.
         return codec, type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
@@ -152,7 +154,7 @@ class Types:
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
-        with _judging(f"ROS 2 has no type {package}/{kind}/{base} here, the twin of {name}"):
+        with _explaining(f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2"):
             return getattr(importlib.import_module(f"{package}.{kind}"), base)
 
     def _describe(self, name: str, top: Any) -> Mapping[str, str]:
@@ -177,6 +179,19 @@ def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path
     return place if any((place / kind).is_dir() for kind in ("msg", "srv")) else None
 
 
+def shared_types() -> Iterator[Tuple[str, str]]:
+    """Return kind and name of each type of ROS 1 in packages that ROS 2 has too."""
+    packages = rospkg.RosPack()
+    index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
+    for package in sorted(os.listdir(str(index / "rosidl_interfaces"))):
+        place = package_folder(packages, package)
+        if place is None:
+            continue
+        for kind in ("msg", "srv"):
+            for path in sorted(place.glob(f"{kind}/*.{kind}")):
+                yield kind, f"{package}/{path.stem}"
+
+
 class _Paths(Dict[str, List[str]]):
     """Folders of definitions by package, looked up when they are asked for."""
 
@@ -197,8 +212,8 @@ class _Paths(Dict[str, List[str]]):
 
 
 @contextlib.contextmanager
-def _judging(what: str) -> Any:
-    """Take what a library raises for a type that cannot be had."""
+def _explaining(what: str) -> Any:
+    """Turn what a library raises for a type that cannot be had into :class:`Unbridgeable`."""
     try:
         yield
     except Unbridgeable:

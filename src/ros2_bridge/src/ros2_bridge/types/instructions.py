@@ -1,6 +1,6 @@
 """How pieces of a message are converted: see :mod:`ros2_bridge.types.codec`.
 
-A step knows where it reads and how much was written before, and nothing else.
+An instruction knows where it reads and how much was written before, and nothing else.
 """
 
 import struct
@@ -14,7 +14,7 @@ _PADDING = tuple(bytes(size) for size in range(5))
 _MOST_EMPTY = 1_000_000
 
 #: Reads from the first at a place, writes to the second, returns the place behind what was read.
-Step = Callable[[Any, int, bytearray], int]
+Instruction = Callable[[Any, int, bytearray], int]
 
 
 class ConversionError(ValueError):
@@ -45,11 +45,11 @@ def number(size: int, count: int) -> Number:
     return Number(note, note, size, size * count, size * count)
 
 
-#: A piece of a message: numbers, or the two steps (to CDR, to ROS 1) of what varies in size.
-Piece = Union[Number, Tuple[Step, Step]]
+#: A piece of a message: numbers, or the two instructions (to CDR, to ROS 1) of what varies in size.
+Piece = Union[Number, Tuple[Instruction, Instruction]]
 
 
-def _run(numbers: List[Number]) -> Tuple[Step, Step]:
+def _run(numbers: List[Number]) -> Tuple[Instruction, Instruction]:
     """Compile numbers that follow each other: where they begin decides where there is padding."""
     packed = struct.Struct("<" + "".join(number.packed for number in numbers))
     variants = []
@@ -82,7 +82,7 @@ def _end(source: Any, at: int, size: int) -> int:
     """Return where something ends, which must not be behind the end of all."""
     end = at + size
     if end > len(source):
-        raise ConversionError(f"{size} bytes are announced, and {len(source) - at} are there")
+        raise ConversionError(f"{size} bytes announced, {len(source) - at} left")
     return end
 
 
@@ -105,7 +105,7 @@ def text_up(source: Any, at: int, out: bytearray) -> int:
     return end
 
 
-def block(size: int, numbers: int) -> Tuple[Step, Step]:
+def block(size: int, numbers: int) -> Tuple[Instruction, Instruction]:
     """Compile an array of numbers, or of messages that hold such of one size only.
 
     :param size: of a number, bytes
@@ -134,7 +134,7 @@ def block(size: int, numbers: int) -> Tuple[Step, Step]:
     return down, up
 
 
-def array(element: Tuple[Step, Step], least: int) -> Tuple[Step, Step]:
+def array(element: Tuple[Instruction, Instruction], least: int) -> Tuple[Instruction, Instruction]:
     """Compile an array of elements that are converted one by one.
 
     :param least: bytes that one has at least in ROS 1
@@ -143,7 +143,7 @@ def array(element: Tuple[Step, Step], least: int) -> Tuple[Step, Step]:
 
     def judge(count: int, left: int, least: int) -> None:
         if count * least > left or (not least and count > _MOST_EMPTY):
-            raise ConversionError(f"{count} elements are announced, and {left} bytes are there")
+            raise ConversionError(f"{count} elements announced, {left} bytes left")
 
     def down(source: Any, at: int, out: bytearray) -> int:
         count = _count_down(source, at, out)
@@ -166,21 +166,23 @@ def array(element: Tuple[Step, Step], least: int) -> Tuple[Step, Step]:
     return down, up
 
 
-def repeated(element: Tuple[Step, Step], times: int) -> Tuple[Step, Step]:
-    def repeat(step: Step) -> Step:
-        def steps(source: Any, at: int, out: bytearray) -> int:
+def repeated(
+    element: Tuple[Instruction, Instruction], times: int
+) -> Tuple[Instruction, Instruction]:
+    def repeat(instruction: Instruction) -> Instruction:
+        def run(source: Any, at: int, out: bytearray) -> int:
             for _ in range(times):
-                at = step(source, at, out)
+                at = instruction(source, at, out)
             return at
 
-        return steps
+        return run
 
     return repeat(element[0]), repeat(element[1])
 
 
-def chain(pieces: List[Piece]) -> Tuple[Step, Step]:
+def chain(pieces: List[Piece]) -> Tuple[Instruction, Instruction]:
     """Compile pieces that follow each other."""
-    pairs: List[Tuple[Step, Step]] = []
+    pairs: List[Tuple[Instruction, Instruction]] = []
     numbers: List[Number] = []
     for piece in pieces:
         if isinstance(piece, Number):
@@ -195,12 +197,12 @@ def chain(pieces: List[Piece]) -> Tuple[Step, Step]:
     if len(pairs) == 1:
         return pairs[0]
 
-    def follow(steps: List[Step]) -> Step:
-        def all_steps(source: Any, at: int, out: bytearray) -> int:
-            for step in steps:
-                at = step(source, at, out)
+    def follow(instructions: List[Instruction]) -> Instruction:
+        def run(source: Any, at: int, out: bytearray) -> int:
+            for instruction in instructions:
+                at = instruction(source, at, out)
             return at
 
-        return all_steps
+        return run
 
     return follow([down for down, _ in pairs]), follow([up for _, up in pairs])

@@ -1,6 +1,7 @@
 """ROS 1's classes that the bridge itself uses, under names that ROS 2's cannot take away.
 
-Imported while these names are still ROS 1's: see :mod:`ros2_bridge.environment.side_by_side`.
+A module of its own, as it is imported after rospy and before rclpy, while these names are still ROS
+1's: see :mod:`ros2_bridge.environment.side_by_side`.
 """
 
 from nodekit_msgs.srv import SetParameters

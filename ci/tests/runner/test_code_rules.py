@@ -1,0 +1,40 @@
+"""Imports between rooms are judged by the order of the rooms, and by their independence."""
+
+import ast
+from typing import List
+
+import code_rules
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def rooms(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setitem(code_rules.ROOMS, "house", ["cellar", "kitchen", "parlour", "attic"])
+    monkeypatch.setitem(code_rules.INDEPENDENT, "house", [{"kitchen", "parlour"}])
+
+
+def judged(room: str, *imported: str) -> List[str]:
+    """Return what is said of a module of a room that imports from others."""
+    text = "".join(f"from house.{name} import thing\n" for name in imported)
+    found = code_rules.breaches(f"house.{room}.module", ast.parse(text), {"house"})
+    return [f"{line}: {sentence}" for line, sentence in found]
+
+
+def test_a_room_imports_from_itself_and_from_those_before_it() -> None:
+    assert not judged("attic.corner", "attic.other", "parlour.table", "kitchen", "cellar")
+    assert judged("cellar", "attic.corner") == [
+        "1: cellar stands below attic and may not import it"
+    ]
+
+
+def test_independent_rooms_do_not_import_each_other() -> None:
+    told = "kitchen and parlour are independent: neither may import the other"
+    assert judged("kitchen", "kitchen.stove", "parlour.table") == [f"2: {told}"]
+    told = "parlour and kitchen are independent: neither may import the other"
+    assert judged("parlour", "cellar", "kitchen") == [f"2: {told}"]
+
+
+def test_independent_rooms_are_rooms() -> None:
+    for package, groups in code_rules.INDEPENDENT.items():
+        for group in groups:
+            assert len(group) > 1 and group <= set(code_rules.ROOMS[package])

@@ -1,0 +1,91 @@
+"""What is bridged at the moment: begun, kept, replaced and closed. Knows neither ROS."""
+
+from typing import Collection, Dict, Generic, Hashable, Optional, Protocol, Sequence, TypeVar
+
+from ros2_bridge.rules.pairing import Way
+from ros2_bridge.rules.skipped import SkipLog
+
+#: How many polls of both graphs, one after the other, must miss something until it is closed: a
+#: master that was restarted learns of its nodes only within a second.
+MISSED_POLLS = 4
+
+
+class Closable(Protocol):
+    """What can be bridged and then be bridged no longer."""
+
+    def close(self) -> None:
+        """Bridge it no longer."""
+
+
+Key = TypeVar("Key", bound=Hashable)
+Part = TypeVar("Part", bound=Closable)
+
+
+class Bridged(Dict[Key, Part]):
+    """What is bridged, by name or by way. It is closed once it has gone for good.
+
+    :param polls: how many polls, one after the other, must miss it
+    """
+
+    def __init__(self, polls: int = MISSED_POLLS) -> None:
+        super().__init__()
+        self._polls = polls
+        self._missed: Dict[Key, int] = {}
+
+    def close_one(self, key: Key) -> None:
+        """Close what has a key, which must be there."""
+        self.pop(key).close()
+
+    def close_missing(self, wanted: Collection[Key]) -> None:
+        """Close what this poll and those before it have missed.
+
+        :param wanted: what this poll says is to be bridged
+        """
+        self._missed = {key: self._missed.get(key, 0) + 1 for key in set(self).difference(wanted)}
+        for key, missed in self._missed.items():
+            if missed >= self._polls:
+                self.close_one(key)
+
+
+class PairBridge(Generic[Part]):
+    """Keeps the pairs of topics, or of services, as both graphs want them.
+
+    :param skipped: is told what cannot be bridged
+
+    :ivar pairs: what is bridged, by way
+    """
+
+    def __init__(self, skipped: SkipLog) -> None:
+        self._skipped = skipped
+        self.pairs: Bridged[Way, Part] = Bridged()
+
+    def update_pairs(self, ways: Sequence[Way]) -> None:
+        """Begin and end what a poll of both graphs asks for.
+
+        :param ways: what is to be bridged
+        """
+        self.pairs.close_missing(ways)
+        for way in ways:
+            pair = self.pairs.get(way)
+            if pair is not None and not self._has_same_type(way, pair):
+                self.pairs.close_one(way)
+                continue  # of the new type after the next poll: ROS 2 has the old one until then
+            if pair is not None and not self._is_as_begun(way, pair):
+                self.pairs.close_one(way)
+            if way not in self.pairs:
+                with self._skipped.catching(way.name):
+                    begun = self._begin(way)
+                    if begun is not None:
+                        self.pairs[way] = begun
+
+    def _has_same_type(self, way: Way, pair: Part) -> bool:
+        """Tell whether a topic or service still has the type of its pair."""
+        raise NotImplementedError
+
+    def _is_as_begun(self, way: Way, pair: Part) -> bool:
+        """Tell whether a pair would be begun in the same way again."""
+        raise NotImplementedError
+
+    def _begin(self, way: Way) -> Optional[Part]:
+        """Return a new pair; None where its type is not known yet, or each ROS has its own."""
+        raise NotImplementedError

@@ -1,0 +1,61 @@
+"""What is not bridged, and why: each reason once, and at most one line of the log a second."""
+
+import contextlib
+import threading
+from typing import Iterator, List, Optional, Set
+
+#: Least time between two lines, s.
+_PAUSE_S = 1.0
+#: Most reasons in one line; the others come in the next.
+_MOST = 5
+
+
+class Unbridgeable(Exception):
+    """Something that cannot be bridged; the text says what and why."""
+
+
+class SkipLog:
+    """Collects reasons, from any thread, and puts them into lines of the log."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._reported: Set[str] = set()
+        self._pending: List[str] = []
+        self._last: Optional[float] = None
+
+    def report(self, reason: str) -> None:
+        """Have a reason logged, unless it was reported before.
+
+        :param reason: what is not bridged, and why
+        """
+        with self._lock:
+            if reason not in self._reported:
+                self._reported.add(reason)
+                self._pending.append(reason)
+
+    @contextlib.contextmanager
+    def catching(self, name: str) -> Iterator[None]:
+        """Report why something cannot be bridged, whatever it is: all else must be.
+
+        :param name: of a topic, service or node
+        """
+        try:
+            yield
+        except Unbridgeable as reason:
+            self.report(str(reason))
+        except Exception as error:
+            # Of rclpy's texts some draw below where in the name it is.
+            why = (str(error) or repr(error)).partition("\n")[0].rstrip(":")
+            self.report(f"{name}: {why}")
+
+    def next_line(self, now: float) -> Optional[str]:
+        """Return a line for the log, None where there is nothing to log or it is too soon.
+
+        :param now: s, on a clock that only goes forward
+        """
+        with self._lock:
+            if not self._pending or (self._last is not None and now < self._last + _PAUSE_S):
+                return None
+            part, self._pending = self._pending[:_MOST], self._pending[_MOST:]
+            self._last = now
+        return f"not bridged: {'; '.join(part)}"

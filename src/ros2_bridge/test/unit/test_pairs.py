@@ -1,0 +1,95 @@
+"""What is bridged at the moment, and until when."""
+
+from typing import List, Optional
+
+from ros2_bridge.rules.pairing import Way
+from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged, PairBridge
+from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
+
+
+class Pair:
+    """Something that is bridged, of a type and with a quality."""
+
+    def __init__(self, kind: str, quality: int) -> None:
+        self.kind, self.quality, self.is_closed = kind, quality, False
+
+    def close(self) -> None:
+        assert not self.is_closed
+        self.is_closed = True
+
+
+def test_what_is_missing_poll_after_poll_is_closed() -> None:
+    parts: Bridged[str, Pair] = Bridged(3)
+    kept, gone = parts["a"], parts["b"] = Pair("", 0), Pair("", 0)
+    parts.close_missing(["a"])
+    parts.close_missing(["a"])
+    parts.close_missing(["a", "b"])  # it was back: counted anew
+    for _ in range(2):
+        parts.close_missing(["a"])
+        assert parts == {"a": kept, "b": gone}
+    parts.close_missing(["a"])
+    assert parts == {"a": kept} and gone.is_closed and not kept.is_closed
+    parts.close_missing(["a", "b"])
+    parts["b"] = again = Pair("", 0)
+    parts.close_missing(["a"])  # counted anew
+    assert parts["b"] is again
+
+
+class Pairs(PairBridge[Pair]):
+    """Keeps pairs of one type and quality, or refuses them with a sentence."""
+
+    def __init__(self) -> None:
+        self.log = SkipLog()
+        super().__init__(self.log)
+        self.kind: Optional[str] = "text"
+        self.quality, self.problem = 1, ""
+
+    def _has_same_type(self, way: Way, pair: Pair) -> bool:
+        return pair.kind == self.kind
+
+    def _is_as_begun(self, way: Way, pair: Pair) -> bool:
+        return pair.quality == self.quality
+
+    def _begin(self, way: Way) -> Optional[Pair]:
+        if self.problem:
+            raise Unbridgeable(self.problem)
+        return Pair(self.kind, self.quality) if self.kind else None
+
+    def polled(self, *names: str) -> List[Optional[Pair]]:
+        """Return the pairs of some names after a poll in which these are to be bridged."""
+        ways = [Way(name, True) for name in names]
+        self.update_pairs(ways)
+        return [self.pairs.get(way) for way in ways]
+
+
+def test_pair_is_kept_while_nothing_changes() -> None:
+    pairs = Pairs()
+    first = pairs.polled("/a", "/b")
+    assert None not in first and pairs.polled("/a", "/b") == first
+    for _ in range(MISSED_POLLS):
+        pairs.polled("/a")
+    assert list(pairs.pairs.values()) == first[:1]
+
+
+def test_another_quality_is_bridged_at_once_and_another_type_a_poll_later() -> None:
+    pairs = Pairs()
+    (first,) = pairs.polled("/a")
+    pairs.quality = 2
+    (second,) = pairs.polled("/a")
+    assert first and first.is_closed
+    assert second and (second.kind, second.quality) == ("text", 2)
+    pairs.kind = "number"
+    assert pairs.polled("/a") == [None] and second.is_closed
+    (third,) = pairs.polled("/a")
+    assert third and third.kind == "number"
+
+
+def test_what_cannot_be_bridged_is_tried_again() -> None:
+    pairs = Pairs()
+    pairs.kind = None  # nobody tells it yet
+    assert pairs.polled("/a") == [None] and pairs.log.next_line(0.0) is None
+    pairs.kind, pairs.problem = "text", "/a has several types"
+    assert pairs.polled("/a") == pairs.polled("/a") == [None]
+    assert pairs.log.next_line(0.0) == "not bridged: /a has several types"
+    pairs.problem = ""
+    assert None not in pairs.polled("/a")

@@ -118,7 +118,7 @@ class Page(PageTest):
         # A part that makes no sense is named, and all stays as it is.
         self.load({**setup, "window": -1})
         wait_until(
-            lambda: self.browser.text("#notice") == "the set-up's window makes no sense",
+            lambda: self.browser.text("#notice") == "the set-up has an invalid window",
             lambda: self.browser.text("#notice"),
         )
         self.shows_the_setup()
@@ -136,7 +136,7 @@ class Page(PageTest):
             self.browser.run("document.querySelector('#notice').textContent = ''")
             self.browser.driver.get(cut)
             wait_until(
-                lambda: self.browser.text("#notice") == "the set-up is no JSON",
+                lambda: self.browser.text("#notice") == "the set-up is not valid JSON",
                 lambda: self.browser.text("#notice"),
             )
             self.shows_the_setup()
@@ -237,7 +237,7 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.browser.choose("#trigger-mode", "auto")
-        self.browser.find("#value-cursors").click()
+        self.browser.find("#level-cursors").click()
         self.browser.choose(choice, "received")
         renamed = f"{SIGNAL}@received"
         self.browser.wait_for(f"#legend tr[data-field='{renamed}']")
@@ -245,7 +245,7 @@ class Page(PageTest):
         # All else that goes by the trace goes on so.
         trigger = [self.browser.value(f"#trigger-{part}") for part in ("mode", "field")]
         self.assertEqual(trigger, ["auto", renamed])
-        self.assertTrue(self.browser.find(".value-cursor").is_displayed())
+        self.assertTrue(self.browser.find(".level-cursor").is_displayed())
 
     def test_csv_is_what_a_bag_has(self) -> None:
         self.browser.choose("#window", "2")
@@ -402,7 +402,7 @@ class Page(PageTest):
 
     def test_cursors_by_keyboard(self) -> None:
         self.browser.keys("c")
-        handle = self.browser.wait_for(".cursor[aria-label^='cursor A']")
+        handle = self.browser.wait_for(".cursor[aria-label='time cursor A']")
         first = float(handle.get_attribute("aria-valuenow"))
         handle.send_keys(Keys.ARROW_RIGHT)
         self.assertAlmostEqual(
@@ -415,7 +415,7 @@ class Page(PageTest):
         self.browser.choose("#window", "1")
         for _ in range(2):
             self.browser.find("#cursors").click()
-        handle = self.browser.wait_for(".cursor[aria-label^='cursor A']")
+        handle = self.browser.wait_for(".cursor[aria-label='time cursor A']")
         style = handle.get_attribute("style")
         for _ in range(3):
             self.browser.choose("#trigger-mode", "single")
@@ -429,15 +429,15 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
-    def test_cursors_in_value_are_on_each_axis_in_turn(self) -> None:
+    def test_level_cursors_are_on_each_axis_in_turn(self) -> None:
         wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
         self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
-        button = self.browser.find("#value-cursors")
+        button = self.browser.find("#level-cursors")
         places = []
         for field in (SIGNAL, PROCESSED):
             button.click()
-            handle = self.browser.wait_for(".value-cursor[aria-label^='cursor C']")
-            readout = self.browser.text(".readout.of-values").replace("\xa0", " ")
+            handle = self.browser.wait_for(".level-cursor[aria-label='level cursor C']")
+            readout = self.browser.text(".readout.of-levels").replace("\xa0", " ")
             self.assertTrue(readout.endswith(field), readout)
             places.append(float(handle.get_attribute("aria-valuenow")))
         # The same height, 65 %, is another value on the other axis: from −2 to 2, and from 0 to 2.
@@ -447,17 +447,17 @@ class Page(PageTest):
         self.assertGreater(above, places[1])
         handle.send_keys(Keys.ARROW_UP)
         self.assertGreater(float(handle.get_attribute("aria-valuenow")), above)
-        c, d, apart = re.findall(r"(?:C|D|C − D) (−?[\d.]+)", self.browser.text(".of-values"))
+        c, d, apart = re.findall(r"(?:C|D|C − D) (−?[\d.]+)", self.browser.text(".of-levels"))
         self.assertAlmostEqual(float(c) - float(d), float(apart), delta=2e-4)
         wait_until(
             lambda: f'"c":{float(c):g},' in unquote(self.browser.driver.current_url),
             lambda: self.browser.driver.current_url,
         )
         self.browser.driver.refresh()
-        self.browser.wait_for(".value-cursor[aria-label^='cursor D']")
-        self.assertIn(f"C {c}", self.browser.text(".of-values").replace("\xa0", " "))
+        self.browser.wait_for(".level-cursor[aria-label='level cursor D']")
+        self.assertIn(f"C {c}", self.browser.text(".of-levels").replace("\xa0", " "))
         self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
-        self.assertEqual(self.browser.count(".value-cursor:not([hidden])"), 0)
+        self.assertEqual(self.browser.count(".level-cursor:not([hidden])"), 0)
 
     def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
         for field in (SIGNAL, PROCESSED):
@@ -635,7 +635,7 @@ class Page(PageTest):
         self.browser.keys(Keys.ENTER, Keys.ESCAPE)
         self.browser.wait_for(f"#legend tr.gone[data-field='{name}']")
         self.browser.find("#cursors").click()
-        self.browser.find("#value-cursors").click()
+        self.browser.find("#level-cursors").click()
         self.browser.resize(412, HEIGHT, 2.625)
         wait_until(lambda: self.box()[2] < 412, self.box)
         self.browser.run(

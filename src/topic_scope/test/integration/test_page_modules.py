@@ -518,11 +518,11 @@ class Modules(BrowserTest):
                 "choose/choices.js", "module.found(...a)", choices, types, text, everything
             )
             return [[one["field"] for one in group["fields"]] for group in told["groups"]], told[
-                "aside"
+                "hidden"
             ]
 
-        groups, aside = found("")
-        self.assertEqual(aside, 2)
+        groups, hidden = found("")
+        self.assertEqual(hidden, 2)
         robot = ["/robot2/j/position[arm]", "/robot2/j/position[leg]", "/robot2/j/header/stamp"]
         self.assertEqual(groups[0], robot)
         self.assertEqual(

@@ -172,10 +172,12 @@ class Panels(PageTest):
 
     def test_enable_and_reset(self) -> None:
         panel = f".panel[data-node='{GENERATOR}'] "
-        lamp = panel + "summary .lamp"
-        wait_until(lambda: self.browser.text(lamp) == "running", lambda: self.browser.text(lamp))
+        status = panel + "summary .status"
+        wait_until(
+            lambda: self.browser.text(status) == "running", lambda: self.browser.text(status)
+        )
         self.browser.find(panel + "[aria-label$='enable: Disable']").click()
-        wait_until(lambda: self.browser.text(lamp) == "idle", lambda: self.browser.text(lamp))
+        wait_until(lambda: self.browser.text(status) == "idle", lambda: self.browser.text(status))
         wait_until(
             lambda: "stopped" in self.browser.text(panel + ".services"),
             lambda: self.browser.text(panel + ".services"),
@@ -327,7 +329,7 @@ class Panels(PageTest):
     def test_all_is_reached_by_keys_and_has_a_name(self) -> None:
         self.browser.keys("t", "c", "v", "l")  # a trigger and cursors: all that can be on the plot
         self.browser.wait_for(".handle.cursor")
-        self.browser.wait_for(".handle.value-cursor")
+        self.browser.wait_for(".handle.level-cursor")
         self.all_have_names("the scope")
         words = r"5.00 s until now\. /signal/signal_y: from −[12]\.\d{4} to [12]\.\d{4}, mean"
         wait_until(

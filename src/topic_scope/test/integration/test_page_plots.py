@@ -91,12 +91,12 @@ class Plots(PageTest):
             )
 
         wait_until(marked, lambda: seen)
-        self.browser.choose("[aria-label='scale of the spectrum']", "linear")
+        self.browser.choose("[aria-label='spectrum scale']", "linear")
         wait_until(
             lambda: re.search(r"^1\.000 Hz, 2\.0\d\d$", self.browser.run(written), re.MULTILINE),
             lambda: self.browser.run(written),
         )
-        self.browser.choose("[aria-label='scale of the spectrum']", "dB")
+        self.browser.choose("[aria-label='spectrum scale']", "dB")
         wait_until(marked, lambda: seen)
         # A picture for a report has its numbers, what is measured, and the date.
         self.browser.find("#png").click()
@@ -105,7 +105,7 @@ class Plots(PageTest):
         self.assertIn("RMS", picture)
         self.assertTrue(any(text.endswith(" dB") for text in picture), picture)
         self.browser.keys("k")
-        self.browser.wait_for("[aria-label='trace to the right']")
+        self.browser.wait_for("[aria-label='horizontal trace']")
         first = self.drawn()
         wait_until(
             lambda: PROCESSED in self.browser.run(written).split("\n") and self.drawn() != first,
@@ -117,7 +117,7 @@ class Plots(PageTest):
             lambda: self.browser.driver.current_url,
         )
         self.browser.driver.refresh()
-        self.browser.wait_for("[aria-label='trace to the right']")
+        self.browser.wait_for("[aria-label='horizontal trace']")
         self.browser.keys("k")
         self.assertFalse(self.browser.find("#chart").is_displayed())
 
@@ -138,15 +138,17 @@ class Plots(PageTest):
         )
         search.clear()
         search.send_keys("signal_y")
-        self.browser.wait_for(f"[aria-label='what is computed of {SIGNAL}']")
-        self.browser.choose(f"[aria-label='what is computed of {SIGNAL}']", "difference")
+        self.browser.wait_for(f"[aria-label='derive a trace from {SIGNAL}']")
+        self.browser.choose(f"[aria-label='derive a trace from {SIGNAL}']", "difference")
         self.browser.keys(Keys.ESCAPE)
         self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
         self.browser.choose("#trace-less", PROCESSED)
         self.browser.find("#trace-difference").click()
         self.assertFalse(self.browser.find("#trace").is_displayed())
         less = f"{SIGNAL}-{PROCESSED}"
-        self.assertFalse(self.browser.find(f"[aria-label='time of {less}']").is_enabled())
+        self.assertFalse(
+            self.browser.find(f"[aria-label='timestamp source of {less}']").is_enabled()
+        )
         # Of 2 sin and 1 + cos.
         wait_until(
             lambda: abs(self.cell(less, "max") - (math.sqrt(5.0) - 1.0)) < 0.3
@@ -515,7 +517,7 @@ class Plots(PageTest):
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")
-        self.browser.find("[aria-label='the time axis shows the time of day']").click()
+        self.browser.find("[aria-label='show the time of day']").click()
         self.browser.keys(Keys.ESCAPE)
         wait_until(
             lambda: re.match(r"\d\d:\d\d:\d\d", self.browser.text(".dygraph-axis-label-x"))

@@ -138,8 +138,8 @@ class PageRobots(BrowserTest):
         self.addCleanup(talker.terminate)
         for label, state in (("configure", "inactive"), ("activate", "active")):
             self.browser.wait_for(f"[aria-label='/talker: {label}']").click()
-            lamp = f".managed-node[data-node='/talker'] [data-state='{state}']"
-            self.assertEqual(self.browser.wait_for(lamp).text, state)
+            status = f".managed-node[data-node='/talker'] [data-state='{state}']"
+            self.assertEqual(self.browser.wait_for(status).text, state)
         self.assertEqual(self.browser.errors(), [])
 
 

@@ -30,7 +30,7 @@ import { startTools } from "./page/tools.js";
 import { startTraceDialog } from "./choose/trace_dialog.js";
 import { keepArranged } from "./state/traces.js";
 import { Trigger } from "./measure/trigger.js";
-import { ValueCursors } from "./measure/value_cursors.js";
+import { LevelCursors } from "./measure/level_cursors.js";
 import { View } from "./state/view.js";
 import { showLink, showMaster, notify } from "./base/link.js";
 
@@ -42,7 +42,7 @@ const colour = (field) => colourOf(state, field);
 const plot = new Plots(byId("plot"), state, colour);
 const view = new View(state, sweep, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
-new ValueCursors(byId("overlay"), state, plot);
+new LevelCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
 const legend = new Legend(state, plot, cursors, startTraceDialog(state));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
@@ -85,7 +85,7 @@ const handlers = {
   },
   trigger: (message) => {
     if (message.number !== state.values.trigger.number) return; // of before the latest change
-    trigger.showLamp(message.state);
+    trigger.showStatus(message.state);
     sweep.onTrigger(message);
   },
   panels: (message) => panels.show(message.panels),

@@ -3,17 +3,17 @@
 import { byName, searchFor } from "../base/names.js";
 
 /** Types of topics that are about the nodes themselves. */
-const ASIDE = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
+const HIDDEN = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
 /** What a message has besides its subject. */
 const FORMAL = /(^|[/\]])(header\/(seq|stamp)|layout\/.*|.*covariance\[.*)$/;
 const ELEMENT = /\[[\w-]+\]/g;
 
 /**
- * Tell whether a topic stands behind the tick.
+ * Tell whether a topic is hidden until the user asks for all.
  * @param {string} datatype of the topic
  * @returns {boolean}
  */
-export const isAside = (datatype) => ASIDE.test(datatype);
+export const isHidden = (datatype) => HIDDEN.test(datatype);
 
 /**
  * Tell whether a field is what its message is for.
@@ -36,21 +36,21 @@ function withElements(choice, words) {
  * @param {{field: string, datatype: string, topic: string}[]} available
  * @param {Object<string, string>} types of the topics
  * @param {string} text words, each to be in a name or a type
- * @param {boolean} all with what stands behind the tick
- * @returns {{groups: {topic: string, datatype: string, fields: Object[]}[], count: number, aside: number}}
- *   count: how many fields are listed, aside: how many more stand behind the tick
+ * @param {boolean} all with hidden topics
+ * @returns {{groups: {topic: string, datatype: string, fields: Object[]}[], count: number, hidden: number}}
+ *   count: how many fields are listed, hidden: how many more there are on hidden topics
  */
 export function found(available, types, text, all) {
   const { words, fits } = searchFor(text);
   const groups = new Map();
   const seen = new Set();
-  let aside = 0;
+  let hidden = 0;
   for (const one of available) {
     const choice = withElements(one, words);
     const type = types[one.topic] || "";
     if (seen.has(choice.field) || !fits(`${choice.field} ${choice.datatype} ${type}`)) continue;
     seen.add(choice.field);
-    if (!all && isAside(type)) aside += 1;
+    if (!all && isHidden(type)) hidden += 1;
     else if (groups.has(one.topic)) groups.get(one.topic).push(choice);
     else groups.set(one.topic, [choice]);
   }
@@ -59,6 +59,6 @@ export function found(available, types, text, all) {
     topic,
     datatype: types[topic] || "",
     fields: fields.sort((a, b) => rank(a) - rank(b)), // else as in the message
-  })).sort((a, b) => isAside(a.datatype) - isAside(b.datatype) || byName(a.topic, b.topic));
-  return { groups: listed, count: seen.size - aside, aside };
+  })).sort((a, b) => isHidden(a.datatype) - isHidden(b.datatype) || byName(a.topic, b.topic));
+  return { groups: listed, count: seen.size - hidden, hidden };
 }

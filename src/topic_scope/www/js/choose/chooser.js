@@ -10,7 +10,7 @@ const TRACES = 32; // as the server has it
 const AT_ONCE = 6; // of a topic with more fields than so many the user chooses
 const TYPED = "as typed";
 const FUNCTIONS = ["derivative", "difference", "unwrap"];
-const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is computed, and its time
+const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is derived, and its timestamp source
 const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
 
 /**
@@ -23,7 +23,7 @@ export function plotTopic(state, openChooser, topic) {
   const { available, fields } = state.values;
   const useful = available.filter((choice) => choice.topic === topic && isUseful(choice)).map(({ field }) => field);
   if (!useful.length) {
-    notify(`There are no numbers in ${topic} to plot.`);
+    notify(`${topic} has no numeric fields to plot.`);
     return;
   }
   state.set({ view: "scope" });
@@ -63,8 +63,8 @@ export function startChooser(state) {
       change: () => { box.checked = choose(field, box.checked) && box.checked; },
     });
     const computed = make("select", {
-      "aria-label": `what is computed of ${field}`,
-      title: "what is computed of it",
+      "aria-label": `derive a trace from ${field}`,
+      title: "derive a trace",
       change: () => {
         choose(`${field}.${computed.value}`, true);
         computed.value = "";
@@ -84,7 +84,7 @@ export function startChooser(state) {
   function fill() {
     const { available, types } = state.values;
     const typed = search.value.trim();
-    const { groups, count: total, aside } = found(available, types, typed, all.checked);
+    const { groups, count: total, hidden } = found(available, types, typed, all.checked);
     const isListed = groups.some(({ fields }) => fields.some(({ field }) => field === typed));
     const rows = [];
     let left = MOST;
@@ -95,8 +95,8 @@ export function startChooser(state) {
     }
     if (NAME.test(typed) && !isListed) rows.push(row({ field: typed, datatype: TYPED, topic: "" }));
     list.replaceChildren(...rows);
-    say(byId("chooser-count"), `${total} numeric fields of ${groups.length} topics` +
-      (left < 0 ? `, the first ${MOST} are listed` : "") + (aside ? `, ${aside} more with the tick` : ""));
+    say(byId("chooser-count"), `${total} numeric fields on ${groups.length} topics` +
+      (left < 0 ? `, the first ${MOST} are listed` : "") + (hidden ? `, ${hidden} more on hidden topics` : ""));
   }
 
   /** What the arrow keys go through: topics, and the fields of those that are open. */

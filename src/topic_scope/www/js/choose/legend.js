@@ -2,10 +2,10 @@
 
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { byId, make, press, say } from "../base/dom.js";
-import { LEVELS, shownFigures } from "../measure/measures.js";
+import { VALUES, shownFigures } from "../measure/measures.js";
 import { figure } from "../base/numbers.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
-import { TimeChoice } from "./time_base.js";
+import { TimestampChoice } from "./timestamp_source.js";
 import { scaledText } from "../state/traces.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
@@ -14,7 +14,7 @@ const CURSORS_EVERY_MS = 120;
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
-/** Say in words what is not there of a trace. */
+/** Say in words what data a trace lacks. */
 function missing({ silent, nan, problem }) {
   if (problem) return problem;
   const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
@@ -54,7 +54,7 @@ export class Legend {
     this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
     const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
     byId("legend-head").replaceChildren(
-      head("", ""), head("", ""), head("trace", "name"), head("plot", ""), head("axis", ""), head("time", ""),
+      head("", ""), head("", ""), head("trace", "name"), head("plot", ""), head("axis", ""), head("timestamp", ""),
       ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
     );
     const before = this.rows;
@@ -95,12 +95,12 @@ export class Legend {
       click: () => state.set({ right: toggled(right, field) }),
     }, right.has(field) ? "right" : "left");
     press(axis, right.has(field));
-    const time = new TimeChoice(state, field);
+    const timestamp = new TimestampChoice(state, field);
     const badge = make("span", { class: "badge", role: "status", hidden: true });
     const more = make("button", {
       type: "button",
       class: "quiet",
-      title: "dash, steps, gain and offset of the trace",
+      title: "dash, steps, gain and offset of this trace",
       "aria-label": `more of ${field}`,
       "data-control": `more ${field}`,
       click: () => this.openTrace(field),
@@ -108,7 +108,7 @@ export class Legend {
     const remove = make("button", {
       type: "button",
       class: "quiet",
-      title: "remove the trace",
+      title: "remove this trace",
       "aria-label": `remove ${field}`,
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
@@ -122,9 +122,9 @@ export class Legend {
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, shown), make("td", {}, colour), name,
       make("td", { class: "choice" }, plotChoice(state, field)),
-      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, time.element), ...cells.values(), make("td", {}, more, remove),
+      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, timestamp.element), ...cells.values(), make("td", {}, more, remove),
     );
-    return { element, name, cells, time, badge };
+    return { element, name, cells, timestamp, badge };
   }
 
   /**
@@ -132,11 +132,11 @@ export class Legend {
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
-    for (const [field, { element, name, cells, time, badge }] of this.rows) {
+    for (const [field, { element, name, cells, timestamp, badge }] of this.rows) {
       const measured = traces[field] || {};
       element.classList.toggle("gone", Boolean(measured.problem));
       name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
-      if (measured.topic) time.show(measured.topic, measured.time);
+      if (measured.topic) timestamp.show(measured.topic, measured.time);
       say(badge, missing(measured));
       badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
@@ -145,7 +145,7 @@ export class Legend {
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
         const value = key === "mean" && largest ? mean : measured[key];
-        say(cells.get(key), figure(value, 5, LEVELS.includes(key) ? measured.vpp : null));
+        say(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
       }
     }
   }

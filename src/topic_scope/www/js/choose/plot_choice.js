@@ -26,7 +26,7 @@ export function plotChoice(state, field) {
     class: "plots",
     "aria-label": `plot of ${field}`,
     "data-control": `plot ${field}`,
-    title: "the plot that the trace is in",
+    title: "plot of this trace",
     change: () => choose(state, field, { plot: Number(select.value) }),
   }, ...options([...numbers, ...(next ? [[next, "new"]] : [])]));
   select.value = String(chosenOf(state.values, field).plot);

@@ -40,7 +40,7 @@ export function startTraceDialog(state) {
     input.addEventListener("change", () => {
       const number = readNumber(input.value) ?? NaN;
       if (Math.abs(number) <= LARGEST) choose(state, field, { [name]: number });
-      fill(); // what is no number goes back to what it was
+      fill(); // what is not a number is replaced by the former one
     });
   }
   return (name) => {

@@ -31,6 +31,6 @@ export class Managed {
     }, label));
     return make("div", { class: "managed-node", "data-node": node },
       make("span", { class: "name" }, node),
-      make("output", { class: "lamp", "data-state": state }, state), ...buttons);
+      make("output", { class: "status", "data-state": state }, state), ...buttons);
   }
 }

@@ -26,7 +26,7 @@ export class Panels {
     this.answers = new Map(); // service -> where its answer is shown
     this.shown = new Map(); // node -> {shape, element}
     this.closed = new Set();
-    this.lamps = {}; // node -> what it says of itself, such as running or idle
+    this.statuses = {}; // node -> what it reports, such as running or idle
     this.filter = byId("filter");
     this.filter.addEventListener("input", () => this.applyFilter());
   }
@@ -84,28 +84,28 @@ export class Panels {
           else this.closed.add(node);
         },
       },
-      make("summary", {}, node, this.lamp(node)),
+      make("summary", {}, node, this.status(node)),
       make("div", { class: "body" }, readonly ? null : this.services(node, services), ...rows),
     );
   }
 
-  lamp(node) {
-    const state = this.lamps[node];
-    return make("output", { class: "lamp", "data-state": state, hidden: !state }, state);
+  status(node) {
+    const state = this.statuses[node];
+    return make("output", { class: "status", "data-state": state, hidden: !state }, state);
   }
 
   /**
-   * Show whether the nodes run.
+   * Show the status of the nodes.
    * @param {{nodes: Object<string, string>}} message
    */
   onLamps({ nodes }) {
-    this.lamps = nodes;
+    this.statuses = nodes;
     for (const [node, { element }] of this.shown) {
-      const lamp = element.querySelector("summary .lamp");
+      const status = element.querySelector("summary .status");
       const state = nodes[node] || "";
-      lamp.dataset.state = state;
-      lamp.hidden = !state;
-      say(lamp, state);
+      status.dataset.state = state;
+      status.hidden = !state;
+      say(status, state);
     }
   }
 

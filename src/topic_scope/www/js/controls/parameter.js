@@ -22,7 +22,7 @@ export class Parameter {
     this.lastSent = -Infinity;
     this.later = null;
     this.settled = null;
-    this.refused = false; // whether what is typed is none that is in force
+    this.refused = false; // whether what is typed is not in force
     this.numeric = parameter.kind === "float" || parameter.kind === "int";
     this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
     this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
@@ -84,7 +84,7 @@ export class Parameter {
 
   wantTyped(text) {
     const number = this.numeric ? readNumber(text) : null;
-    // What is no number goes to the node as it is: the node says what it allows.
+    // What is not a number goes to the node as it is: the node says what it allows.
     this.want(this.numeric && Number.isFinite(number) ? number : text);
   }
 
@@ -145,8 +145,8 @@ export class Parameter {
    */
   refuse(text, kept) {
     const isText = this.control.matches("input[type=text]");
-    const again = kept ? " It is tried again together with the next value that is set here." : "";
-    const back = isText ? ` In force: ${asText(this.inForce)}; Escape goes back to it.` : "";
+    const again = kept ? " It will be tried again together with the next value that is set here." : "";
+    const back = isText ? ` In force: ${asText(this.inForce)}; Escape restores it.` : "";
     say(this.refusal, `${text}.${again}${back}`);
     this.refused = isText;
     this.refusal.hidden = false;

@@ -74,7 +74,7 @@ function nodeShape({ name, text }, { x, y, width, height }, { edges }) {
   const list = (topics) => [...new Set(topics)].sort(byName).join(", ") || "nothing";
   const published = list(edges.filter(({ from }) => from === name).map(({ topic }) => topic));
   const heard = list(edges.filter(({ to }) => to === name).map(({ topic }) => topic));
-  const label = `node ${name}, publishes ${published}, hears ${heard}`;
+  const label = `node ${name}, publishes ${published}, subscribes to ${heard}`;
   return draw("g", { class: "node", "data-name": name, role: "img", "aria-label": label }, draw("title", {}, name),
     draw("ellipse", { cx: x, cy: y, rx: width / 2, ry: height / 2 }), draw("text", { x, y }, text));
 }

@@ -4,7 +4,7 @@ import { byId, say } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
 
-const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "plot of traces over one another" };
+const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
 /**
  * Say what a plot shows.
@@ -16,13 +16,13 @@ const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "plot of trace
 export function inWords(values, fields, traces) {
   const { window, end } = values;
   const of = (field) => {
-    const told = traces[field];
-    if (!told) return "nothing yet";
-    if (told.problem) return told.problem;
-    if (!Number.isFinite(told.min)) return told.silent ? `no data for ${Math.floor(told.silent)} s` : "no data";
-    const level = (value) => figure(value, 5, told.vpp);
-    const wave = Number.isFinite(told.frequency) ? `, ${figure(told.frequency, 4)} Hz` : "";
-    return `from ${level(told.min)} to ${level(told.max)}, mean ${level(told.mean)}, latest ${level(told.value)}${wave}`;
+    const measured = traces[field];
+    if (!measured) return "no data yet";
+    if (measured.problem) return measured.problem;
+    if (!Number.isFinite(measured.min)) return measured.silent ? `no data for ${Math.floor(measured.silent)} s` : "no data";
+    const level = (value) => figure(value, 5, measured.vpp);
+    const wave = Number.isFinite(measured.frequency) ? `, ${figure(measured.frequency, 4)} Hz` : "";
+    return `from ${level(measured.min)} to ${level(measured.max)}, mean ${level(measured.mean)}, latest ${level(measured.value)}${wave}`;
   };
   const until = end === null ? "until now" : `until ${new Date(end * 1000).toISOString().slice(11, 19)} UTC, paused`;
   const head = fields.length ? `${figure(window, 3)} s ${until}.` : "No traces.";

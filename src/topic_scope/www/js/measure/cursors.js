@@ -1,4 +1,4 @@
-/** Two cursors in time. */
+/** Two time cursors. */
 
 import { clockText } from "../base/clock.js";
 import { byId, make, press, say } from "../base/dom.js";
@@ -21,7 +21,7 @@ export class Cursors {
     overlay.append(this.readout);
     this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
       kind: "cursor",
-      name: `cursor ${key.toUpperCase()}, time`,
+      name: `time cursor ${key.toUpperCase()}`,
       label: key.toUpperCase(),
       move: (part) => this.moveTo(key, part),
     })]);

@@ -4,26 +4,26 @@ import { byId, make, options } from "../base/dom.js";
 
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
-  ["rate", "rate, Hz", "samples a second"],
+  ["rate", "rate, Hz", "samples per second"],
   ["value", "value", "the latest value"],
-  ["min", "min", "least value"],
-  ["max", "max", "greatest value"],
+  ["min", "min", "minimum"],
+  ["max", "max", "maximum"],
   ["vpp", "Vpp", "peak to peak"],
   ["mean", "mean", "mean"],
-  ["rms", "RMS", "root of the mean square"],
+  ["rms", "RMS", "root mean square"],
   ["deviation", "σ", "standard deviation"],
   ["frequency", "freq., Hz", "frequency"],
   ["rise", "rise, s", "rise time, from 10 % to 90 %"],
   ["overshoot", "over, %", "overshoot, in % of the step"],
   ["settling", "settled, s", "settling time, to within 2 % of the step"],
-  ["duty", "duty, %", "duty, above the middle of the levels"],
-  ["phase", "phase, °", "phase, ahead of the trace chosen below"],
+  ["duty", "duty, %", "duty cycle, above the middle of the levels"],
+  ["phase", "phase, °", "phase, relative to the trace chosen below"],
 ];
 /** Those that are written with the digits that the spread of the trace needs. */
-export const LEVELS = ["value", "min", "max", "mean", "rms"];
+export const VALUES = ["value", "min", "max", "mean", "rms"];
 
 const SHAPES = ["rise", "overshoot", "settling", "duty"];
-const SOON_MS = 100; // a cursor that is dragged is not told of more often
+const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 
 /** The figures that are to be seen, in their order. */
 export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures.figures.includes(key));
@@ -34,7 +34,7 @@ export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures
  * @param {?number} reference what the cursors count from, since the epoch, s; null: the present
  * @returns {Object} the request
  */
-export function wished({ measures, cursors, fields }, reference) {
+export function wantedMeasures({ measures, cursors, fields }, reference) {
   const { figures, against, between } = measures;
   const span = between && cursors
     ? { start: cursors.a, end: cursors.b, reference } : { start: null, end: null, reference: null };
@@ -81,20 +81,20 @@ export function startMeasures(state, sweep, plot, requests) {
   }
 
   let timer = null;
-  function tellSoon() {
+  function sendSoon() {
     if (timer !== null) return;
     timer = setTimeout(() => {
       timer = null;
       const stands = state.values.end !== null || sweep.held;
-      const message = wished(state.values, stands ? plot.shown?.reference ?? null : null);
+      const message = wantedMeasures(state.values, stands ? plot.shown?.reference ?? null : null);
       requests.sendMeasure(message);
     }, SOON_MS);
   }
 
   against.addEventListener("change", () => change({ against: against.value }));
   between.addEventListener("change", () => change({ between: between.checked }));
-  plot.onDrawn(tellSoon);
-  state.on(["measures", "cursors"], tellSoon);
+  plot.onDrawn(sendSoon);
+  state.on(["measures", "cursors"], sendSoon);
   return () => {
     fill();
     byId("measures").showModal();

@@ -185,11 +185,11 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
  * @param {{element: HTMLElement, canvases: HTMLCanvasElement[]}} drawn a plot, or several
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
- *   labelOf: function(string): string}} looks of fields
+ *   labelOf: function(string): string}} style of fields
  * @param {number} until the right edge of what is shown, since the epoch, s
  * @returns {HTMLCanvasElement}
  */
-export function picture(drawn, fields, looks, until) {
+export function picture(drawn, fields, style, until) {
   const ratio = Math.max(RATIO, window.devicePixelRatio || 1);
   const box = drawn.element.getBoundingClientRect();
   const overlay = document.getElementById("overlay");
@@ -200,7 +200,7 @@ export function picture(drawn, fields, looks, until) {
   const canvas = make("canvas", {});
   const context = canvas.getContext("2d");
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
-  const table = below(context, fields, box.width, texts, looks.labelOf);
+  const table = below(context, fields, box.width, texts, style.labelOf);
   const height = box.height + table.height;
   sharply(drawn, ratio, () => {
     Object.assign(canvas, { width: Math.round(box.width * ratio), height: Math.round(height * ratio) });
@@ -214,7 +214,7 @@ export function picture(drawn, fields, looks, until) {
     drawLabels(context, box, drawn.element);
     context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     if (!overlay.hidden) drawHandles(context, box, overlay);
-    drawBelow(context, table, box.height, box.width, looks);
+    drawBelow(context, table, box.height, box.width, style);
   });
   return canvas;
 }

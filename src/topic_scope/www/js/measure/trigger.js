@@ -1,4 +1,4 @@
-/** The trigger: its controls, its line on the plot, and its lamp. */
+/** The trigger: its controls, its line on the plot, and its status. */
 
 import { byId, make, options, say } from "../base/dom.js";
 import { Handle } from "../plot/handle.js";
@@ -26,7 +26,7 @@ export class Trigger {
     this.field = byId("trigger-field");
     this.edge = byId("trigger-edge");
     this.level = byId("trigger-level");
-    this.lamp = byId("trigger-state");
+    this.status = byId("trigger-state");
     this.line = new Handle(overlay, {
       kind: "level",
       name: "trigger level",
@@ -34,7 +34,7 @@ export class Trigger {
       move: (part) => this.moveTo(part),
     });
     this.arrow = make("button", {
-      type: "button", class: "beyond", hidden: true, title: "bring the level to 50 %",
+      type: "button", class: "beyond", hidden: true, title: "set the level to 50 %",
       click: () => this.halve(),
     });
     overlay.append(this.arrow);
@@ -113,16 +113,16 @@ export class Trigger {
     for (const control of [this.field, this.edge, this.level]) {
       control.disabled = trigger.mode === "off";
     }
-    if (trigger.mode === "off") this.showLamp("off");
+    if (trigger.mode === "off") this.showStatus("off");
   }
 
   /**
    * Show what the server says of the trigger.
    * @param {"off"|"armed"|"triggered"} text
    */
-  showLamp(text) {
-    this.lamp.dataset.state = text;
-    this.lamp.value = text;
+  showStatus(text) {
+    this.status.dataset.state = text;
+    this.status.value = text;
   }
 
   placeLine() {

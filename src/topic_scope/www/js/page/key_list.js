@@ -24,9 +24,9 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key([" "], "Space", "run or pause; arms a single trigger again", () => view.toggle()),
     key(["a"], "a", "choose traces", open.chooser),
     key(["t"], "t", "trigger off, normal, auto, single", () => trigger.cycle()),
-    key(["l"], "l", "trigger level to 50 %", () => trigger.halve()),
-    key(["c"], "c", "cursors; the arrow keys move the one with the focus", () => cursors.toggle()),
-    key(["v"], "v", "two cursors in value, of each axis in turn", click("value-cursors")),
+    key(["l"], "l", "set the trigger level to 50 %", () => trigger.halve()),
+    key(["c"], "c", "time cursors; the arrow keys move the one with the focus", () => cursors.toggle()),
+    key(["v"], "v", "level cursors, on each axis in turn", click("level-cursors")),
     ...pair("+ −", "zoom in time", [
       [["+", "="], () => view.zoomX(CLOSER, 0.5)],
       [["-"], () => view.zoomX(1 / CLOSER, 0.5)],
@@ -45,18 +45,18 @@ export function keyList({ state, view, cursors, trigger, open }) {
     ]),
     key(["0"], "0", "reset the view", () => view.reset()),
     key(["x"], "x", "ranges and titles of the axes", open.axes),
-    key(["m"], "m", "what is measured, and of which span", open.measures),
-    key(["k"], "k", "over time, spectrum, XY", () => {
+    key(["m"], "m", "choose measurements, and their time span", open.measures),
+    key(["k"], "k", "plot over time, spectrum, XY", () => {
       const { chart } = state.values;
       const place = KINDS.findIndex(([kind]) => kind === chart.kind);
       state.set({ chart: { ...chart, kind: KINDS[(place + 1) % KINDS.length][0] } });
     }),
-    key(["p"], "p", "panels", click("show-panels")),
+    key(["p"], "p", "show or hide the panels", click("show-panels")),
     key(["g"], "g", "scope or graph; there, / finds, + − 0 zoom", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),
     key(["r"], "r", "scope or robots; there, arrow keys move, f follows a robot", () =>
       state.set({ view: state.values.view === "robots" ? "scope" : "robots" })),
-    key(["s"], "s", "save and load what is shown", click("show-setup")),
+    key(["s"], "s", "save or load a set-up", click("show-setup")),
     key(["d"], "d", "light or dark", click("theme")),
     key(["?"], "?", "these keys", click("show-help")),
     key([], "Wheel", "zoom in time; with Shift or over a vertical axis, zoom that", null),

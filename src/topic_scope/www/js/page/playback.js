@@ -43,7 +43,7 @@ export class Playback {
     state.on(["view"], ({ view }) => {
       if (!this.bag || view !== "graph") return;
       state.set({ view: "scope" });
-      notify("a bag has no nodes: there is no graph");
+      notify("A bag has no nodes, so there is no graph.");
     });
     setInterval(() => this.show(), EVERY_MS);
   }
@@ -100,7 +100,7 @@ export class Playback {
     if (this.picked === null) this.place.value = time - begin;
     const at = `${dateText(time)} ${clockText(time, 0.01)} ${zoneText(time)}`;
     const text = `${at}, ${(time - begin).toFixed(2)} of ${(end - begin).toFixed(2)} s`;
-    say(byId("playback-time"), this.told.loading ? `${text}, reading` : text);
+    say(byId("playback-time"), this.told.loading ? `${text}, loading` : text);
     this.place.setAttribute("aria-valuetext", text);
   }
 }

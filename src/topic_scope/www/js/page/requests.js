@@ -54,7 +54,7 @@ export class Requests {
     this.welcome = true;
     this.greeting = false;
     if (fresh && setup) this.setup.restore(JSON.stringify(setup));
-    if (fresh || !this.picked) this.setup.begin();
+    if (fresh || !this.picked) this.setup.rememberGiven();
     this.sendSelect();
     this.sendLooks();
     this.sendView();

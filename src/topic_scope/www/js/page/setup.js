@@ -71,13 +71,13 @@ export function written(values) {
  * @throws {Error} if it cannot be; the text says which part
  */
 export function read(setup) {
-  if (typeof setup !== "object" || setup === null) throw new Error("a set-up is a JSON object");
+  if (typeof setup !== "object" || setup === null) throw new Error("a set-up must be a JSON object");
   return Object.fromEntries(Object.entries(setup).map(([name, value]) => {
     let ok = false;
     try {
       ok = PARTS[name].ok(value);
     } catch (error) { /* there is no such part, or it has not that form */ }
-    if (!ok) throw new Error(`the set-up's ${name} makes no sense`);
+    if (!ok) throw new Error(`the set-up has an invalid ${name}`);
     return [name, PARTS[name].read ? PARTS[name].read(value) : value];
   }));
 }
@@ -104,12 +104,12 @@ export class Setup {
     let text = location.hash.slice(1);
     try {
       text = decodeURIComponent(text);
-    } catch (error) { /* it was cut off, and is no JSON either */ }
+    } catch (error) { /* it was cut off, so it is not JSON either */ }
     this.chosen = this.restore(text);
   }
 
-  /** Take note of what the scope shows by itself: an address need not say that. */
-  begin() {
+  /** Remember what the scope shows by itself: an address need not say that. */
+  rememberGiven() {
     const shown = written(this.state.values);
     const given = this.given ? { ...JSON.parse(this.given), fields: shown.fields } : shown;
     this.given = JSON.stringify(given);
@@ -127,7 +127,7 @@ export class Setup {
       this.apply(JSON.parse(text));
       return true;
     } catch (error) {
-      notify(error instanceof SyntaxError ? "the set-up is no JSON" : error.message);
+      notify(error instanceof SyntaxError ? "the set-up is not valid JSON" : error.message);
       return false;
     }
   }

@@ -50,12 +50,12 @@ export function startTools(state, view, plot, sweep, open, chart) {
     png: () => {
       const drawn = state.values.chart.kind === "time" ? plot : chart;
       const until = sweep.shown.to || Date.now() / 1000;
-      const looks = {
+      const style = {
         colourOf: (field) => colourOf(state, field),
         dashOf: (field) => dashOf(state, field),
         labelOf: (field) => labelOf(state.values, field),
       };
-      picture(drawn, state.shown, looks, until).toBlob((blob) => download(blob, "scope.png"));
+      picture(drawn, state.shown, style, until).toBlob((blob) => download(blob, "scope.png"));
     },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);

@@ -69,7 +69,7 @@ export function startAxes(state) {
   function clockField() {
     const box = make("input", {
       type: "checkbox",
-      "aria-label": "the time axis shows the time of day",
+      "aria-label": "show the time of day",
       checked: state.values.axes.x.clock,
       change: () => state.setAxis("x", { clock: box.checked }),
     });

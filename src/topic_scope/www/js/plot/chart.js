@@ -44,7 +44,7 @@ export class Chart {
     element.append(this.canvas, this.readout);
     this.shown = null;
     this.forget();
-    element.addEventListener("pointermove", (event) => this.tell(event));
+    element.addEventListener("pointermove", (event) => this.showPlace(event));
     element.addEventListener("pointerleave", () => { this.readout.hidden = true; });
     new ResizeObserver(() => this.shown && this.draw(this.shown)).observe(element);
   }
@@ -175,8 +175,8 @@ export class Chart {
     }
   }
 
-  /** Tell where the pointer is. */
-  tell(event) {
+  /** Show where the pointer is. */
+  showPlace(event) {
     if (!this.ranges) return;
     const box = this.element.getBoundingClientRect();
     const { area, ranges } = this;

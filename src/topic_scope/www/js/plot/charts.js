@@ -10,7 +10,7 @@ const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];
 const AVERAGES = [1, 2, 4, 8, 16, 32];
 const FLOOR_DB = 120; // below the largest line nothing is drawn
 
-/** Tell whether a chart of a set-up makes sense. */
+/** Tell whether a chart of a set-up is valid. */
 export const isChart = ({ kind, x, window, scale, averages, equal }) =>
   KINDS.some(([name]) => name === kind) && typeof x === "string" && WINDOWS.includes(window) &&
   ["dB", "linear"].includes(scale) && AVERAGES.includes(averages) && typeof equal === "boolean";
@@ -52,7 +52,7 @@ export function spectra(traces, fields, scale) {
       })),
     };
   });
-  const y = scale === "dB" ? "amplitude, dB of 1" : "amplitude";
+  const y = scale === "dB" ? "amplitude, dB re 1" : "amplitude";
   return { lines: top > 0 ? lines : [], titles: { x: "frequency, Hz", y }, isEqual: false, exact: true };
 }
 
@@ -87,15 +87,15 @@ export function startCharts(state, requests, colourOf) {
     byId("overlay").hidden = kind !== "time";
     if (kind === "spectrum") {
       controls.replaceChildren(
-        select("window", "window of the spectrum", WINDOWS),
-        select("scale", "scale of the spectrum", ["dB", "linear"]),
-        select("averages", "averages of the spectrum", AVERAGES.map((one) =>
-          [one, one > 1 ? `mean of ${one}` : "no mean"]), Number),
+        select("window", "spectrum window", WINDOWS),
+        select("scale", "spectrum scale", ["dB", "linear"]),
+        select("averages", "spectrum averages", AVERAGES.map((one) =>
+          [one, one > 1 ? `${one} averages` : "no averaging"]), Number),
       );
     } else if (kind === "xy") {
       const box = make("input", { type: "checkbox", checked: equal, change: () => change({ equal: box.checked }) });
       controls.replaceChildren(
-        select("x", "trace to the right", fields.map((field) => [field, `x: ${field}`])),
+        select("x", "horizontal trace", fields.map((field) => [field, `x: ${field}`])),
         make("label", { class: "field" }, box, "equal scales"),
       );
     }

@@ -10,7 +10,7 @@ const LARGE_STEP = 0.05; // the same with shift
 export class Handle {
   /**
    * @param {HTMLElement} overlay
-   * @param {{kind: "cursor"|"level"|"value-cursor", name: string, label: string,
+   * @param {{kind: "cursor"|"level"|"level-cursor", name: string, label: string,
    *   move: function(number): void}} options kind: cursor is a vertical line, the others are
    *   horizontal; name: for those who cannot see it; label: what stands on it; move: takes the new
    *   place, 0 to 1 from the left or from below

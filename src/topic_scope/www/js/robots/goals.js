@@ -18,7 +18,7 @@ export class Goals {
     this.refresh = refresh;
     this.picking = false;
     this.mark = null; // {topic, x, y, heading}: being drawn out, or sent
-    this.told = "";
+    this.published = "";
     byId("goal-pick").addEventListener("click", () => this.setPicking(!this.picking));
     byId("goal-send").addEventListener("click", () => this.sendTyped());
   }
@@ -48,7 +48,7 @@ export class Goals {
   sendTyped() {
     const [x, y, heading] = ["x", "y", "heading"].map((name) => readNumber(byId(`goal-${name}`).value));
     if (![x, y].every((value) => value !== null && Number.isFinite(value)) || Number.isNaN(heading)) {
-      say(byId("goal-state"), "x, y and heading are numbers, in m and degrees.");
+      say(byId("goal-state"), "x, y and heading must be numbers, in m and degrees.");
       return;
     }
     this.go(x, y, heading === null ? this.completed({ x, y, heading }).heading : heading / DEGREES);
@@ -77,8 +77,8 @@ export class Goals {
   /** Goals that are told on the graph count more than what was sent from here. */
   onGoals(goals) {
     const text = JSON.stringify(goals);
-    if (this.told && text !== this.told) this.mark = null;
-    this.told = text;
+    if (this.published && text !== this.published) this.mark = null;
+    this.published = text;
   }
 
   /** The goals to be drawn. */

@@ -67,7 +67,7 @@ export class RobotView {
     this.state.on(["readonly", "isBag"], ({ readonly, isBag }) => {
       byId("robot-drive").hidden = readonly || isBag;
       byId("robot-goal").hidden = readonly || isBag;
-      say(byId("robots-empty"), isBag ? "No robots: up to here the bag has no nav_msgs/Odometry." :
+      say(byId("robots-empty"), isBag ? "No robots: the bag has no nav_msgs/Odometry up to here." :
         "No robots: no node publishes nav_msgs/Odometry.");
     });
   }
@@ -89,7 +89,7 @@ export class RobotView {
     const on = this.state.values.view === "robots";
     if (on !== this.asked) this.send({ type: "robots", on });
     this.asked = on;
-    if (!on) this.wheel.leave();
+    if (!on) this.wheel.releaseWheel();
   }
 
   // --- What the server tells ---

@@ -29,8 +29,8 @@ export class Wheel {
     this.timer = null;
     this.button = byId("drive");
     this.select = byId("drive-topic");
-    this.button.addEventListener("click", () => (this.topic ? this.leave() : this.take()));
-    this.select.addEventListener("change", () => { if (this.topic) this.take(); });
+    this.button.addEventListener("click", () => (this.topic ? this.releaseWheel() : this.takeWheel()));
+    this.select.addEventListener("change", () => { if (this.topic) this.takeWheel(); });
     byId("drive-pad").append(...PAD.map((place) => this.padButton(...place)));
     this.startJoystick(byId("joystick"));
     const release = () => this.release();
@@ -42,13 +42,13 @@ export class Wheel {
   }
 
   /** Ask for the wheel. */
-  take() {
+  takeWheel() {
     this.release();
     if (this.select.value) this.send({ type: "steer", topic: this.select.value });
   }
 
-  /** Give the wheel back; the robot stops. */
-  leave() {
+  /** Release the wheel; the robot stops. */
+  releaseWheel() {
     this.release();
     if (this.topic) this.send({ type: "steer", topic: "" });
     this.onSteering({ topic: "", datatype: "" });
@@ -61,7 +61,7 @@ export class Wheel {
     this.topic = topic;
     if (!topic) this.stopTimer();
     press(this.button, Boolean(topic));
-    say(this.button, topic ? "Leave the wheel" : "Take the wheel");
+    say(this.button, topic ? "Release the wheel" : "Take the wheel");
     say(byId("drive-state"), topic
       ? `Driving on ${topic}, ${datatype.split("/").pop()}: hold arrow keys or w a s d.` : "");
     byId("drive-controls").disabled = !topic;
@@ -73,7 +73,7 @@ export class Wheel {
    */
   onKey(event) {
     if (!this.topic) return false;
-    if (event.key === "Escape") this.leave();
+    if (event.key === "Escape") this.releaseWheel();
     else if (event.key === " ") this.stop();
     else if (KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key]) {
       const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
@@ -85,7 +85,7 @@ export class Wheel {
   /** Something is held: command until it is dropped. */
   hold(what, speed, turn) {
     if (!this.topic) {
-      notify("take the wheel first");
+      notify("Take the wheel first.");
       return;
     }
     this.held.set(what, [speed, turn]);

@@ -32,8 +32,8 @@ const INITIAL = {
     y: { title: "", low: null, high: null },
     y2: { title: "", low: null, high: null },
   },
-  cursors: null, // {a, b} on the time axis
-  levels: null, // {field, c, d}: cursors in value, on the axis of this trace
+  cursors: null, // {a, b}: time cursors, on the time axis
+  levels: null, // {field, c, d}: level cursors, on the axis of this trace
   // What is plotted: over time; spectrum; xy, over the trace x, "" for the first one.
   chart: { kind: "time", x: "", window: "hann", scale: "dB", averages: 1, equal: false },
   // Which figures the table has; what phases are against, "" for the first trace; whether they are

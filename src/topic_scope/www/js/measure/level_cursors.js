@@ -1,4 +1,4 @@
-/** Two cursors in value: lines across one of the plots, on one of its axes. */
+/** Two level cursors: lines across one of the plots, on one of its axes. */
 
 import { byId, make, press, say } from "../base/dom.js";
 import { Handle } from "../plot/handle.js";
@@ -6,7 +6,7 @@ import { figure, rounded } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
 
 /** Shows two lines that can be moved, and how far apart they are. */
-export class ValueCursors {
+export class LevelCursors {
   /**
    * @param {HTMLElement} overlay of the plot
    * @param {import("../state/state.js").State} state
@@ -15,15 +15,15 @@ export class ValueCursors {
   constructor(overlay, state, plot) {
     this.state = state;
     this.plot = plot;
-    this.readout = make("output", { class: "readout of-values", hidden: true });
+    this.readout = make("output", { class: "readout of-levels", hidden: true });
     overlay.append(this.readout);
     this.handles = ["c", "d"].map((key) => [key, new Handle(overlay, {
-      kind: "value-cursor",
-      name: `cursor ${key.toUpperCase()}, value`,
+      kind: "level-cursor",
+      name: `level cursor ${key.toUpperCase()}`,
       label: key.toUpperCase(),
       move: (part) => this.moveTo(key, part),
     })]);
-    byId("value-cursors").addEventListener("click", () => this.cycle());
+    byId("level-cursors").addEventListener("click", () => this.cycle());
     state.on(["levels"], () => this.place());
     state.on(["fields"], ({ fields, levels }) => {
       if (levels && fields.length && !fields.includes(levels.field)) state.set({ levels: null });
@@ -59,7 +59,7 @@ export class ValueCursors {
   place() {
     const { levels, fields } = this.state.values;
     const isShown = levels !== null && fields.includes(levels.field);
-    press(byId("value-cursors"), isShown);
+    press(byId("level-cursors"), isShown);
     this.readout.hidden = !isShown;
     for (const [key, handle] of this.handles) {
       const value = isShown ? levels[key] : null;

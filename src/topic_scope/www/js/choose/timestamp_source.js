@@ -1,4 +1,4 @@
-/** The time that a trace goes by: its name stands behind an @ in the name of the field. */
+/** What stamps the samples of a trace: its name follows an @ in the name of the field. */
 
 import { make, options, say } from "../base/dom.js";
 import { isDifference } from "../state/traces.js";
@@ -6,22 +6,22 @@ import { isDifference } from "../state/traces.js";
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
 
 /**
- * Take the name of the time off.
+ * Split a name into the field and its timestamp source.
  * @param {string} name
- * @returns {[string, string]} the field, and the time, empty where the scope chooses
+ * @returns {[string, string]} the field, and the source, empty if the scope chooses
  */
-export function parted(name) {
+export function splitSource(name) {
   const at = name.indexOf("@");
   return at < 0 ? [name, ""] : [name.slice(0, at), name.slice(at + 1)];
 }
 
 /**
- * List the times that the messages of a topic have.
+ * List the timestamp sources that the messages of a topic have.
  * @param {Array<{field: string, datatype: string}>} available
  * @param {string} topic
  * @returns {string[]}
  */
-export function timesOf(available, topic) {
+export function sourcesOf(available, topic) {
   const own = available
     .filter(({ field, datatype }) => field.startsWith(`${topic}/`) &&
       (datatype === "time" || (datatype === "float64" && LIKE_A_TIME.test(field))))
@@ -30,13 +30,13 @@ export function timesOf(available, topic) {
 }
 
 /**
- * Have a trace go by another time; all else of it stays.
+ * Give a trace another timestamp source; all else of it stays.
  * @param {import("../state/state.js").State} state
  * @param {string} name
- * @param {string} time empty to leave it to the scope
+ * @param {string} source empty to leave it to the scope
  */
-export function goBy(state, name, time) {
-  const next = parted(name)[0] + (time && `@${time}`);
+export function setSource(state, name, source) {
+  const next = splitSource(name)[0] + (source && `@${source}`);
   const { fields, hidden, right, colours, traces, trigger, levels, chart, measures } = state.values;
   if (fields.includes(next)) return;
   const renamed = (other) => (other === name ? next : other);
@@ -54,36 +54,36 @@ export function goBy(state, name, time) {
   else state.set(changes);
 }
 
-/** Shows by which time a trace goes, and lets another one be chosen. */
-export class TimeChoice {
+/** Shows the timestamp source of a trace, and lets the user choose another one. */
+export class TimestampChoice {
   /**
    * @param {import("../state/state.js").State} state
    * @param {string} name of the trace
    */
   constructor(state, name) {
     this.state = state;
-    this.isFixed = isDifference(name); // its times are those of what it is of
-    this.chosen = this.isFixed ? "" : parted(name)[1];
+    this.isFixed = isDifference(name); // its timestamps are those of its fields
+    this.chosen = this.isFixed ? "" : splitSource(name)[1];
     this.auto = make("option", { value: "" }, "auto");
     this.element = make("select", {
-      "aria-label": `time of ${name}`,
-      "data-control": `time ${name}`,
-      title: "the time that the trace goes by",
+      "aria-label": `timestamp source of ${name}`,
+      "data-control": `timestamp ${name}`,
+      title: "timestamp source",
       disabled: this.isFixed,
-      change: () => goBy(state, name, this.element.value),
+      change: () => setSource(state, name, this.element.value),
     }, this.auto, ...options(this.chosen ? [this.chosen] : []));
     this.element.value = this.chosen;
   }
 
   /**
    * @param {string} topic of the trace
-   * @param {string} time that it goes by
+   * @param {string} source in use
    */
-  show(topic, time) {
-    if (!this.chosen) say(this.auto, `auto (${time})`);
+  show(topic, source) {
+    if (!this.chosen) say(this.auto, `auto (${source})`);
     if (this.isFixed) return;
     const listed = [...this.element.options].map((option) => option.value);
-    const missing = timesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));
+    const missing = sourcesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));
     this.element.append(...options(missing));
   }
 }

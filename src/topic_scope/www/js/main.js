@@ -7,7 +7,7 @@ import { plotTopic, startChooser } from "./choose/chooser.js";
 import { colourOf, startTheme } from "./state/colours.js";
 import { Connection } from "./base/connection.js";
 import { Cursors } from "./measure/cursors.js";
-import { byId, press } from "./base/dom.js";
+import { byId, setPressed } from "./base/dom.js";
 import { Fleet } from "./robots/fleet.js";
 import { startGestures } from "./plot/gestures.js";
 import { Graph } from "./graph/graph.js";
@@ -118,7 +118,7 @@ byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {
   for (const name of ["scope", "graph", "robots"]) {
     byId(`${name}-view`).hidden = name !== shown;
-    press(byId(`show-${name}`), name === shown);
+    setPressed(byId(`show-${name}`), name === shown);
   }
 });
 setup.restoreAddress();

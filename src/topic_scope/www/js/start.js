@@ -1,7 +1,7 @@
 /**
- * Loads the page again where a part of it has not come: a browser gives up what it is loading when
- * a network of its computer comes or goes, and nothing else of the page would run. No module, as
- * those are the parts.
+ * Loads the page again if a part of it has not come: a browser gives up what it is loading when a
+ * network of its computer comes or goes, and nothing else of the page would run. It is not a
+ * module, as modules are what may be missing.
  */
 
 {
@@ -11,7 +11,7 @@
   const tries = Math.min(Number(sessionStorage.getItem(KEY)) || 0, MOST_TRIES);
   let isMissing = false;
 
-  /** Load the page again, as soon as there is somebody who serves it. */
+  /** Load the page again, as soon as the server answers. */
   const loadAgain = () => {
     fetch(window.location.href, { method: "HEAD" }).then(
       () => window.location.reload(),

@@ -46,16 +46,16 @@ export function draw(tag, attributes = {}, ...children) {
  * @param {Element} element
  * @param {string} text
  */
-export function say(element, text) {
+export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
 /**
- * Say whether a button that stays down is down.
+ * Set whether a toggle button is pressed.
  * @param {Element} button
  * @param {boolean} down
  */
-export function press(button, down) {
+export function setPressed(button, down) {
   button.setAttribute("aria-pressed", String(down));
 }
 

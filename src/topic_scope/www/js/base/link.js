@@ -1,6 +1,6 @@
-/** Says how the connection is, and what the server could not do. */
+/** Shows the state of the connection, and what the server could not do. */
 
-import { byId, say } from "./dom.js";
+import { byId, setText } from "./dom.js";
 
 const NOTICE_MS = 8000;
 let leaving = null;
@@ -9,7 +9,7 @@ let leaving = null;
 function warn(text, canRetry) {
   byId("banner").hidden = !text;
   byId("reconnect").hidden = !canRetry;
-  say(byId("banner-text"), text);
+  setText(byId("banner-text"), text);
 }
 
 /**
@@ -21,7 +21,7 @@ function warn(text, canRetry) {
 export function showLink(state, wait, reason) {
   const link = byId("link");
   link.dataset.state = state;
-  say(link, state);
+  setText(link, state);
   if (state === "connected") warn("", false);
   if (state !== "lost") return;
   const seconds = Math.max(1, Math.round(wait / 1000));
@@ -29,7 +29,7 @@ export function showLink(state, wait, reason) {
 }
 
 /**
- * Say what is wrong with the ROS master, as long as it is.
+ * Show what is wrong with the ROS master, for as long as it is.
  * @param {{text: string}} message
  */
 export function showMaster({ text }) {
@@ -42,6 +42,6 @@ export function showMaster({ text }) {
  */
 export function notify(text) {
   clearTimeout(leaving);
-  say(byId("notice"), text);
-  leaving = setTimeout(() => say(byId("notice"), ""), NOTICE_MS);
+  setText(byId("notice"), text);
+  leaving = setTimeout(() => setText(byId("notice"), ""), NOTICE_MS);
 }

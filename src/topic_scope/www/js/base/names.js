@@ -21,7 +21,7 @@ export function byName(a, b) {
 }
 
 /**
- * Make what tells whether a text has all the words that are searched for.
+ * Make a test of whether a text has all the words of a search.
  * @param {string} search
  * @returns {{words: string[], fits: function(string): boolean}}
  */

@@ -7,7 +7,7 @@ const LINE = 33; // pixels that a wheel turns which counts in lines
 const MOST = 300; // pixels of one event that count
 
 /**
- * Tell how far a wheel zooms.
+ * Find how far a wheel zooms.
  * @param {WheelEvent} event
  * @param {number} [turned] what it has turned by, if not downwards
  * @returns {number} above 1: farther away
@@ -18,7 +18,7 @@ export function wheelFactor({ deltaMode, deltaY }, turned = deltaY) {
 }
 
 /**
- * Have a function called while two fingers are on an element; meanwhile nobody else learns of them.
+ * Have a function called while two fingers are on an element; meanwhile other listeners do not get their events.
  * @param {HTMLElement} element
  * @param {function({factor: number, x: number, y: number, across: number, upright: boolean}): void}
  *   stretch factor: how much farther the fingers are apart than before; x, y: the middle between

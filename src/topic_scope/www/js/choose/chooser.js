@@ -1,6 +1,6 @@
 /** The dialog to choose traces from all numeric fields on the graph. */
 
-import { byId, make, options, say } from "../base/dom.js";
+import { byId, make, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { found, isUseful } from "./choices.js";
 
@@ -21,7 +21,8 @@ const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the differen
  */
 export function plotTopic(state, openChooser, topic) {
   const { available, fields } = state.values;
-  const useful = available.filter((choice) => choice.topic === topic && isUseful(choice)).map(({ field }) => field);
+  const useful = available.filter((choice) => choice.topic === topic && isUseful(choice))
+    .map(({ field }) => field);
   if (!useful.length) {
     notify(`${topic} has no numeric fields to plot.`);
     return;
@@ -41,16 +42,16 @@ export function startChooser(state) {
   const search = byId("chooser-search");
   const list = byId("chooser-list");
   const all = byId("chooser-all");
-  const note = byId("chooser-note");
+  const problem = byId("chooser-note");
 
-  /** Choose a field, or no longer; tells whether that was possible. */
+  /** Choose a field, or drop it; returns whether that was possible. */
   function choose(field, wanted) {
     const others = state.values.fields.filter((other) => other !== field);
     if (wanted && others.length >= TRACES) {
-      say(note, `A page shows at most ${TRACES} traces: remove one first.`);
+      setText(problem, `A page shows at most ${TRACES} traces: remove one first.`);
       return false;
     }
-    say(note, "");
+    setText(problem, "");
     state.set({ fields: wanted ? [...others, field] : others });
     return true;
   }
@@ -70,7 +71,8 @@ export function startChooser(state) {
         computed.value = "";
       },
     }, ...options([["", "…"], ...FUNCTIONS]));
-    return make("label", { title: field }, box, make("span", {}, topic ? field.slice(topic.length + 1) || field : field),
+    const name = (topic && field.slice(topic.length + 1)) || field;
+    return make("label", { title: field }, box, make("span", {}, name),
       make("span", { class: "type" }, datatype), field.includes(".") || datatype === TYPED ? null : computed);
   }
 
@@ -95,7 +97,7 @@ export function startChooser(state) {
     }
     if (NAME.test(typed) && !isListed) rows.push(row({ field: typed, datatype: TYPED, topic: "" }));
     list.replaceChildren(...rows);
-    say(byId("chooser-count"), `${total} numeric fields on ${groups.length} topics` +
+    setText(byId("chooser-count"), `${total} numeric fields on ${groups.length} topics` +
       (left < 0 ? `, the first ${MOST} are listed` : "") + (hidden ? `, ${hidden} more on hidden topics` : ""));
   }
 
@@ -129,7 +131,7 @@ export function startChooser(state) {
 
   return (text = "") => {
     search.value = text;
-    say(note, "");
+    setText(problem, "");
     fill();
     dialog.showModal();
     search.focus();

@@ -1,7 +1,7 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
-import { byId, make, press, say } from "../base/dom.js";
+import { byId, make, setPressed, setText } from "../base/dom.js";
 import { VALUES, shownFigures } from "../measure/measures.js";
 import { figure } from "../base/numbers.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
@@ -54,7 +54,8 @@ export class Legend {
     this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
     const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
     byId("legend-head").replaceChildren(
-      head("", ""), head("", ""), head("trace", "name"), head("plot", ""), head("axis", ""), head("timestamp", ""),
+      head("", ""), head("", ""), head("trace", "name"),
+      ...["plot", "axis", "timestamp"].map((text) => head(text, "")),
       ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
     );
     const before = this.rows;
@@ -63,7 +64,7 @@ export class Legend {
       const row = this.row(field);
       this.rows.set(field, row);
       for (const [key, cell] of row.cells) {
-        say(cell, before.get(field)?.cells.get(key)?.textContent ?? "–");
+        setText(cell, before.get(field)?.cells.get(key)?.textContent ?? "–");
       }
     }
     this.body.replaceChildren(...[...this.rows.values()].map((row) => row.element));
@@ -73,7 +74,8 @@ export class Legend {
   row(field) {
     const { state } = this;
     const { hidden, right, colours } = state.values;
-    const cells = new Map(this.columns.map(([key, text]) => [key, make("td", { "data-cell": key, "data-head": text })]));
+    const cells = new Map(this.columns.map(([key, text]) =>
+      [key, make("td", { "data-cell": key, "data-head": text })]));
     const shown = make("input", {
       type: "checkbox",
       "aria-label": `show ${field}`,
@@ -94,7 +96,7 @@ export class Legend {
       "data-control": `axis ${field}`,
       click: () => state.set({ right: toggled(right, field) }),
     }, right.has(field) ? "right" : "left");
-    press(axis, right.has(field));
+    setPressed(axis, right.has(field));
     const timestamp = new TimestampChoice(state, field);
     const badge = make("span", { class: "badge", role: "status", hidden: true });
     const more = make("button", {
@@ -118,11 +120,12 @@ export class Legend {
         class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
       }), field, scaled && make("em", { class: "scaled" }, scaled), badge);
     startDrag(name, state, field);
+    const choice = (control) => make("td", { class: "choice" }, control);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, shown), make("td", {}, colour), name,
-      make("td", { class: "choice" }, plotChoice(state, field)),
-      make("td", { class: "choice" }, axis), make("td", { class: "choice" }, timestamp.element), ...cells.values(), make("td", {}, more, remove),
+      choice(plotChoice(state, field)), choice(axis), choice(timestamp.element),
+      ...cells.values(), make("td", {}, more, remove),
     );
     return { element, name, cells, timestamp, badge };
   }
@@ -137,7 +140,7 @@ export class Legend {
       element.classList.toggle("gone", Boolean(measured.problem));
       name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
       if (measured.topic) timestamp.show(measured.topic, measured.time);
-      say(badge, missing(measured));
+      setText(badge, missing(measured));
       badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
       // Of a mean that should be 0, only the rounding of the sum is left.
@@ -145,7 +148,7 @@ export class Legend {
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
         const value = key === "mean" && largest ? mean : measured[key];
-        say(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
+        setText(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
       }
     }
   }
@@ -157,7 +160,7 @@ export class Legend {
     for (const [field, { cells }] of this.rows) {
       const values = this.cursors.valuesOf(field) || {};
       for (const [key] of AT_CURSORS) {
-        say(cells.get(key), figure(values[key], 5, key === "difference" ? null : this.spreads.get(field)));
+        setText(cells.get(key), figure(values[key], 5, key === "difference" ? null : this.spreads.get(field)));
       }
     }
   }

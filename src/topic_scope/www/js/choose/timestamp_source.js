@@ -1,6 +1,6 @@
 /** What stamps the samples of a trace: its name follows an @ in the name of the field. */
 
-import { make, options, say } from "../base/dom.js";
+import { make, options, setText } from "../base/dom.js";
 import { isDifference } from "../state/traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
@@ -80,7 +80,7 @@ export class TimestampChoice {
    * @param {string} source in use
    */
   show(topic, source) {
-    if (!this.chosen) say(this.auto, `auto (${source})`);
+    if (!this.chosen) setText(this.auto, `auto (${source})`);
     if (this.isFixed) return;
     const listed = [...this.element.options].map((option) => option.value);
     const missing = sourcesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));

@@ -1,8 +1,8 @@
 /** The dialog with what else can be chosen for a trace. */
 
-import { byId, options, say } from "../base/dom.js";
+import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
-import { DASHES, LARGEST, choose, chosenOf, differenceOf, isDifference } from "../state/traces.js";
+import { DASHES, DRAWN, LARGEST, choose, chosenOf, differenceOf, isDifference } from "../state/traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
 const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
@@ -19,7 +19,7 @@ export function startTraceDialog(state) {
 
   function fill() {
     const chosen = chosenOf(state.values, field);
-    say(byId("trace-title"), field);
+    setText(byId("trace-title"), field);
     for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
     for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
     const others = state.values.fields.filter((other) => other !== field && !isDifference(other));
@@ -33,6 +33,7 @@ export function startTraceDialog(state) {
     if (!fields.includes(name)) state.set({ fields: [...fields, name] });
   });
   WORDS.dash.append(...options([["", "automatic"], ...DASHES.keys()]));
+  WORDS.drawn.append(...options([["", "automatic"], ...DRAWN]));
   for (const [name, select] of Object.entries(WORDS)) {
     select.addEventListener("change", () => choose(state, field, { [name]: select.value }));
   }

@@ -1,6 +1,6 @@
 /** A panel for each node that describes its parameters or can be enabled and reset. */
 
-import { byId, make, say } from "../base/dom.js";
+import { byId, make, setText } from "../base/dom.js";
 import { byName, searchFor } from "../base/names.js";
 import { Parameter } from "./parameter.js";
 
@@ -105,7 +105,7 @@ export class Panels {
       const state = nodes[node] || "";
       status.dataset.state = state;
       status.hidden = !state;
-      say(status, state);
+      setText(status, state);
     }
   }
 
@@ -125,7 +125,7 @@ export class Panels {
     const answer = make("p", { class: "answer", role: "status", "data-service": name });
     this.answers.set(name, answer);
     const call = (data) => {
-      say(answer, "…");
+      setText(answer, "…");
       this.send({ type: "call", service: name, ...(data === null ? {} : { data }) });
     };
     const buttons = (known ? WELL_KNOWN[short] : CALLS[kind]).map(([text, data]) => make("button", {
@@ -138,7 +138,7 @@ export class Panels {
   }
 
   /**
-   * Take the value in force of a parameter.
+   * Show the value in force of a parameter.
    * @param {{node: string, name: string, value: *}} message
    */
   onValue({ node, name, value }) {
@@ -158,7 +158,7 @@ export class Panels {
   onCalled({ service, success, message }) {
     const answer = this.answers.get(service);
     if (!answer) return;
-    say(answer, message || (success ? "done" : "refused"));
+    setText(answer, message || (success ? "done" : "refused"));
     answer.classList.toggle("bad", !success);
   }
 

@@ -1,6 +1,6 @@
 /** One parameter of a node: its control, what it means, and why a value was refused. */
 
-import { make, options, say } from "../base/dom.js";
+import { make, options, setText } from "../base/dom.js";
 import { readNumber, short, typed } from "../base/numbers.js";
 import { allowed, isPoor, travel } from "./slider.js";
 
@@ -111,7 +111,7 @@ export class Parameter {
   clear() {
     this.refused = false;
     this.refusal.hidden = true;
-    say(this.refusal, "");
+    setText(this.refusal, "");
     this.element.classList.remove("refused");
   }
 
@@ -122,7 +122,7 @@ export class Parameter {
   }
 
   /**
-   * Take the value in force. Where more was wanted meanwhile, it is the answer to what was wanted
+   * Show the value in force. If more was wanted meanwhile, it is the answer to what was wanted
    * before, and the control does not go back to it.
    * @param {*} value
    */
@@ -138,7 +138,7 @@ export class Parameter {
   }
 
   /**
-   * Say why a value was refused. What was typed stays to be mended; all else goes back to the value
+   * Show why a value was refused. What was typed stays to be corrected; all else goes back to the value
    * in force.
    * @param {string} text
    * @param {boolean} kept whether it is tried once more with the next value of the node
@@ -147,7 +147,7 @@ export class Parameter {
     const isText = this.control.matches("input[type=text]");
     const again = kept ? " It will be tried again together with the next value that is set here." : "";
     const back = isText ? ` In force: ${asText(this.inForce)}; Escape restores it.` : "";
-    say(this.refusal, `${text}.${again}${back}`);
+    setText(this.refusal, `${text}.${again}${back}`);
     this.refused = isText;
     this.refusal.hidden = false;
     this.element.classList.add("refused");
@@ -171,8 +171,8 @@ export class Parameter {
     if (!this.travel || isPoor(this.travel, wanted, value)) {
       this.travel = wanted;
       Object.assign(this.slider, { min: wanted.low, max: wanted.high, step: wanted.step });
-      say(this.ends.firstChild, short(wanted.low));
-      say(this.ends.lastChild, short(wanted.high));
+      setText(this.ends.firstChild, short(wanted.low));
+      setText(this.ends.lastChild, short(wanted.high));
     }
     this.slider.value = value;
   }

@@ -1,6 +1,6 @@
 /** The graph of nodes and topics, drawn anew when it changes. */
 
-import { byId, draw, say } from "../base/dom.js";
+import { byId, draw, setText } from "../base/dom.js";
 import { GraphZoom } from "./zoom.js";
 import { BACK, layOut } from "./layout.js";
 import { byName, namespaceOf } from "../base/names.js";
@@ -75,8 +75,8 @@ function nodeShape({ name, text }, { x, y, width, height }, { edges }) {
   const published = list(edges.filter(({ from }) => from === name).map(({ topic }) => topic));
   const heard = list(edges.filter(({ to }) => to === name).map(({ topic }) => topic));
   const label = `node ${name}, publishes ${published}, subscribes to ${heard}`;
-  return draw("g", { class: "node", "data-name": name, role: "img", "aria-label": label }, draw("title", {}, name),
-    draw("ellipse", { cx: x, cy: y, rx: width / 2, ry: height / 2 }), draw("text", { x, y }, text));
+  return draw("g", { class: "node", "data-name": name, role: "img", "aria-label": label },
+    draw("title", {}, name), draw("ellipse", { cx: x, cy: y, rx: width / 2, ry: height / 2 }), draw("text", { x, y }, text));
 }
 
 function topicShape({ name, text, datatype }, { x, y, width, height }, { plot }) {
@@ -129,7 +129,7 @@ export class Graph {
     byId("graph-empty").hidden = items.length > 0;
     for (const { from, to, rate } of ways) {
       const text = this.rates.get(`${from} ${to}`);
-      say(text, rate === null ? "" : `${rate ? figure(rate, rate < 10 ? 2 : 3) : 0} Hz`);
+      setText(text, rate === null ? "" : `${rate ? figure(rate, rate < 10 ? 2 : 3) : 0} Hz`);
     }
   }
 
@@ -150,8 +150,10 @@ export class Graph {
       const middle = { x: (a.x + a.column / 2 + next.x - next.column / 2) / 2, y: (a.y + next.y) / 2 - 8 };
       const text = draw("text", forward ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
       this.rates.set(`${from} ${to}`, text);
-      return draw("g", { class: "edge", "aria-hidden": "true", "data-from": from.slice(1), "data-to": to.slice(1) },
-        draw("path", { d: forward ? pathForward(stops) : pathBack(a, b, others), "marker-end": "url(#arrow)" }), text);
+      const path = forward ? pathForward(stops) : pathBack(a, b, others);
+      const ends = { "data-from": from.slice(1), "data-to": to.slice(1) };
+      return draw("g", { class: "edge", "aria-hidden": "true", ...ends },
+        draw("path", { d: path, "marker-end": "url(#arrow)" }), text);
     });
     const focused = document.activeElement?.dataset?.name;
     const others = { edges: this.latest.edges, plot: this.plot };

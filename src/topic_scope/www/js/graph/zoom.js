@@ -1,6 +1,6 @@
 /** How large the graph is: to fit, or as the user zooms; and where it is found by a word. */
 
-import { byId, say } from "../base/dom.js";
+import { byId, setText } from "../base/dom.js";
 import { isForPage } from "../base/keys.js";
 import { searchFor } from "../base/names.js";
 import { clamp } from "../base/numbers.js";
@@ -112,7 +112,7 @@ export class GraphZoom {
     this.found = words.length ? all.filter((one) => fits(one.querySelector("title").textContent)) : [];
     all.forEach((one) => one.classList.toggle("found", this.found.includes(one)));
     this.sheet.classList.toggle("searched", words.length > 0);
-    say(byId("graph-found"), words.length ? `${this.found.length} of ${all.length}` : "");
+    setText(byId("graph-found"), words.length ? `${this.found.length} of ${all.length}` : "");
     this.turn = -1;
     if (this.found.length) this.next();
   }

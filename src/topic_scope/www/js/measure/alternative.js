@@ -1,13 +1,13 @@
 /** The plot in words, for those who cannot see it. */
 
-import { byId, say } from "../base/dom.js";
+import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
 
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
 /**
- * Say what a plot shows.
+ * Describe what a plot shows.
  * @param {Object} values of the state
  * @param {string[]} fields that are shown
  * @param {Object<string, Object>} traces what is measured of them
@@ -19,10 +19,11 @@ export function inWords(values, fields, traces) {
     const measured = traces[field];
     if (!measured) return "no data yet";
     if (measured.problem) return measured.problem;
-    if (!Number.isFinite(measured.min)) return measured.silent ? `no data for ${Math.floor(measured.silent)} s` : "no data";
-    const level = (value) => figure(value, 5, measured.vpp);
-    const wave = Number.isFinite(measured.frequency) ? `, ${figure(measured.frequency, 4)} Hz` : "";
-    return `from ${level(measured.min)} to ${level(measured.max)}, mean ${level(measured.mean)}, latest ${level(measured.value)}${wave}`;
+    const { silent, min, max, mean, value, vpp, frequency } = measured;
+    if (!Number.isFinite(min)) return silent ? `no data for ${Math.floor(silent)} s` : "no data";
+    const [low, high, middle, latest] = [min, max, mean, value].map((level) => figure(level, 5, vpp));
+    const wave = Number.isFinite(frequency) ? `, ${figure(frequency, 4)} Hz` : "";
+    return `from ${low} to ${high}, mean ${middle}, latest ${latest}${wave}`;
   };
   const until = end === null ? "until now" : `until ${new Date(end * 1000).toISOString().slice(11, 19)} UTC, paused`;
   const head = fields.length ? `${figure(window, 3)} s ${until}.` : "No traces.";
@@ -40,5 +41,5 @@ export function startAlternative(state) {
     plot.setAttribute("aria-label", KINDS[kind]);
     byId("chart").setAttribute("aria-label", KINDS[kind]);
   });
-  return (traces) => say(byId("plot-text"), inWords(state.values, state.shown, traces));
+  return (traces) => setText(byId("plot-text"), inWords(state.values, state.shown, traces));
 }

@@ -1,7 +1,7 @@
 /** Two time cursors. */
 
 import { clockText } from "../base/clock.js";
-import { byId, make, press, say } from "../base/dom.js";
+import { byId, make, setPressed, setText } from "../base/dom.js";
 import { Handle } from "../plot/handle.js";
 import { figure } from "../base/numbers.js";
 
@@ -28,7 +28,7 @@ export class Cursors {
     const button = byId("cursors");
     button.addEventListener("click", () => this.toggle());
     state.on(["cursors"], ({ cursors }) => {
-      press(button, cursors !== null);
+      setPressed(button, cursors !== null);
       this.place();
     });
     plot.onDrawn(() => this.place());
@@ -65,7 +65,7 @@ export class Cursors {
     const apart = cursors.b - cursors.a;
     const text = (time) => (this.state.values.axes?.x.clock
       ? clockText(this.plot.shown.reference + time, (to - from) / 500) : `${figure(time)} s`);
-    say(this.readout, `A ${text(cursors.a)}   B ${text(cursors.b)}   ` +
+    setText(this.readout, `A ${text(cursors.a)}   B ${text(cursors.b)}   ` +
       `Δt ${figure(apart)} s   1/Δt ${figure(apart ? 1 / Math.abs(apart) : null)} Hz`);
   }
 
@@ -89,7 +89,7 @@ export class Cursors {
   }
 
   /**
-   * Tell what a trace is at both cursors.
+   * Find what a trace is at both cursors.
    * @param {string} field
    * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
    */

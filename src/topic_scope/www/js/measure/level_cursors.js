@@ -1,6 +1,6 @@
 /** Two level cursors: lines across one of the plots, on one of its axes. */
 
-import { byId, make, press, say } from "../base/dom.js";
+import { byId, make, setPressed, setText } from "../base/dom.js";
 import { Handle } from "../plot/handle.js";
 import { figure, rounded } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
@@ -51,15 +51,14 @@ export class LevelCursors {
   }
 
   moveTo(key, part) {
-    const { levels } = this.state.values;
-    const moved = this.plot.valueAt(this.plot.axisOf(levels.field), part);
-    this.state.set({ levels: { ...levels, [key]: moved } });
+    const axis = this.plot.axisOf(this.state.values.levels.field);
+    this.state.change("levels", { [key]: this.plot.valueAt(axis, part) });
   }
 
   place() {
     const { levels, fields } = this.state.values;
     const isShown = levels !== null && fields.includes(levels.field);
-    press(byId("level-cursors"), isShown);
+    setPressed(byId("level-cursors"), isShown);
     this.readout.hidden = !isShown;
     for (const [key, handle] of this.handles) {
       const value = isShown ? levels[key] : null;
@@ -70,7 +69,7 @@ export class LevelCursors {
     const { field, c, d } = levels;
     const apart = Math.abs(c - d);
     const text = (value) => figure(value, 5, apart);
-    say(this.readout, `C ${text(c)}   D ${text(d)}   C − D ${figure(c - d)}   on the axis of ` +
+    setText(this.readout, `C ${text(c)}   D ${text(d)}   C − D ${figure(c - d)}   on the axis of ` +
       labelOf(this.state.values, field));
   }
 }

@@ -29,7 +29,7 @@ const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures.figures.includes(key));
 
 /**
- * Say what the server is to measure.
+ * Make the request for what the server is to measure.
  * @param {Object} values of the state
  * @param {?number} reference what the cursors count from, since the epoch, s; null: the present
  * @returns {Object} the request
@@ -58,7 +58,7 @@ export function startMeasures(state, sweep, plot, requests) {
   const rows = byId("measures-figures");
   const against = byId("measures-against");
   const between = byId("measures-between");
-  const change = (changes) => state.set({ measures: { ...state.values.measures, ...changes } });
+  const change = (changes) => state.change("measures", changes);
 
   function row([key, , text]) {
     const { figures } = state.values.measures;

@@ -9,6 +9,8 @@ const COLUMN = 70; // width of a figure
 const EDGE = 12;
 const SWATCH = 30; // width of the sample of a line, and the space behind it
 
+const TURNED = { "dygraph-ylabel": -1, "dygraph-y2label": 1 }; // titles, quarter turns
+
 /** Have all that is drawn drawn anew. */
 function redraw(drawn) {
   // dygraphs does so only where its size is another one.
@@ -40,14 +42,14 @@ function drawLabels(context, box, element) {
   for (const label of element.querySelectorAll(".dygraph-axis-label, .dygraph-label")) {
     const place = label.getBoundingClientRect();
     const style = getComputedStyle(label);
-    const upright = label.classList.contains("dygraph-ylabel") ? -1 : label.classList.contains("dygraph-y2label") ? 1 : 0;
+    const upright = [...label.classList].reduce((turn, name) => TURNED[name] ?? turn, 0);
     context.save();
     context.fillStyle = style.color;
     context.font = `${style.fontSize} ${style.fontFamily}`;
     context.translate(place.left - box.left + place.width / 2, place.top - box.top + place.height / 2);
     context.rotate((upright * Math.PI) / 2);
-    context.textAlign = upright ? "center" : style.textAlign === "right" ? "right" : style.textAlign === "left" ? "left" : "center";
-    const shift = context.textAlign === "right" ? place.width / 2 : context.textAlign === "left" ? -place.width / 2 : 0;
+    const shift = (!upright && { left: -place.width / 2, right: place.width / 2 }[style.textAlign]) || 0;
+    context.textAlign = shift ? style.textAlign : "center";
     context.textBaseline = "middle";
     context.fillText(label.textContent, shift, 0);
     context.restore();
@@ -64,7 +66,8 @@ function drawHandles(context, box, overlay) {
     const upright = handle.classList.contains("cursor");
     const [x, y] = [place.left + place.width / 2 - box.left, place.top + place.height / 2 - box.top];
     context.save();
-    context.strokeStyle = context.fillStyle = themeColour(handle.classList.contains("level") ? "trigger" : "cursor");
+    const colour = themeColour(handle.classList.contains("level") ? "trigger" : "cursor");
+    Object.assign(context, { strokeStyle: colour, fillStyle: colour });
     context.setLineDash([4, 4]);
     context.beginPath();
     context.moveTo(upright ? x : area.left - box.left, upright ? area.top - box.top : y);

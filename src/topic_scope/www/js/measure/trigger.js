@@ -1,10 +1,10 @@
 /** The trigger: its controls, its line on the plot, and its status. */
 
-import { byId, make, options, say } from "../base/dom.js";
+import { byId, make, options, setText } from "../base/dom.js";
+import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { Handle } from "../plot/handle.js";
 import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 
-const MODES = ["off", "normal", "auto", "single"];
 /** What the dialog has: input, what of the trigger it is, its unit in that of the trigger, most. */
 const MORE = [
   ["trigger-hysteresis", "hysteresis", 1, Infinity],
@@ -38,6 +38,8 @@ export class Trigger {
       click: () => this.halve(),
     });
     overlay.append(this.arrow);
+    this.mode.append(...options(TRIGGER_MODES));
+    this.edge.append(...options(TRIGGER_EDGES));
     this.mode.addEventListener("change", () => this.change({ mode: this.mode.value }));
     this.field.addEventListener("change", () => this.change({ field: this.field.value }));
     this.edge.addEventListener("change", () => this.change({ edge: this.edge.value }));
@@ -73,8 +75,8 @@ export class Trigger {
 
   /** Choose the next mode. */
   cycle() {
-    const next = (MODES.indexOf(this.state.values.trigger.mode) + 1) % MODES.length;
-    this.change({ mode: MODES[next] });
+    const next = TRIGGER_MODES.indexOf(this.state.values.trigger.mode) + 1;
+    this.change({ mode: TRIGGER_MODES[next % TRIGGER_MODES.length] });
   }
 
   change(changes) {
@@ -140,6 +142,6 @@ export class Trigger {
     this.arrow.classList.toggle("above", isAbove);
     this.arrow.style.top = isAbove ? `calc(${100 * (1 - span.high)}% + 4px)` : "auto";
     this.arrow.style.bottom = isAbove ? "auto" : `calc(${100 * span.low}% + 4px)`;
-    say(this.arrow, `${isAbove ? "▲" : "▼"} T ${figure(trigger.level)}`);
+    setText(this.arrow, `${isAbove ? "▲" : "▼"} T ${figure(trigger.level)}`);
   }
 }

@@ -47,9 +47,8 @@ export function keyList({ state, view, cursors, trigger, open }) {
     key(["x"], "x", "ranges and titles of the axes", open.axes),
     key(["m"], "m", "choose measurements, and their time span", open.measures),
     key(["k"], "k", "plot over time, spectrum, XY", () => {
-      const { chart } = state.values;
-      const place = KINDS.findIndex(([kind]) => kind === chart.kind);
-      state.set({ chart: { ...chart, kind: KINDS[(place + 1) % KINDS.length][0] } });
+      const place = KINDS.findIndex(([kind]) => kind === state.values.chart.kind);
+      state.change("chart", { kind: KINDS[(place + 1) % KINDS.length][0] });
     }),
     key(["p"], "p", "show or hide the panels", click("show-panels")),
     key(["g"], "g", "scope or graph; there, / finds, + − 0 zoom", () =>

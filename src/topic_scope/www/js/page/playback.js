@@ -1,12 +1,12 @@
-/** Plays a bag: where in it the scope is, how fast it goes, and what of the page it has not. */
+/** Plays a bag: where in it the scope is, how fast it plays, and what the page lacks then. */
 
 import { clockText, dateText, zoneText } from "../base/clock.js";
-import { byId, options, say } from "../base/dom.js";
+import { byId, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { clamp, typed } from "../base/numbers.js";
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
-const EVERY_MS = 250; // between two looks at where the clock is
+const EVERY_MS = 250; // between two updates of the position
 
 const optionOf = (speed) => [speed, `${typed(speed)} ×`];
 
@@ -16,7 +16,7 @@ export class Playback {
    * @param {import("../state/state.js").State} state
    * @param {import("../state/sweep.js").Sweep} sweep
    * @param {function(Object): void} send
-   * @param {function(): void} onJump is told that its clock was sent elsewhere
+   * @param {function(): void} onJump is called after its clock has jumped
    */
   constructor(state, sweep, send, onJump) {
     this.state = state;
@@ -24,8 +24,8 @@ export class Playback {
     this.onJump = onJump;
     this.send = (changes) => send({ type: "playback", ...changes });
     this.bag = null;
-    this.told = null; // how it goes, as the server has told last
-    this.follows = false; // whether the view goes where the clock was sent to
+    this.latest = null; // how it plays, as the server said last
+    this.follows = false; // whether the view follows a jump of the clock
     this.picked = null; // where the slider was moved to, and the clock is not yet, s
     this.place = byId("playback-place");
     this.speed = byId("playback-speed");
@@ -55,12 +55,12 @@ export class Playback {
    */
   onHello({ bag = null }, fresh) {
     this.bag = bag;
-    this.told = null;
+    this.latest = null;
     document.body.classList.toggle("bag", bag !== null);
     byId("playback").hidden = bag === null;
     this.state.set({ isBag: bag !== null, playing: bag === null });
     if (!bag) return;
-    say(byId("playback-name"), bag.name);
+    setText(byId("playback-name"), bag.name);
     this.place.max = bag.end - bag.begin;
     if (fresh) this.state.setAxis("x", { clock: true });
   }
@@ -69,8 +69,8 @@ export class Playback {
    * @param {{playing: boolean, speed: number, loading: boolean, jumps: number}} message
    */
   onState(message) {
-    const jumped = this.told && this.told.jumps !== message.jumps;
-    this.told = message;
+    const jumped = this.latest && this.latest.jumps !== message.jumps;
+    this.latest = message;
     this.state.set({ playing: message.playing });
     const speed = String(message.speed);
     if (![...this.speed.options].some(({ value }) => value === speed)) {
@@ -94,13 +94,13 @@ export class Playback {
   }
 
   show() {
-    if (!this.bag || !this.told) return;
+    if (!this.bag || !this.latest) return;
     const { begin, end } = this.bag;
     const time = this.picked ?? clamp(this.sweep.live.now, begin, end);
     if (this.picked === null) this.place.value = time - begin;
     const at = `${dateText(time)} ${clockText(time, 0.01)} ${zoneText(time)}`;
     const text = `${at}, ${(time - begin).toFixed(2)} of ${(end - begin).toFixed(2)} s`;
-    say(byId("playback-time"), this.told.loading ? `${text}, loading` : text);
+    setText(byId("playback-time"), this.latest.loading ? `${text}, loading` : text);
     this.place.setAttribute("aria-valuetext", text);
   }
 }

@@ -32,7 +32,7 @@ export class Requests {
     state.on(["fields", "traces", "available"], () => this.sendLooks());
     state.on(["trigger"], () => this.sendTrigger());
     state.on(["view"], () => {
-      this.sendGraph();
+      this.sendShown();
       this.sendViewSoon();
     });
     new ResizeObserver(() => this.sendViewSoon()).observe(plot.element);
@@ -60,13 +60,18 @@ export class Requests {
     this.sendView();
     this.sendTrigger();
     this.sendChart(this.chart);
-    this.sendGraph();
+    this.sendShown();
   }
 
-  /** Send a message, if it says something new. */
-  send(message) {
+  /**
+   * Send a message, if it says something new.
+   * @param {Object} message
+   * @param {boolean} [isDefault] whether it says what a server begins with
+   */
+  send(message, isDefault = false) {
     const text = JSON.stringify(message);
-    if (!this.welcome || this.sent[message.type] === text) return;
+    const before = this.sent[message.type];
+    if (!this.welcome || before === text || (isDefault && !before)) return;
     this.sent[message.type] = text;
     this.connection.send(message);
   }
@@ -77,8 +82,7 @@ export class Requests {
 
   sendLooks() {
     const message = looksOf(this.state.values);
-    const isPlain = !Object.keys(message.traces).length;
-    if (!isPlain || this.sent.looks) this.send(message); // as a server begins
+    this.send(message, !Object.keys(message.traces).length);
   }
 
   sendViewSoon() {
@@ -97,24 +101,25 @@ export class Requests {
 
   sendTrigger() {
     const { trigger } = this.state.values;
-    if (trigger.mode === "off" && !this.sent.trigger) return; // as a server begins
-    this.send({ type: "trigger", ...trigger });
+    this.send({ type: "trigger", ...trigger }, trigger.mode === "off");
   }
 
   /** @param {Object} message what is to be made in place of a plot over time */
   sendChart(message) {
     this.chart = message;
-    if (message.kind !== "time" || this.sent.chart) this.send(message); // as a server begins
+    this.send(message, message.kind === "time");
   }
 
   /** @param {Object} message what is to be measured */
   sendMeasure(message) {
-    const plain = !message.shapes && !message.against && message.start === null;
-    if (!plain || this.sent.measure) this.send(message); // as a server begins
+    this.send(message, !message.shapes && !message.against && message.start === null);
   }
 
-  sendGraph() {
-    const on = this.state.values.view === "graph";
-    if (on || this.sent.graph) this.send({ type: "graph", on });
+  /** Have the server send what the graph or the robots need while they are shown. */
+  sendShown() {
+    for (const type of ["graph", "robots"]) {
+      const on = this.state.values.view === type;
+      this.send({ type, on }, !on);
+    }
   }
 }

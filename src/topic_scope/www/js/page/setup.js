@@ -3,13 +3,12 @@
 import { isChart } from "../plot/charts.js";
 import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
+import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
 
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;
 const VIEWS = ["scope", "graph", "robots"];
-const MODES = ["off", "normal", "auto", "single"];
-const EDGES = ["rising", "falling"];
 const VERTICAL = /^y2?(\.[2-8])?$/; // axes of the plots
 
 const isText = (value) => typeof value === "string";
@@ -31,7 +30,8 @@ const PARTS = {
   baseWindow: { ok: (value) => value > 0 && value <= 3600 },
   trigger: {
     ok: ({ mode, field, level, edge, hysteresis = 0, holdoff = 0, position = 0.5 }) =>
-      MODES.includes(mode) && isText(field) && Number.isFinite(level) && EDGES.includes(edge) &&
+      TRIGGER_MODES.includes(mode) && TRIGGER_EDGES.includes(edge) &&
+      isText(field) && Number.isFinite(level) &&
       hysteresis >= 0 && holdoff >= 0 && position >= 0 && position <= 1,
     write: ({ number, ...others }) => others,
   },
@@ -76,7 +76,7 @@ export function read(setup) {
     let ok = false;
     try {
       ok = PARTS[name].ok(value);
-    } catch (error) { /* there is no such part, or it has not that form */ }
+    } catch (error) { /* there is no such part, or its form is wrong */ }
     if (!ok) throw new Error(`the set-up has an invalid ${name}`);
     return [name, PARTS[name].read ? PARTS[name].read(value) : value];
   }));

@@ -1,7 +1,7 @@
 /** The bar above the plot. */
 
 import { colourOf, dashOf } from "../state/colours.js";
-import { byId, download, options, press } from "../base/dom.js";
+import { byId, download, options, setPressed } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
 import { picture } from "../measure/picture.js";
 import { labelOf } from "../state/traces.js";
@@ -65,7 +65,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   panels.addEventListener("click", () => state.set({ panels: !state.values.panels }));
   state.on(["panels"], ({ panels: shown }) => {
     byId("scope-view").classList.toggle("wide", !shown);
-    press(panels, shown);
+    setPressed(panels, shown);
   });
 
   const csv = byId("csv");
@@ -84,7 +84,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   state.on(["window", "history"], showWindows);
   state.on(["end", "playing"], () => {
     for (const button of [run, byId("playback-run")]) {
-      press(button, state.isRunning);
+      setPressed(button, state.isRunning);
       button.textContent = state.isRunning ? "Pause" : "Run";
     }
   });

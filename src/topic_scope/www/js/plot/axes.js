@@ -58,8 +58,8 @@ export function startAxes(state) {
       value: typed(state.values.window),
       change: () => {
         const seconds = readNumber(input.value);
-        const { history } = state.values;
-        if (seconds > 0) state.set({ window: Math.min(seconds, history), baseWindow: Math.min(seconds, history) });
+        const window = Math.min(seconds, state.values.history);
+        if (seconds > 0) state.set({ window, baseWindow: window });
         fill();
       },
     });
@@ -92,7 +92,8 @@ export function startAxes(state) {
     rows.replaceChildren(
       head("axis"), head("title"), head("from"), head("to"), head(""),
       ...plots.flatMap((plot) => [...vertical(axisName("y", plot)), ...vertical(axisName("y2", plot))]),
-      make("span", {}, "time"), titleField("x"), windowField(), make("span", { class: "muted" }, "s long"), clockField(),
+      make("span", {}, "time"), titleField("x"),
+      windowField(), make("span", { class: "muted" }, "s long"), clockField(),
     );
   }
 

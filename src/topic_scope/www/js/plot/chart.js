@@ -32,8 +32,8 @@ function extent(rows) {
 export class Chart {
   /**
    * @param {HTMLElement} element to draw in
-   * @param {function(string): string} colourOf tells the colour of a field
-   * @param {function(string): number[]} dashOf tells its dashes and gaps
+   * @param {function(string): string} colourOf gives the colour of a field
+   * @param {function(string): number[]} dashOf gives its dashes and gaps
    */
   constructor(element, colourOf, dashOf) {
     this.element = element;

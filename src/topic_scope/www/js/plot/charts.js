@@ -19,7 +19,7 @@ export const isChart = ({ kind, x, window, scale, averages, equal }) =>
 const rightOf = ({ chart, fields }) => (fields.includes(chart.x) ? chart.x : fields[0] || "");
 
 /**
- * Say what the server is to make.
+ * Make the request for what the server is to compute.
  * @param {Object} values of the state
  * @returns {Object} the request
  */
@@ -69,7 +69,7 @@ export function startCharts(state, requests, colourOf) {
   kinds.append(...options(KINDS));
   const controls = make("div", { class: "chart-controls" });
   byId("chart").append(controls);
-  const change = (changes) => state.set({ chart: { ...state.values.chart, ...changes } });
+  const change = (changes) => state.change("chart", changes);
   kinds.addEventListener("change", () => change({ kind: kinds.value }));
 
   function select(name, label, choices, read = (text) => text) {

@@ -4,7 +4,7 @@ import { startTwoFingers, wheelFactor } from "../base/pointers.js";
 import { axisName, axisParts, verticals } from "../state/traces.js";
 
 /**
- * Tell which axis a pointer is over.
+ * Find which axis a pointer is over.
  * @returns {string} "x", or the name of a vertical one, see traces.js
  */
 function axisUnder(plots, event) {

@@ -28,7 +28,7 @@ export class Plot {
    * @param {HTMLElement} parent of its element
    * @param {import("../state/state.js").State} state
    * @param {number} number from 1, the uppermost
-   * @param {function(string): string} colourOf tells the colour of a field
+   * @param {function(string): string} colourOf gives the colour of a field
    */
   constructor(parent, state, number, colourOf) {
     this.state = state;
@@ -48,7 +48,11 @@ export class Plot {
     });
     this.graph = new Dygraph(this.element, [[0, null]], {
       labels: ["time", " "],
-      axes: { x: { ...axis("x"), axisLabelWidth: 90, ticker: (...ends) => this.timeTicks(...ends) }, y: axis("y"), y2: axis("y2") },
+      axes: {
+        x: { axisLabelWidth: 90, drawGrid: true, ticker: (...ends) => this.timeTicks(...ends) },
+        y: axis("y"),
+        y2: axis("y2"),
+      },
       connectSeparatedPoints: true,
       gridLineWidth: 1,
       highlightCircleSize: 0,
@@ -66,7 +70,7 @@ export class Plot {
     this.observer.observe(this.element);
   }
 
-  /** Take the room that there is. */
+  /** Fill the room that there is. */
   resize() {
     this.graph.resize();
   }
@@ -83,7 +87,7 @@ export class Plot {
     this.auto = { y: new AutoRange(), y2: new AutoRange() };
   }
 
-  /** Take the colours of the page. */
+  /** Use the colours of the page. */
   restyle() {
     this.axisColour = themeColour("axis");
     this.graph.updateOptions({ gridLineColor: themeColour("grid"), axisLineColor: this.axisColour }, true);
@@ -109,7 +113,7 @@ export class Plot {
   }
 
   /**
-   * Draw what {@link prepare} was told.
+   * Draw what {@link prepare} was given.
    * @param {?{y: number, y2: number}} widths of the labels of both axes, for all plots to have the
    *   same edges; 0 where there is no axis; null for one plot alone
    */
@@ -155,7 +159,7 @@ export class Plot {
   }
 
   /**
-   * Take away what is drawn, also beside the plot. By itself dygraphs erases only where it is about
+   * Erase all that is drawn, also beside the plot. By itself dygraphs erases only where it is about
    * to draw: of an area that was larger before, as a title or wider numbers have come, an axis would
    * stay. What it has cut the canvas to has to go as well: at broken pixels that erases by halves.
    */
@@ -221,7 +225,7 @@ export class Plot {
   }
 
   /**
-   * Tell where a pointer is.
+   * Find where a pointer is.
    * @param {PointerEvent} event
    * @returns {{across: number, up: number}} parts of the area, from the left and from below
    */
@@ -232,7 +236,7 @@ export class Plot {
   }
 
   /**
-   * Tell the ends of a vertical axis.
+   * Return the ends of a vertical axis.
    * @param {"y"|"y2"} axis
    * @returns {[number, number]}
    */

@@ -9,7 +9,7 @@ export class Plots {
   /**
    * @param {HTMLElement} element to draw in
    * @param {import("../state/state.js").State} state
-   * @param {function(string): string} colourOf tells the colour of a field
+   * @param {function(string): string} colourOf gives the colour of a field
    */
   constructor(element, state, colourOf) {
     this.element = element;
@@ -82,7 +82,7 @@ export class Plots {
   }
 
   /**
-   * Tell where a plot is in the area of all.
+   * Find where a plot is in the area of all.
    * @param {string} axis name of one of its axes
    * @returns {{low: number, high: number}} parts of the height of all, from below
    */
@@ -111,7 +111,7 @@ export class Plots {
   }
 
   /**
-   * Tell which vertical axis a field is on.
+   * Find which vertical axis a field is on.
    * @param {string} field
    * @returns {string} its name, see traces.js
    */
@@ -121,7 +121,7 @@ export class Plots {
   }
 
   /**
-   * Tell the ends of a vertical axis.
+   * Return the ends of a vertical axis.
    * @param {string} axis its name
    * @returns {[number, number]}
    */
@@ -130,7 +130,7 @@ export class Plots {
   }
 
   /**
-   * Tell where a value is.
+   * Find where a value is.
    * @param {string} axis name of the axis that it is on
    * @param {number} value
    * @returns {?number} the place in the area of all plots, 0 to 1 from below; null out of its plot
@@ -143,7 +143,7 @@ export class Plots {
   }
 
   /**
-   * Tell which value is at a place; out of the plot, the nearest one in it.
+   * Find which value is at a place; out of the plot, the nearest one in it.
    * @param {string} axis name of the axis
    * @param {number} place in the area of all plots, 0 to 1 from below
    * @returns {number} with the digits that the screen can tell apart

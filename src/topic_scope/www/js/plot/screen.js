@@ -1,6 +1,6 @@
 /** Draws when there is something new, at most once a frame of the screen. */
 
-import { byId, say } from "../base/dom.js";
+import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 
 const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "theme", "view"];
@@ -40,9 +40,9 @@ export function startScreen(state, sweep, plot) {
     const { end, window, fields } = state.values;
     byId("empty").hidden = fields.length > 0;
     frames = frames.filter((time) => time > performance.now() - 1000);
-    say(byId("foot-frames"), `${frames.length} frames/s`);
+    setText(byId("foot-frames"), `${frames.length} frames/s`);
     const until = end === null ? "now" : new Date(end * 1000).toISOString().slice(11, 23);
-    say(byId("foot-view"), `${figure(window, 4)} s until ${until}` +
+    setText(byId("foot-view"), `${figure(window, 4)} s until ${until}` +
       `, bins of ${figure(sweep.live.bin * 1000, 3)} ms`);
   }
 

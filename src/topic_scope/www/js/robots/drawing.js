@@ -65,6 +65,12 @@ export class Drawing {
     }
   }
 
+  /** Draw something where a robot is, with x ahead. */
+  at({ x, y, heading }, draw) {
+    const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
+    this.inside([cos, sin, -sin, cos, x, y], draw);
+  }
+
   /** Draw something in a frame of its own. */
   inside(at, draw) {
     this.context.save();
@@ -156,12 +162,11 @@ export class Drawing {
   }
 
   /** A robot: a disc with a nose. */
-  robot({ x, y, heading, silent }, fill) {
+  robot(robot, fill) {
     const { context } = this;
     const radius = Math.max(ROBOT, LEAST * this.pixel);
-    const at = [Math.cos(heading), Math.sin(heading), -Math.sin(heading), Math.cos(heading), x, y];
-    context.globalAlpha = silent ? 0.35 : 1;
-    this.inside(at, () => {
+    context.globalAlpha = robot.silent ? 0.35 : 1;
+    this.at(robot, () => {
       context.fillStyle = fill;
       this.disc(0, 0, radius * 0.75);
       context.beginPath();
@@ -174,19 +179,18 @@ export class Drawing {
     context.globalAlpha = 1;
   }
 
-  /** A goal: a cross-hair with an arrow, which is drawn less where it is only about to be told. */
-  goal({ x, y, heading }, name, isFaint = false) {
+  /** A goal: a cross-hair with an arrow, drawn faint while it is not yet published. */
+  goal(goal, name, isFaint = false) {
     const { context } = this;
     const size = Math.max(ROBOT, LEAST * this.pixel);
-    const at = [Math.cos(heading), Math.sin(heading), -Math.sin(heading), Math.cos(heading), x, y];
     const paint = this.style("warn");
     context.globalAlpha = isFaint ? 0.5 : 1;
-    this.inside(at, () => {
+    this.at(goal, () => {
       this.line([[0, -size], [0, size]], paint, 2);
       this.line([[-size, 0], [2 * size, 0]], paint, 2);
       this.line([[1.6 * size, 0.3 * size], [2 * size, 0], [1.6 * size, -0.3 * size]], paint, 2);
     });
-    this.text(name, x, y, paint);
+    this.text(name, goal.x, goal.y, paint);
     context.globalAlpha = 1;
   }
 }

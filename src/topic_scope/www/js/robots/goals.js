@@ -1,11 +1,11 @@
 /** Sends robots to places: by a click on the picture, or by numbers. */
 
-import { byId, press, say } from "../base/dom.js";
+import { byId, setPressed, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
 
 const DEGREES = 180 / Math.PI;
 
-/** Sets goals, and remembers the last one until somebody tells of another. */
+/** Sets goals, and remembers the last one until another one is published. */
 export class Goals {
   /**
    * @param {function(Object): void} send takes messages for the server
@@ -25,11 +25,11 @@ export class Goals {
 
   setPicking(on) {
     this.picking = on;
-    press(byId("goal-pick"), on);
+    setPressed(byId("goal-pick"), on);
     byId("robot-canvas").dataset.picking = on;
   }
 
-  /** A goal is being drawn out. */
+  /** A goal is being dragged. */
   aim(goal) {
     this.mark = goal && { ...this.completed(goal), topic: byId("goal-topic").value };
     this.refresh();
@@ -48,7 +48,7 @@ export class Goals {
   sendTyped() {
     const [x, y, heading] = ["x", "y", "heading"].map((name) => readNumber(byId(`goal-${name}`).value));
     if (![x, y].every((value) => value !== null && Number.isFinite(value)) || Number.isNaN(heading)) {
-      say(byId("goal-state"), "x, y and heading must be numbers, in m and degrees.");
+      setText(byId("goal-state"), "x, y and heading must be numbers, in m and degrees.");
       return;
     }
     this.go(x, y, heading === null ? this.completed({ x, y, heading }).heading : heading / DEGREES);
@@ -65,16 +65,16 @@ export class Goals {
     const frame = this.chosen()?.frame || "odom";
     this.send({ type: "goal", topic, frame, x, y, heading });
     this.mark = { topic, x, y, heading };
-    say(byId("goal-state"), "…");
+    setText(byId("goal-state"), "…");
     this.refresh();
   }
 
   /** @param {{topic: string}} message the server has sent it */
   onSent({ topic }) {
-    say(byId("goal-state"), `Sent on ${topic}.`);
+    setText(byId("goal-state"), `Sent on ${topic}.`);
   }
 
-  /** Goals that are told on the graph count more than what was sent from here. */
+  /** Goals that are published on the graph replace the one that was sent from here. */
   onGoals(goals) {
     const text = JSON.stringify(goals);
     if (this.published && text !== this.published) this.mark = null;

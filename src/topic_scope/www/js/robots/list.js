@@ -1,6 +1,6 @@
 /** The robots in words: what the picture shows, for those who cannot see it, and to choose one. */
 
-import { byId, make, press, say } from "../base/dom.js";
+import { byId, make, setPressed, setText } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
 
 const DEGREES = 180 / Math.PI;
@@ -12,7 +12,7 @@ export const nameOf = (topic) => topic.replace(/^\//, "").replace(/(.)\/odom$/, 
 export class RobotList {
   /**
    * @param {function(string): string} colour gives the colour of a robot by its topic
-   * @param {function(string): void} choose is told the topic of a robot that is pressed
+   * @param {function(string): void} choose takes the topic of a robot whose row is pressed
    */
   constructor(colour, choose) {
     this.colour = colour;
@@ -34,10 +34,10 @@ export class RobotList {
     if (topics.join() !== [...this.rows.keys()].join()) this.make(topics);
     for (const { topic, x, y, heading, speed, silent } of robots) {
       const row = this.rows.get(topic);
-      press(row, topic === chosen);
+      setPressed(row, topic === chosen);
       const place = `${x.toFixed(2)}, ${y.toFixed(2)} m, ${(heading * DEGREES).toFixed(0)}°`;
       const motion = silent ? "no data" : `${typed(speed, 2)} m/s`;
-      say(row, `${nameOf(topic)}: ${`${place}, ${motion}`.replaceAll("-", "−")}`);
+      setText(row, `${nameOf(topic)}: ${`${place}, ${motion}`.replaceAll("-", "−")}`);
     }
   }
 

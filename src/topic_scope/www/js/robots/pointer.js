@@ -2,7 +2,7 @@
 
 import { wheelFactor } from "../base/pointers.js";
 
-const CLICK = 5; // pixels within which a press is no drag
+const CLICK = 5; // pixels within which a press is not a drag
 
 /**
  * Move and zoom a picture, and tell of clicks that set a goal.

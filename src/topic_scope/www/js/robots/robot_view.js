@@ -1,7 +1,7 @@
 /** Robots in their world, seen from above. */
 
 import { paletteColour } from "../state/colours.js";
-import { byId, options, say, themeColour } from "../base/dom.js";
+import { byId, options, setText, themeColour } from "../base/dom.js";
 import { isForPage } from "../base/keys.js";
 import { Camera } from "./camera.js";
 import { Drawing, placesOf } from "./drawing.js";
@@ -22,7 +22,6 @@ export class RobotView {
    */
   constructor(state, send) {
     this.state = state;
-    this.send = send;
     this.canvas = byId("robot-canvas");
     this.camera = new Camera();
     this.styles = new Map();
@@ -38,7 +37,6 @@ export class RobotView {
       this.follow(topic === this.followed ? "" : topic));
     this.followed = ""; // topic of a robot
     this.touched = false; // whether the user has moved the picture
-    this.asked = false;
     this.due = false;
     this.start();
   }
@@ -50,7 +48,7 @@ export class RobotView {
       moved: () => this.moved(),
       aim: (goal) => this.goals.aim(goal),
       pick: (goal) => this.goals.pick(goal),
-      over: (x, y) => say(byId("robot-pointer"), `${x.toFixed(2)}, ${y.toFixed(2)} m`),
+      over: (x, y) => setText(byId("robot-pointer"), `${x.toFixed(2)}, ${y.toFixed(2)} m`),
     });
     byId("show-robots").addEventListener("click", () => this.state.set({ view: "robots" }));
     byId("robot-fit").addEventListener("click", () => this.fit());
@@ -58,7 +56,9 @@ export class RobotView {
     byId("robot-farther").addEventListener("click", () => this.zoom(1 / CLOSER));
     document.addEventListener("keydown", (event) => this.onKey(event), true);
     new ResizeObserver(() => this.resize()).observe(this.canvas);
-    this.state.on(["view"], () => this.ask());
+    this.state.on(["view"], ({ view }) => {
+      if (view !== "robots") this.wheel.releaseWheel();
+    });
     this.state.on(["theme"], () => {
       this.styles.clear();
       this.list.forget();
@@ -67,7 +67,7 @@ export class RobotView {
     this.state.on(["readonly", "isBag"], ({ readonly, isBag }) => {
       byId("robot-drive").hidden = readonly || isBag;
       byId("robot-goal").hidden = readonly || isBag;
-      say(byId("robots-empty"), isBag ? "No robots: the bag has no nav_msgs/Odometry up to here." :
+      setText(byId("robots-empty"), isBag ? "No robots: the bag has no nav_msgs/Odometry up to here." :
         "No robots: no node publishes nav_msgs/Odometry.");
     });
   }
@@ -78,21 +78,12 @@ export class RobotView {
     return this.styles.get(name);
   }
 
-  /** A new connection: nothing is driven, and the server is to be asked again. */
+  /** A new connection: nothing is driven. */
   onHello() {
-    this.asked = false;
     this.wheel.onSteering({ topic: "", datatype: "" });
-    this.ask();
   }
 
-  ask() {
-    const on = this.state.values.view === "robots";
-    if (on !== this.asked) this.send({ type: "robots", on });
-    this.asked = on;
-    if (!on) this.wheel.releaseWheel();
-  }
-
-  // --- What the server tells ---
+  // --- From the server ---
 
   showRobots({ robots, scans }) {
     const isFirst = !this.robots.length && robots.length > 0;

@@ -11,7 +11,7 @@ export class Trails {
   }
 
   /**
-   * Take the places of the robots; those that are not among them any more are forgotten.
+   * Add the places of the robots; those that are not among them any more are forgotten.
    * @param {{topic: string, x: number, y: number}[]} robots
    */
   add(robots) {

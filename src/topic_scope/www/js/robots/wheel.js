@@ -1,6 +1,6 @@
 /** Teleoperation: keys, buttons and a joystick, which command only as long as they are held. */
 
-import { byId, make, press, say } from "../base/dom.js";
+import { byId, make, setPressed, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { clamp, readNumber } from "../base/numbers.js";
 
@@ -60,9 +60,9 @@ export class Wheel {
   onSteering({ topic, datatype }) {
     this.topic = topic;
     if (!topic) this.stopTimer();
-    press(this.button, Boolean(topic));
-    say(this.button, topic ? "Release the wheel" : "Take the wheel");
-    say(byId("drive-state"), topic
+    setPressed(this.button, Boolean(topic));
+    setText(this.button, topic ? "Release the wheel" : "Take the wheel");
+    setText(byId("drive-state"), topic
       ? `Driving on ${topic}, ${datatype.split("/").pop()}: hold arrow keys or w a s d.` : "");
     byId("drive-controls").disabled = !topic;
   }

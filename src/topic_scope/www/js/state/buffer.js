@@ -13,7 +13,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Take what a frame brings.
+   * Add what a frame brings.
    * @param {{now: number, bin: number, reset: boolean, first: number,
    *   traces: Object<string, Array<?number>>, lasts: ?Object<string, Array<?number>>}} frame
    * @param {number} span how much of the past is to be kept, s
@@ -56,11 +56,11 @@ export class TraceBuffer {
 
   /** A copy that further frames leave alone. */
   copy() {
-    const twin = new TraceBuffer();
-    Object.assign(twin, this, { traces: new Map(), lasts: new Map() });
-    for (const [field, values] of this.traces) twin.traces.set(field, values.slice());
-    for (const [field, values] of this.lasts) twin.lasts.set(field, values.slice());
-    return twin;
+    const copied = new TraceBuffer();
+    Object.assign(copied, this, { traces: new Map(), lasts: new Map() });
+    for (const [field, values] of this.traces) copied.traces.set(field, values.slice());
+    for (const [field, values] of this.lasts) copied.lasts.set(field, values.slice());
+    return copied;
   }
 
   /**
@@ -98,11 +98,11 @@ export class TraceBuffer {
   extent(fields, from, to) {
     let low = Infinity;
     let high = -Infinity;
-    const begin = Math.max(0, Math.floor(from / this.bin) - this.first);
+    const start = Math.max(0, Math.floor(from / this.bin) - this.first);
     const end = Math.min(this.count, Math.ceil(to / this.bin) - this.first);
     for (const field of fields) {
       const values = this.traces.get(field) || [];
-      for (let index = 2 * begin; index < 2 * end; index += 1) {
+      for (let index = 2 * start; index < 2 * end; index += 1) {
         const value = values[index];
         if (!isThere(value)) continue;
         if (value < low) low = value;
@@ -113,7 +113,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Tell how many bins of a trace hold something.
+   * Find how many bins of a trace hold something.
    * @param {string} field
    * @returns {number}
    */
@@ -125,7 +125,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Tell the value of a trace at a time: the middle of the nearest bin that holds something; of
+   * Return the value of a trace at a time: the middle of the nearest bin that holds something; of
    * steps, the last value before.
    * @param {string} field
    * @param {number} time since the epoch, s
@@ -145,7 +145,7 @@ export class TraceBuffer {
     return null;
   }
 
-  /** Tell the value that holds in a bin; null where its line has ended. */
+  /** Return the value that holds in a bin; null where its line has ended. */
   heldAt(field, bin) {
     const values = this.traces.get(field) || [];
     const lasts = this.lasts.get(field);
@@ -157,7 +157,7 @@ export class TraceBuffer {
   }
 }
 
-/** Tell whether there is a number. */
+/** Whether there is a number. */
 const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
 
 /** Write a trace into a column of rows, so that its line is as short as can be. */

@@ -15,7 +15,7 @@ const slotOf = ({ values }, field) =>
   chosenOf(values, field).slot ?? Math.max(0, values.fields.indexOf(field));
 
 /**
- * Tell the colour of a trace, the picked one or that of its slot. With the dash no two traces look
+ * Return the colour of a trace, the picked one or that of its slot. With the dash no two traces look
  * alike by themselves, before there are forty.
  * @param {import("./state.js").State} state
  * @param {string} field
@@ -26,7 +26,7 @@ export function colourOf(state, field) {
 }
 
 /**
- * Tell the dash of a trace, the picked one or that of its slot.
+ * Return the dash of a trace, the picked one or that of its slot.
  * @param {import("./state.js").State} state
  * @param {string} field
  * @returns {number[]} dashes and gaps in turn, pixels; none for a line without gaps
@@ -55,7 +55,7 @@ export function sampleOf(state, field) {
 }
 
 /**
- * Tell a colour by its place.
+ * Return a colour by its place.
  * @param {import("./state.js").State} state
  * @param {number} place from 0
  * @returns {string} #rrggbb

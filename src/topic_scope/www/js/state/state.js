@@ -1,4 +1,4 @@
-/** What the user has chosen: one object, and who wants to know of which part. */
+/** What the user has chosen: one object, and listeners to its parts. */
 
 import { axisOf } from "./traces.js";
 
@@ -9,6 +9,9 @@ import { axisOf } from "./traces.js";
  * @property {?number} high null: by itself
  * @property {boolean} clock of the time axis: whether it shows the time of day
  */
+
+export const TRIGGER_MODES = ["off", "normal", "auto", "single"];
+export const TRIGGER_EDGES = ["rising", "falling"];
 
 /** What a page starts with. Times are in s. */
 const INITIAL = {
@@ -48,7 +51,7 @@ const INITIAL = {
   theme: "light",
 };
 
-/** Holds the state and tells of its changes. */
+/** Holds the state and calls listeners when it changes. */
 export class State {
   constructor() {
     /** Read these freely; write them with set. */
@@ -77,17 +80,26 @@ export class State {
   }
 
   /**
+   * Set parts of a value that is an object.
+   * @param {string} name of the value
+   * @param {Object} changes
+   */
+  change(name, changes) {
+    this.set({ [name]: { ...this.values[name], ...changes } });
+  }
+
+  /**
    * Set a part of one axis.
    * @param {string} name "x", or of a vertical one as in traces.js
    * @param {Partial<Axis>} changes
    */
   setAxis(name, changes) {
-    this.set({ axes: { ...this.values.axes, [name]: { ...axisOf(this.values, name), ...changes } } });
+    this.change("axes", { [name]: { ...axisOf(this.values, name), ...changes } });
   }
 
   /**
    * Set a part of the trigger, or arm it again as it is. Each time it gets another number: what the
-   * server tells of an older one, which may be under way, is not for this one.
+   * server sends about an older one, which may be under way, is not for this one.
    * @param {Object} changes
    * @param {Object} others values to be set with it
    */

@@ -8,7 +8,7 @@ const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only whe
 /** The part of the window behind the trigger. */
 export const after = ({ position = 0.5 }) => 1 - position;
 
-/** Takes frames and triggers; tells what is to be drawn. */
+/** Takes frames and triggers; holds what is to be drawn. */
 export class Sweep {
   /**
    * @param {import("./state.js").State} state

@@ -5,8 +5,8 @@ import { typed } from "../base/numbers.js";
 /** Most plots, one below another. */
 export const PLOTS = 8;
 
-/** Ways to draw a trace, "" for what suits its type. */
-export const DRAWN = ["", "line", "steps"];
+/** Ways to draw a trace. */
+export const DRAWN = ["line", "steps"];
 
 /** Largest gain and offset that the scope takes. */
 export const LARGEST = 1e300;
@@ -98,7 +98,7 @@ export function isStepped(values, field) {
 }
 
 /**
- * Say how the server is to make the traces.
+ * Make the request for gains, offsets and steps.
  * @param {Object} values of the state
  * @returns {Object} the request
  */
@@ -112,7 +112,7 @@ export function looksOf(values) {
 }
 
 /**
- * Say that a trace is scaled.
+ * Describe the scale of a trace.
  * @param {Object} values of the state
  * @param {string} field
  * @returns {string} empty where it is not
@@ -168,7 +168,7 @@ export function arranged({ fields, traces, axes }) {
 
 /**
  * Keep the plots in order, whatever is chosen.
- * @param {import("./state.js").State} state made anew: what hears of changes later sees them in order
+ * @param {import("./state.js").State} state made anew: later listeners see the plots in order
  */
 export function keepArranged(state) {
   let isBusy = false;
@@ -189,12 +189,12 @@ const CHECKS = {
   plot: (value) => isWhole(value, 1, PLOTS),
   slot: (value) => isWhole(value, 0, 1000),
   dash: (value) => value === "" || DASHES.has(value),
-  drawn: (value) => DRAWN.includes(value),
+  drawn: (value) => value === "" || DRAWN.includes(value),
   gain: isScale,
   offset: isScale,
 };
 
-/** Tell whether what a set-up says of traces makes sense. */
+/** Tell whether what a set-up says of traces is valid. */
 export const isTraces = (object) => Object.values(object).every((chosen) =>
   Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
 

@@ -106,7 +106,9 @@ export class View {
     const { baseWindow, end, reference, trigger } = this.state.values;
     const centred = end !== null && trigger.mode !== "off" && this.sweep.held;
     const axes = { ...this.state.values.axes };
-    for (const name of Object.keys(axes)) if (name !== "x") axes[name] = { ...axes[name], low: null, high: null };
+    for (const name of Object.keys(axes)) {
+      if (name !== "x") axes[name] = { ...axes[name], low: null, high: null };
+    }
     const change = { window: baseWindow, axes };
     if (end !== null) change.end = centred ? reference + baseWindow * after(trigger) : reference;
     this.state.set(change);

@@ -17,7 +17,8 @@ class Diary:
     """
 
     def __init__(self, say: Callable[[str], None], now: Callable[[], float] = time.monotonic):
-        self._say, self._now = say, now
+        self._say = say
+        self._now = now
         self._start = now()
         self._numbers: Dict[str, Iterator[int]] = {}
         self._lock = threading.Lock()

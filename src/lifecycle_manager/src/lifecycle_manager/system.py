@@ -44,7 +44,8 @@ class System:
         :param number: of the command
         :raises ValueError: if there is no such command, or it is not allowed now
         """
-        self.goal, self.problem = judged(number, self._meant()).goal, ""
+        self.goal = judged(number, self._meant()).goal
+        self.problem = ""
         self._told_at = now
         for member in self.members:
             member.is_stuck = False
@@ -53,7 +54,8 @@ class System:
         """Record a heartbeat; query the state of a node that had none before."""
         member.heard_at = now
         if not member.is_heard:
-            member.is_heard, member.query_at = True, now
+            member.is_heard = True
+            member.query_at = now
 
     def record_state(self, member: Member, state: int, now: float) -> None:
         """Record the state that a node publishes; query it where it is news, as it may be old."""
@@ -65,7 +67,9 @@ class System:
 
         :param why: how that was noticed
         """
-        member.is_heard, member.query_at, member.under_way = False, math.inf, ""
+        member.is_heard = False
+        member.query_at = math.inf
+        member.under_way = ""
         member.enter(0, now)
         if self._meant() > Level.UNCONFIGURED:
             self.problem = f"{member.name} is lost: {why}"
@@ -118,7 +122,8 @@ class System:
         members = list(enumerate(self.members))
         for _, member in members:
             if not member.under_way and member.query_at <= now:
-                member.under_way, member.query_at = GET_STATE, math.inf
+                member.under_way = GET_STATE
+                member.query_at = math.inf
                 return member
         busy = {place: each.under_way or GET_STATE for place, each in members if each.is_busy}
         stuck = [place for place, each in members if each.is_stuck]
@@ -141,7 +146,8 @@ class System:
             return None
         if goal > Level.UNCONFIGURED and not all(member.rests for member in self.members):
             return None
-        is_good, summary = self.is_reached and not self.problem, self.summary
+        is_good = self.is_reached and not self.problem
+        summary = self.summary
         if goal is Level.GONE:  # nodes that are started from now on are new ones
             self.goal = Level.UNCONFIGURED
         return is_good, summary
@@ -186,4 +192,5 @@ class System:
 
     def _fail(self, problem: str) -> None:
         """Bring all nodes down, and keep them there until the next command."""
-        self.goal, self.problem = min(self._meant(), Level.UNCONFIGURED), problem
+        self.goal = min(self._meant(), Level.UNCONFIGURED)
+        self.problem = problem

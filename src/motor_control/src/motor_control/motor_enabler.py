@@ -6,11 +6,11 @@ from typing import Optional
 import rospy
 from std_msgs.msg import String
 
-from motor_control.enable_sequence import BackOff, EnableSequence
+from motor_control.enable_sequence import EnableSequence
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest
 from nodekit import CallError, CallFuture, Node
 
-#: Pauses between calls that fail: the first one and the longest, s.
+#: Pauses after calls that fail: the first one, and the longest, up to which they double, s.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0
 #: How often it checks whether the motor is connected, and whether to call, Hz.
 _CHECK_HZ = 5.0
@@ -32,7 +32,7 @@ class MotorEnabler:
 
     def __init__(self, node: Node) -> None:
         self._sequence = EnableSequence()
-        self._back_off = BackOff(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
+        self._pause = _FIRST_PAUSE_S
         self._next_call = 0.0
         self._call: Optional[CallFuture] = None
         self._waits_for = "no answer yet"
@@ -57,7 +57,7 @@ class MotorEnabler:
         if self._sequence.may_publish != before:
             rospy.loginfo("the motor is %s", message.data)
         self._next_call = 0.0
-        self._back_off.reset()
+        self._pause = _FIRST_PAUSE_S
         self._call_if_wanted()
 
     def _check_connection(self, _elapsed: float) -> None:
@@ -83,10 +83,11 @@ class MotorEnabler:
             success, self._waits_for = False, str(error)
         self._sequence.answered(success)
         if success:
-            self._back_off.reset()
+            self._pause = _FIRST_PAUSE_S
             rospy.loginfo("%s answers: %s", self._motor.name, self._waits_for)
         else:
-            self._next_call = time.monotonic() + self._back_off.next()
+            self._next_call = time.monotonic() + self._pause
+            self._pause = min(2.0 * self._pause, _LONGEST_PAUSE_S)
 
     def _log_waiting(self, _elapsed: float) -> None:
         if self._sequence.wants_call:

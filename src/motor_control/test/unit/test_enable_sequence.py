@@ -5,7 +5,7 @@ from typing import Callable, List
 from hypothesis import given
 from hypothesis import strategies as st
 
-from motor_control.enable_sequence import DISABLED, ENABLED, WAITING, BackOff, EnableSequence
+from motor_control.enable_sequence import DISABLED, ENABLED, WAITING, EnableSequence
 
 
 def after(*events: Callable[[EnableSequence], None]) -> EnableSequence:
@@ -126,10 +126,3 @@ def test_an_enabled_motor_is_always_made_use_of_in_the_end(
     if sequence.wants_call:
         sequence.answered(True)
     assert_publishes(sequence)
-
-
-def test_pauses_double_up_to_the_longest() -> None:
-    back_off = BackOff(0.2, 1.0)
-    assert [back_off.next() for _ in range(5)] == [0.2, 0.4, 0.8, 1.0, 1.0]
-    back_off.reset()
-    assert back_off.next() == 0.2

@@ -31,7 +31,8 @@ class Commands:
             self._message = TwistStamped()
             self._message.header.frame_id = _FRAME
         self._publisher = node.publisher("cmd_vel", type(self._message))
-        self._last, self._is_closed = STOP, False
+        self._last = STOP
+        self._is_closed = False
         self._lock = threading.RLock()  # a subscriber in this process may publish in turn
         node.own(self)
         node.before_deactivate(lambda: self.publish(STOP))

@@ -48,7 +48,9 @@ class Driver:
         self._arrived = node.publisher("~arrived", Bool, latch=True)
         self._current_goal = node.publisher("~current_goal", PoseStamped, latch=True)
         self._pursuit: Optional[Pursuit] = None
-        self._pose, self._stamp, self._freshness = Pose(0.0, 0.0, 0.0), rospy.Time(), Freshness()
+        self._pose = Pose(0.0, 0.0, 0.0)
+        self._stamp = rospy.Time()
+        self._freshness = Freshness()
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
         self._is_waiting = False
@@ -67,8 +69,10 @@ class Driver:
 
     def _publish_goal(self, goal: Goal) -> None:
         message = PoseStamped()
-        message.header.stamp, message.header.frame_id = rospy.Time.now(), self.frame or _ODOM
-        message.pose.position.x, message.pose.position.y = goal.x, goal.y
+        message.header.stamp = rospy.Time.now()
+        message.header.frame_id = self.frame or _ODOM
+        message.pose.position.x = goal.x
+        message.pose.position.y = goal.y
         theta = goal.theta or 0.0
         message.pose.orientation.z, message.pose.orientation.w = (
             math.sin(theta / 2.0),
@@ -95,9 +99,11 @@ class Driver:
         guidance = self._pursuit.step(self._pose, settings.tuning)
         self._commands.publish(guidance.velocity)
         progress = self._progress_message
-        progress.phase, progress.distance = guidance.phase, guidance.errors.distance
+        progress.phase = guidance.phase
+        progress.distance = guidance.errors.distance
         progress.heading_error = guidance.errors.heading
-        progress.header.stamp, progress.header.frame_id = self._stamp, self.frame
+        progress.header.stamp = self._stamp
+        progress.header.frame_id = self.frame
         if (guidance.phase == ARRIVED) != (before == ARRIVED):
             self._arrived.publish(Bool(guidance.phase == ARRIVED))
             left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
@@ -110,7 +116,8 @@ class Driver:
         pose = Pose(position.x, position.y, heading_of(turn.x, turn.y, turn.z, turn.w))
         if not all(map(math.isfinite, pose)):
             return  # so the odometry grows old
-        self._pose, self._stamp = pose, message.header.stamp or rospy.Time.now()
+        self._pose = pose
+        self._stamp = message.header.stamp or rospy.Time.now()
         self._freshness.record_message(message.header.stamp.to_sec(), rospy.get_time())
         guess, self.frame = self.frame or _ODOM, message.header.frame_id
         if self.frame != guess and self._pursuit is not None:

@@ -24,7 +24,8 @@ class GoToServer:
     """
 
     def __init__(self, node: Node, accept: Callable[[Any], None], stop: Callable[[], None]) -> None:
-        self._accept, self._stop = accept, stop
+        self._accept = accept
+        self._stop = stop
         self._server: Any = None
         self._is_new = True
         if actionlib is None:

@@ -82,7 +82,8 @@ class TeleopKeyboard:
     def __init__(self, node: Node) -> None:
         self._parameters = node.parameters(TeleopKeyboardParameters, self._on_change)
         self._commands = Commands(node, self._parameters.values.controller_type)
-        self._teleoperation, self._lock = Teleoperation(), threading.Lock()
+        self._teleoperation = Teleoperation()
+        self._lock = threading.Lock()
         self._terminal = node.own(KeyTerminal(sys.stdin.fileno()))
         node.before_end(self._terminal.close)
         # Keys are held for so long by the machine's clock: /clock may stand still.

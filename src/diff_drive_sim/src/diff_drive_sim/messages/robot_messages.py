@@ -85,7 +85,8 @@ def _odometry(prefix: str) -> OdometryMessage:
 
 def _transform(parent: str, child: str) -> TransformStamped:
     message = TransformStamped()
-    message.header.frame_id, message.child_frame_id = parent, child
+    message.header.frame_id = parent
+    message.child_frame_id = child
     return message
 
 

@@ -124,7 +124,8 @@ class Robot:
         distance, turn = linear * dt, angular * dt
         free = self.world.free_part(self.pose, distance, turn, self.settings.robot_radius)
         if free < 1.0:
-            self.touches, self.wheels = True, Wheels()
+            self.touches = True
+            self.wheels = Wheels()
             distance, turn = free * distance, free * turn
         self.pose = self.pose.moved(distance, turn)
         k = self.settings.odometry_noise

@@ -93,7 +93,8 @@ class ServiceClientNode:
         """
         try:
             # A request of its own for each call: a shared one may be changed while it is sent.
-            request, timeout = AddTwoIntsRequest(a, b), self._parameters.values.timeout
+            request = AddTwoIntsRequest(a, b)
+            timeout = self._parameters.values.timeout
             future = self._client.call_async(request, timeout)
         except CallError as error:
             rospy.logerr("Service call failed: %s", error)

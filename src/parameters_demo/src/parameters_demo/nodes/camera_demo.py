@@ -48,7 +48,8 @@ class CameraDemo:
 
     def publish(self, elapsed: float) -> None:
         """Publish the next frame."""
-        name, now = self._parameters.values.camera_name, rospy.get_rostime()
+        name = self._parameters.values.camera_name
+        now = rospy.get_rostime()
         header = Header(stamp=now, frame_id=f"{name}_optical_frame")
         self._infos.publish(camera_info(header))
         self._images.publish(image(header, self._picture.draw(self._frames, now.to_sec())))

@@ -38,7 +38,8 @@ class LidarDemo:
 
     def publish(self, elapsed: float) -> None:
         """Publish a scan."""
-        settings, now = self._parameters.values, rospy.get_rostime()
+        settings = self._parameters.values
+        now = rospy.get_rostime()
         header = Header(stamp=now, frame_id=f"{settings.lidar_name}_frame")
         scanner = MODELS[settings.lidar_model]
         ranges = scan(scanner, now.to_sec())

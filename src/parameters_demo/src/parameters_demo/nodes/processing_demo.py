@@ -40,7 +40,8 @@ class ProcessingDemo:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._receiving, processing = node.group(), node.group()
+        self._receiving = node.group()
+        processing = node.group()
         self._parameters = node.parameters(
             ProcessingDemoParameters, on_change=self._on_change, group=processing
         )
@@ -69,10 +70,12 @@ class ProcessingDemo:
         self._subscriptions.close()
         mode = self._parameters.values.processing_mode
         names = [name for name in SENSORS if mode in ("all", f"{name}_only")]
-        self._latest, self._counts = {}, dict.fromkeys(names, 0)
+        self._latest = {}
+        self._counts = dict.fromkeys(names, 0)
         self._subscriptions = self._node.lifetime()
         for name in names:
-            sensor, callback = SENSORS[name], partial(self._on_message, name)
+            sensor = SENSORS[name]
+            callback = partial(self._on_message, name)
             self._subscriptions.subscribe(
                 sensor.topic, sensor.message, callback, 1, group=self._receiving
             )

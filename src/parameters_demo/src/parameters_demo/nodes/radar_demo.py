@@ -33,7 +33,8 @@ class RadarDemo:
 
     def publish(self, elapsed: float) -> None:
         """Publish what is seen now."""
-        name, now = self._parameters.values.radar_name, rospy.get_rostime()
+        name = self._parameters.values.radar_name
+        now = rospy.get_rostime()
         header = Header(stamp=now, frame_id=f"{name}_frame")
         seen = returns(now.to_sec())
         self._tracks.publish(radar_tracks(header, seen))

@@ -19,8 +19,6 @@ class PeriodLearner:
     intervals, one that is shorter after seven.
     """
 
-    __slots__ = ("_intervals", "_arrival", "_second")
-
     def __init__(self) -> None:
         self._intervals: Deque[float] = collections.deque(maxlen=_KEPT)
         self._arrival: Optional[float] = None

@@ -53,8 +53,6 @@ class Attendance:
     :ivar state: the present state
     """
 
-    __slots__ = ("state", "_heard_at", "_returned_at")
-
     def __init__(self, state: Presence, now: float) -> None:
         self.state = state
         self._heard_at = self._returned_at = now

@@ -15,8 +15,6 @@ class Publishers:
     :ivar has_rivals: whether several publish now
     """
 
-    __slots__ = ("has_rivals", "_current", "_heard_at")
-
     def __init__(self) -> None:
         self.has_rivals = False
         self._current = ""

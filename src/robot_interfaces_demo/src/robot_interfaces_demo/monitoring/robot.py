@@ -63,26 +63,16 @@ class Robot:
     :ivar is_expected: whether it has to be there
     """
 
-    __slots__ = (
-        "name",
-        "is_expected",
-        "_attendance",
-        "_period",
-        "_publishers",
-        "_problems",
-        "_logged_defects",
-        "_mode",
-        "_readings",
-        "_count",
-    )
-
     def __init__(self, name: str, now: float) -> None:
-        self.name, self.is_expected = name, False
+        self.name = name
+        self.is_expected = False
         self._attendance = Attendance(Presence.AWAITED, now)
-        self._period, self._publishers = PeriodLearner(), Publishers()
+        self._period = PeriodLearner()
+        self._publishers = Publishers()
         self._problems: FrozenSet[Problem] = frozenset()
         self._logged_defects: Set[Problem] = set()
-        self._mode, self._count = 0, 0
+        self._mode = 0
+        self._count = 0
         self._readings: Sequence[float] = ()
 
     @property
@@ -159,7 +149,9 @@ class Robot:
         self._publishers.add_message(publisher, now, settings.lost_after * period)
         problems = judge(mode, readings, self._problems, settings)
         was, self._problems = self._problems, problems
-        self._mode, self._readings, self._count = mode, readings[:READINGS], self._count + 1
+        self._mode = mode
+        self._readings = readings[:READINGS]
+        self._count = self._count + 1
         news = [self._change("")] if self.presence is not before else []
         if self._publishers.has_rivals and not had_rivals:
             text = (

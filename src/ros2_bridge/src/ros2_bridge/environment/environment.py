@@ -1,7 +1,7 @@
 """Make the Python environment with ROS 2, as far as it is not there.
 
-``rosrun ros2_bridge make_environment`` does it for who has installed the bridge, ``ci/ros2`` for
-the workspace. It ends with status 125 and one sentence where it cannot be had.
+``rosrun ros2_bridge make_environment`` does so where the bridge is installed, ``ci/ros2`` in the
+workspace. Where that is not possible, it ends with status 125 and one sentence.
 """
 
 import argparse
@@ -34,7 +34,7 @@ BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
 
 
 class Unavailable(Exception):
-    """The environment cannot be had; the text says why."""
+    """The environment cannot be made; the text says why."""
 
 
 def say(text: str) -> None:
@@ -225,12 +225,18 @@ def main() -> int:
         prog="make_environment",
         description="Make the Python environment with ROS 2 that the bridge runs in.",
     )
-    parser.add_argument("--into", metavar="FOLDER", type=pathlib.Path, default=home(os.environ))
+    parser.add_argument(
+        "--into",
+        metavar="FOLDER",
+        type=pathlib.Path,
+        default=home(os.environ),
+        help="where to make it (default: %(default)s)",
+    )
     parser.add_argument(
         "--sources",
         metavar="FOLDER",
         type=pathlib.Path,
-        help="make twins of the messages of all packages there, not of those installed with this",
+        help="make twins for all packages there, not for those installed with the bridge",
     )
     options = parser.parse_args()
     packages = companions(package)

@@ -1,6 +1,7 @@
 """Parameters as ROS 2 has them: kinds by number, ranges, names with dots. Knows neither ROS."""
 
 import math
+import sys
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
@@ -9,15 +10,22 @@ NOT_SET, BOOL, INTEGER, DOUBLE, STRING = 0, 1, 2, 3, 4
 BYTES, BOOLS, INTEGERS, DOUBLES, STRINGS = 5, 6, 7, 8, 9
 #: The field of a ParameterValue that holds a value, by its kind.
 FIELDS = {
-    **{BOOL: "bool_value", INTEGER: "integer_value", DOUBLE: "double_value"},
-    **{STRING: "string_value", BYTES: "byte_array_value", BOOLS: "bool_array_value"},
-    **{INTEGERS: "integer_array_value", DOUBLES: "double_array_value"},
+    BOOL: "bool_value",
+    INTEGER: "integer_value",
+    DOUBLE: "double_value",
+    STRING: "string_value",
+    BYTES: "byte_array_value",
+    BOOLS: "bool_array_value",
+    INTEGERS: "integer_array_value",
+    DOUBLES: "double_array_value",
     STRINGS: "string_array_value",
 }
 _DECLARED = {"bool": BOOL, "int": INTEGER, "float": DOUBLE, "str": STRING, "enum": STRING}
 _ARRAYS = {BOOL: BOOLS, INTEGER: INTEGERS, DOUBLE: DOUBLES, STRING: STRINGS}
 #: What a parameter server of ROS 1 takes for whole numbers.
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
+#: The largest number that ROS 2 has for a range.
+LARGEST = sys.float_info.max
 
 
 def kind_of(value: Any) -> int:
@@ -94,31 +102,23 @@ def range_of(entry: Mapping[str, Any]) -> Optional[Range]:
 
     :param entry: of a node's description
     """
-    limits = {key: entry.get(key) for key in ("minimum", "maximum", "above", "below", "step")}
-    if entry["type"] not in ("int", "float") or all(one is None for one in limits.values()):
+    keys = ("minimum", "above", "maximum", "below", "step")
+    minimum, above, maximum, below, step = (entry.get(key) for key in keys)
+    if entry["type"] not in ("int", "float") or {minimum, above, maximum, below, step} == {None}:
         return None
-    if entry["type"] == "int":
-        low, high = _ends(limits, LOWEST, HIGHEST, lambda end, way: _next_whole(end, way))
-        return Range(low, high, int(limits["step"] or 1))
-    largest = 1.7976931348623157e308
-    low, high = _ends(limits, -largest, largest, numpy.nextafter)
-    return Range(float(low), float(high), float(limits["step"] or 0.0))
-
-
-def _ends(limits: Dict[str, Any], low: Any, high: Any, beside: Any) -> Tuple[Any, Any]:
-    if limits["minimum"] is not None:
-        low = limits["minimum"]
-    if limits["above"] is not None:
-        low = beside(limits["above"], math.inf)
-    if limits["maximum"] is not None:
-        high = limits["maximum"]
-    if limits["below"] is not None:
-        high = beside(limits["below"], -math.inf)
-    return low, high
-
-
-def _next_whole(end: float, way: float) -> int:
-    return math.floor(end) + 1 if way > 0 else math.ceil(end) - 1
+    is_whole = entry["type"] == "int"
+    low, high = (LOWEST, HIGHEST) if is_whole else (-LARGEST, LARGEST)
+    if minimum is not None:
+        low = minimum
+    if above is not None:
+        low = math.floor(above) + 1 if is_whole else numpy.nextafter(above, math.inf)
+    if maximum is not None:
+        high = maximum
+    if below is not None:
+        high = math.ceil(below) - 1 if is_whole else numpy.nextafter(below, -math.inf)
+    if is_whole:
+        return Range(low, high, int(step or 1))
+    return Range(float(low), float(high), float(step or 0.0))
 
 
 def description_of(entry: Mapping[str, Any]) -> Tuple[str, str]:

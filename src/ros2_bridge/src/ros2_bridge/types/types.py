@@ -64,7 +64,7 @@ class Types:
         names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")
         self._names: Mapping[str, str] = yaml.safe_load(names.read_text("utf-8"))
         self._back = {its: ours for ours, its in self._names.items() if "/" in ours}
-        self._packages = rospkg.RosPack()
+        self._folders = _Folders(rospkg.RosPack())
         self._known: Dict[Tuple[str, str], Any] = {}
         self._lock = threading.Lock()
 
@@ -105,22 +105,22 @@ class Types:
         return found
 
     def _make_message(self, name: str) -> MessageType:
-        context, paths = genmsg.MsgContext.create_default(), self._paths(name, "msg")
+        context = genmsg.MsgContext.create_default()
         with _explaining(f"type {name} is not installed in ROS 1"):
-            spec = genmsg.msg_loader.load_msg_by_type(context, name, paths)
+            spec = genmsg.msg_loader.load_msg_by_type(context, name, self._folders)
         cls = self._import(name, "msg")
-        codec, raw = self._part(context, spec, paths, name, cls)
+        codec, raw = self._part(context, spec, name, cls)
         return MessageType(name, self.ros2_name(name), raw, cls, codec)
 
     def _make_service(self, name: str) -> ServiceType:
-        context, paths = genmsg.MsgContext.create_default(), self._paths(name, "srv")
+        context = genmsg.MsgContext.create_default()
         with _explaining(f"service type {name} is not installed in ROS 1"):
-            spec = genmsg.msg_loader.load_srv_by_type(context, name, paths)
-            genmsg.msg_loader.load_depends(context, spec, paths)
+            spec = genmsg.msg_loader.load_srv_by_type(context, name, self._folders)
+            genmsg.msg_loader.load_depends(context, spec, self._folders)
             md5sum = genmsg.gentools.compute_md5(context, spec)
         cls = self._import(name, "srv")
         parts = [
-            self._part(context, part, paths, name + kind, getattr(cls, kind))
+            self._part(context, part, name + kind, getattr(cls, kind))
             for part, kind in ((spec.request, "Request"), (spec.response, "Response"))
         ]
         (request, request_class), (response, response_class) = parts
@@ -133,10 +133,10 @@ class Types:
         raw = type("Raw", (), attributes)
         return ServiceType(name, self.ros2_name(name), raw, cls, request, response)
 
-    def _part(self, context: Any, spec: Any, paths: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
+    def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
         """Return codec and raw class of a message, or of one half of a service."""
         with _explaining(f"invalid definition of {name} in ROS 1"):
-            genmsg.msg_loader.load_depends(context, spec, paths)
+            genmsg.msg_loader.load_depends(context, spec, self._folders)
             md5sum = genmsg.gentools.compute_md5(context, spec)
             text = genmsg.gentools.compute_full_text(context, spec)
             fields = parse(name, text)
@@ -147,10 +147,6 @@ class Types:
         attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
         # Pickled by nobody, so its module does not matter.
         return codec, type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
-
-    def _paths(self, name: str, kind: str) -> Dict[str, List[str]]:
-        """Return where genmsg finds definitions; it asks for packages by their names."""
-        return _Paths(self._packages, kind)
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
@@ -192,23 +188,19 @@ def shared_types() -> Iterator[Tuple[str, str]]:
                 yield kind, f"{package}/{path.stem}"
 
 
-class _Paths(Dict[str, List[str]]):
-    """Folders of definitions by package, looked up when they are asked for."""
+class _Folders(Dict[str, List[str]]):
+    """Folders of definitions by package, found when genmsg asks for them."""
 
-    def __init__(self, packages: Any, kind: str) -> None:
+    def __init__(self, packages: rospkg.RosPack) -> None:
         super().__init__()
-        self._packages, self._kind = packages, kind
+        self._packages = packages
 
     def __contains__(self, package: object) -> bool:
-        return bool(self.get(str(package)))
+        return package_folder(self._packages, str(package)) is not None
 
     def __getitem__(self, package: str) -> List[str]:
-        return self.get(package)
-
-    def get(self, package: str, default: Any = None) -> Any:
-        """Return the folders of a package."""
-        place = package_folder(self._packages, package)
-        return [str(place / kind) for kind in ("msg", self._kind)] if place else default
+        folder = package_folder(self._packages, package)
+        return [str(folder / kind) for kind in ("msg", "srv")] if folder else []
 
 
 @contextlib.contextmanager

@@ -39,7 +39,7 @@ SIBLINGS: Dict[str, Set[str]] = {
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},
     "bot_controller_demo": {"nodekit", "bot_controller_demo_msgs"},
     "humanoid_robot_bringup": {"nodekit", "bot_controller_demo_msgs"},
-    "ros2_bridge": {"nodekit", "nodekit_msgs"},
+    "ros2_bridge": {"nodekit"},
 }
 #: The rooms of a library from the ground up: each imports only what stands before it.
 ROOMS: Dict[str, List[str]] = {

@@ -8,9 +8,7 @@ from typing import Any, Dict, Set
 import rospy
 
 from nodekit import LiveParameters, MasterUnreachable, Node
-from nodekit.master import MasterClient
-from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.kinds import MISSING
+from nodekit.master import MISSING, MasterClient
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.names_in_ros1 import NamesInRos1
 from ros2_bridge.ros1.ros1_graph import read_graph
@@ -42,7 +40,7 @@ class GraphLoop:
 
     def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
         self._node, self._parameters = node, parameters
-        self._master = get_watcher().client
+        self._master = MasterClient(node.name)
         # Of its own: it remembers the latest answers.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]

@@ -139,12 +139,11 @@ class NodeBridge:
         """
         if style == "none":
             return None
-        made = self._node.lifetime()
         source: Union[Described, Plain] = Plain(self._client, name)
         if style == "described":
-            source = Described(made, name)
+            source = Described(name)
         return ParametersToRos2(
-            made,
+            self._node.lifetime(),
             self._side,
             self._to_ros2[name].node,
             name,

@@ -4,9 +4,8 @@ A module of its own, as it is imported after rospy and before rclpy, while these
 1's: see :mod:`ros2_bridge.environment.side_by_side`.
 """
 
-from nodekit_msgs.srv import SetParameters
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-__all__ = ["Log", "SetParameters", "String", "Trigger"]
+__all__ = ["Log", "String", "Trigger"]

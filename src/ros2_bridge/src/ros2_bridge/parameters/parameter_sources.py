@@ -2,13 +2,8 @@
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Union
 
-import yaml
-
-from nodekit import CallError, Maker, MasterUnreachable
-from nodekit.groups.groups import Outside
+from nodekit import CallError, ChangeRefused, MasterUnreachable, ParameterClient
 from nodekit.master import MasterClient
-from nodekit.parameters.kinds import MISSING, UNREADABLE
-from ros2_bridge.environment.ros1_messages import SetParameters, Trigger
 from ros2_bridge.parameters.parameter_values import (
     BOOL,
     HIGHEST,
@@ -21,7 +16,6 @@ from ros2_bridge.parameters.parameter_values import (
 
 #: How long a node may take to describe its parameters, or to judge a change, s.
 TIMEOUT_S = 2.0
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Parameter(NamedTuple):
@@ -43,13 +37,11 @@ class Unreadable(Exception):
 class Described:
     """A node made with nodekit, which describes its parameters and judges changes itself.
 
-    :param made: makes what calls it
     :param name: global name of the node
     """
 
-    def __init__(self, made: Maker, name: str) -> None:
-        self._describe = made.client(f"{name}/describe", Trigger, group=Outside())
-        self._change = made.client(f"{name}/change", SetParameters, group=Outside())
+    def __init__(self, name: str) -> None:
+        self._node = ParameterClient(name, TIMEOUT_S)
 
     def read(self) -> Dict[str, Parameter]:
         """Return the parameters in force.
@@ -57,15 +49,13 @@ class Described:
         :raises Unreadable: if the node does not tell
         """
         try:
-            answer = self._describe.call(Trigger._request_class(), TIMEOUT_S)
-            entries = yaml.load(answer.message, Loader=_Loader)
             return {
-                one["name"].replace("/", "."): Parameter(one["value"], declared_kind(one), one)
-                for one in entries
+                name.replace("/", "."): Parameter(entry["value"], declared_kind(entry), entry)
+                for name, entry in self._node.describe().items()
             }
         except CallError as error:
             raise Unreadable(str(error)) from None
-        except (yaml.YAMLError, KeyError, TypeError) as error:
+        except (KeyError, TypeError) as error:
             raise Unreadable(f"it sent a malformed description: {error!r}") from None
 
     def change(self, values: Mapping[str, Any]) -> str:
@@ -73,13 +63,11 @@ class Described:
 
         :returns: why not; empty where they are in force
         """
-        settings = {ros1_key(name): value for name, value in values.items()}
-        request = SetParameters._request_class(yaml.safe_dump(settings, allow_unicode=True))
         try:
-            answer = self._change.call(request, TIMEOUT_S)
-        except CallError as error:
+            self._node.change({ros1_key(name): value for name, value in values.items()})
+        except (CallError, ChangeRefused) as error:
             return str(error)
-        return "" if answer.success else str(answer.message or "refused without a reason")
+        return ""
 
 
 class Plain:
@@ -101,7 +89,7 @@ class Plain:
             tree = self._client.read([self._name]).values[self._name]
         except MasterUnreachable as error:
             raise Unreadable(str(error)) from None
-        if tree is MISSING or tree is UNREADABLE or not isinstance(tree, dict):
+        if not isinstance(tree, dict):
             return {}
         return {
             name: Parameter(value, kind_of(value), None)
@@ -116,8 +104,8 @@ class Plain:
         """
         keys = {f"{self._name}/{ros1_key(name)}": value for name, value in values.items()}
         try:
-            ((code, _, _),) = self._client.request([("lookupService", f"{self._name}/describe")])
-            if code == 1:  # a managed one that was configured since the last poll
+            # A managed one that was configured since the last poll?
+            if self._client.lookup_service(f"{self._name}/describe"):
                 return f"{self._name} has just begun to judge its parameters itself: try again"
             self._client.write(keys)
         except MasterUnreachable as error:

@@ -22,7 +22,6 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node as Ros2Node
 
 from nodekit import Maker
-from nodekit.groups.groups import Outside
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
 from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed
@@ -71,7 +70,7 @@ class ParametersToRos2:
             )
         ]
         try:
-            made.follow(name, self._publish_soon, group=Outside())
+            made.follow(name, self._publish_soon, group=made.group(exclusive=False))
         except BaseException:
             self.close()
             raise

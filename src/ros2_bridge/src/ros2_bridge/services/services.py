@@ -8,7 +8,6 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 
 from nodekit import CallError, Node
-from nodekit.groups.groups import Outside
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.types.instructions import ConversionError
@@ -46,7 +45,7 @@ class ServiceToRos2:
         self.kind, self._timeout = kind, timeout
         self._end = side.serve(owner, kind.cls, other, self._answer)
         self._made = node.lifetime()
-        self._client = self._made.client(name, kind.raw, group=Outside())
+        self._client = self._made.client(name, kind.raw, group=node.group(exclusive=False))
 
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
         """Have the service called in a thread of its own: this one is everybody's."""
@@ -104,7 +103,7 @@ class ServiceToRos1:
         self.kind, self._timeout = kind, timeout
         self._client = Ros2Client(side, kind.cls, other)
         self._made = node.lifetime()
-        self._made.service(name, kind.raw, self._answer, group=Outside())
+        self._made.service(name, kind.raw, self._answer, group=node.group(exclusive=False))
 
     def _answer(self, request: Any) -> Any:
         try:

@@ -5,7 +5,6 @@ from typing import Any, Callable
 from rcl_interfaces.msg import Log
 
 from nodekit import Node
-from nodekit.groups.groups import Outside
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT
@@ -34,7 +33,7 @@ class Rosout:
 
     def _subscribe(self) -> Callable[[], None]:
         made = self._node.lifetime()
-        made.subscribe(ROSOUT, Ros1Log, self._forward, group=Outside())
+        made.subscribe(ROSOUT, Ros1Log, self._forward, group=made.group(exclusive=False))
         return made.close
 
     def _forward(self, line: Any) -> None:

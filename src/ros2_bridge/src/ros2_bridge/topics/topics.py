@@ -7,7 +7,6 @@ from typing import Any, Callable, Dict, List, Optional, Set
 import rospy
 
 from nodekit import Node
-from nodekit.groups.groups import Outside
 from ros2_bridge.ros2.ros2_graph import Topic
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.settings import Qualities
@@ -74,7 +73,9 @@ class TopicToRos2:
 
     def _subscribe(self) -> Callable[[], None]:
         made = self._node.lifetime()
-        made.subscribe_batches(self.topic, self.kind.raw, self._forward, group=Outside())
+        made.subscribe_batches(
+            self.topic, self.kind.raw, self._forward, group=made.group(exclusive=False)
+        )
         return made.close
 
     def forward_while(self, is_heard: bool, callers: Set[str]) -> None:

@@ -48,12 +48,12 @@ class NamesInRos1:
             self._address.is_taken.clear()
             self.names = {name for name in self.names if self._is_at(name, self._address.uri)}
         for name in self.names - nodes:
-            self._ask(name, "unregisterSubscriber", _TOPIC)
+            self._request(name, "unregisterSubscriber", _TOPIC, self._address.uri)
         self.names &= nodes
         for name in nodes - self.names:
             if self._is_at(name, ""):  # nobody of ROS 1 has come meanwhile, whom that would end
                 self.names.add(name)
-                self._ask(name, "registerSubscriber", _TOPIC, _TYPE)
+                self._request(name, "registerSubscriber", _TOPIC, _TYPE, self._address.uri)
 
     def close(self) -> None:
         """Take all of them back, if the master answers."""
@@ -64,9 +64,6 @@ class NamesInRos1:
     def _is_at(self, name: str, uri: str) -> bool:
         """Tell whether the node of a name has an address; an empty one: whether there is none."""
         return str(self._request(name, "lookupNode", name)[2] or "") == uri
-
-    def _ask(self, name: str, *call: str) -> None:
-        self._request(name, *call, self._address.uri)
 
     def _request(self, name: str, *call: str) -> Any:
         with MasterClient(name, self._address.uri, _TIMEOUT_S) as client:

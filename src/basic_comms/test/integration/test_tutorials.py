@@ -33,7 +33,9 @@ def _follows(page: Path) -> Callable[[unittest.TestCase], None]:
 
 for _page in PAGES:
     if steps_of(_page.read_text()):
-        setattr(Tutorials, "test_" + _page.stem, _follows(_page))
+        # With its folder: docs and docs/tutorials have pages of the same name.
+        _name = "_".join(_page.relative_to(WORKSPACE).with_suffix("").parts)
+        setattr(Tutorials, f"test_{_name}", _follows(_page))
 
 if __name__ == "__main__":
     # A program started in the background ignores Ctrl-C, and so would all that it starts.

@@ -16,7 +16,7 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 KEYS = WORKSPACE / "ci" / "rosdep-keys.txt"
 
 #: What may stand between a rule for Debian and its packages.
-STEPS = ("*", "bullseye", "bookworm", "trixie", "apt", "packages")
+STEPS = ("*", "bookworm", "trixie", "apt", "packages")
 
 
 def listed(file: pathlib.Path) -> Set[str]:

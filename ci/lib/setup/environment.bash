@@ -40,18 +40,9 @@ source_setup() { # PREFIX: an installed ROS or a catkin devel space
     set -eu
 }
 
-# Let the tools of Debian 11 end without a traceback: its rospy is older than its Python.
-mend_tools() {
-    if grep -qs 'isAlive()' /usr/lib/python3/dist-packages/rospy/core.py &&
-        /usr/bin/python3 -c 'import threading; exit(hasattr(threading.Thread, "isAlive"))'; then
-        export PYTHONPATH=$library/debian11${PYTHONPATH:+:$PYTHONPATH}
-    fi
-}
-
 # Make the built workspace the one that the next command sees.
 enter_workspace() {
     source_setup "$workspace/devel"
-    mend_tools
     if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
         # roscore and rospy then listen on the loopback device only. (Set but
         # empty, either would be taken for a name.)

@@ -34,38 +34,9 @@ unknown_packages() { # PACKAGE…
     ' look=up <(LC_ALL=C apt-cache policy "$@" 2>/dev/null || :) look= <(printf '%s\n' "$@")
 }
 
-# Of some packages, those that this release lacks, to be borrowed from a later one: name, path
-# in the archive and checksum. It does not take apt's lists to know them.
-borrowed_packages() { # PACKAGE…
-    awk -v wanted=" $* " -v release="$(of_release VERSION_CODENAME)" '
-        { sub(/#.*/, "") }
-        /^\[/ { take = ($0 == "[borrowed " release "]"); next }
-        take && NF && index(wanted, " " $1 " ") { print }
-    ' "$workspace/ci/apt-packages.txt"
-}
-
-left_out() { # "NAME…" NAME…: the other names without those of the first argument
-    local without=" $1 " name
-    for name in "${@:2}"; do
-        [[ $without == *" $name "* ]] || echo "$name"
-    done
-}
-
 # The first thing that apt fetches from each archive; it tells without any lists.
 archive_uris() {
     apt-get update --print-uris 2>/dev/null | sed -n "s|^'\(.*/InRelease\)' .*|\1|p"
-}
-
-# The archives that apt uses, a line each.
-archive_mirrors() { archive_uris | sed -n 's|/dists/.*|/|p' | awk '!seen[$0]++'; }
-
-# Download a package from the first mirror that has it; apt's tool knows its proxies.
-borrow() { # PATH CHECKSUM FILE
-    local mirror
-    while read -r mirror; do
-        PATH=$PATH:/usr/lib/apt apt-helper download-file "$mirror$1" "$3" "SHA256:$2" && return
-    done < <(archive_mirrors)
-    return 1
 }
 
 of_release() ( # NAME: of a field of /etc/os-release
@@ -151,22 +122,8 @@ apt_line() { # PACKAGE…
 
 # For people to copy as it stands; so it works with missing lists as well.
 by_hand() { # PREFIX PACKAGE…
-    local prefix=$1 package path checksum mirror
-    local -a borrowed install
-    shift
-    mapfile -t borrowed < <(borrowed_packages "$@")
-    mapfile -t install < <(left_out "${borrowed[*]%% *}" "$@")
-    echo "${prefix}apt-get update"
-    # Not below build/, where root would leave what the user cannot change.
-    # shellcheck disable=SC2016
-    [ ${#borrowed[@]} = 0 ] || echo 'debs=$(mktemp -d)'
-    for package in "${borrowed[@]}"; do
-        read -r package path checksum <<<"$package"
-        read -r mirror < <(archive_mirrors) || :
-        echo "/usr/lib/apt/apt-helper download-file $mirror$path \"\$debs/$package.deb\" SHA256:$checksum"
-        install+=("\"\$debs/$package.deb\"")
-    done
-    echo "$prefix$(apt_line "${install[@]}")"
+    echo "${1}apt-get update"
+    echo "$1$(apt_line "${@:2}")"
 }
 
 refuse_to_install() { # WHY PREFIX PACKAGE…
@@ -176,16 +133,16 @@ refuse_to_install() { # WHY PREFIX PACKAGE…
 }
 
 install_packages() { # SECTION…
-    local -a missing unknown borrowed install
-    local package path checksum sudo=''
+    local -a missing unknown install
+    local sudo=''
     mapfile -t missing < <(missing_packages "$@")
     [ ${#missing[@]} -gt 0 ] || return 0
 
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
         # Who has built Noetic on another system knows what it needs there.
         if has_noetic; then return 0; fi
-        die "$(system_name) is not served: ROS 1 is installed by apt on Debian 11, 12 and 13;" \
-            "elsewhere the ROS in $noetic is taken if there is one, which is untested."
+        die "$(system_name) is not supported: ROS 1 is installed by apt on Debian 12 and 13;" \
+            "elsewhere the ROS in $noetic is used if there is one, which is untested."
     fi
     is_root || ! command -v sudo >/dev/null || sudo='sudo '
     if [ "${CI_EXEC_NO_INSTALL-}" = 1 ]; then
@@ -199,12 +156,10 @@ install_packages() { # SECTION…
 
     say "installing packages: $sudo$(apt_line "${missing[@]}")"
     refuse_without_network "${missing[@]}"
-    mapfile -t borrowed < <(borrowed_packages "${missing[@]}")
-    mapfile -t missing < <(left_out "${borrowed[*]%% *}" "${missing[@]}")
     # Once and before all else: sudo says why it refuses, and apt is not to blame.
     as_root true || refuse_to_install \
         "sudo did not let $(user_name) install packages (see above). An administrator can, as root:" \
-        "" "${missing[@]}" "${borrowed[@]%% *}"
+        "" "${missing[@]}"
     if compgen -G '/var/lib/dpkg/updates/[0-9]*' >/dev/null; then
         say "an earlier installation was cut short: letting dpkg finish it first."
         logged as_root dpkg --configure -a || die "dpkg --configure -a failed."
@@ -218,15 +173,9 @@ install_packages() { # SECTION…
             die "apt-get update did not get all lists of packages, and those it has do not name ${unknown[*]}."
         fi
         [ ${#unknown[@]} = 0 ] ||
-            die "$(system_name) has no package ${unknown[*]}: served are Debian 11, 12 and 13; elsewhere the" \
-                "ROS in $noetic is taken if there is one, which is untested."
+            die "$(system_name) has no package ${unknown[*]}. Supported: Debian 12 and 13; elsewhere the" \
+                "ROS in $noetic is used if there is one, which is untested."
     fi
-    for package in "${borrowed[@]}"; do
-        read -r package path checksum <<<"$package"
-        say "$(system_name) has no $package: taking that of a later release, $path"
-        logged borrow "$path" "$checksum" "$state/$package.deb" || die "cannot download $path."
-        missing+=("$state/$package.deb")
-    done
     install=(as_root apt-get install --yes --no-install-recommends
         -o DPkg::Lock::Timeout=600 -o Acquire::Retries=1 "${missing[@]}")
     if ! quietly "${install[@]}"; then

@@ -38,9 +38,9 @@ APT_GET = """
         update) cat 'SYSTEM/mirror' > 'SYSTEM/known' ;;
         install)
             for word in $(printf '%s\\n' "$@" | grep -vE '^(install|-.*|.*=.*)$'); do
-                [ -f "$word" ] || grep -qx "$word" 'SYSTEM/known' ||
+                grep -qx "$word" 'SYSTEM/known' ||
                     { echo "E: Unable to locate package $word"; return 100; }
-                basename "$word" .deb >> 'SYSTEM/installed'
+                echo "$word" >> 'SYSTEM/installed'
             done ;;
     esac"""
 
@@ -120,7 +120,7 @@ class Workspace:
 
         Nothing is built then: these tests are about what comes before.
         ``apt-get update`` makes every package of the mirror known, ``apt-get install`` installs
-        what is known, and files. ``apt-helper`` makes an empty file.
+        what is known.
         """
         (self.root / "ci" / "apt-packages.txt").write_text(listed)
         system = self.root / "system"
@@ -134,9 +134,7 @@ class Workspace:
                 "dpkg-query": f"sed 's/^/installed /' '{system}/installed'",
                 "apt-cache": rf"sed 's/\(.*\)/\1:\n  Candidate: 1.0/' '{system}/known'",
                 "apt-get": APT_GET.replace("SYSTEM", str(system)),
-                "apt-helper": f"""
-                    [[ $* != *InRelease* ]] || return 0  # whether the archive answers
-                    echo "$*" >> '{system}/log'; touch "$3" """,
+                "apt-helper": "true",  # the archive answers
                 "timeout": 'shift; "$@"',
                 "sudo": '"$@"',
                 "env": 'while [[ $1 == *=* ]]; do shift; done; "$@"',

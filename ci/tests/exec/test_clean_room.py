@@ -40,7 +40,6 @@ def test_the_clean_room_refuses_what_it_does_not_know(options: list, said: str) 
 @pytest.mark.parametrize(
     "release, tiers",
     [
-        ("bullseye", "unit install integration"),
         ("bookworm", "lint docs unit install catkin_build integration"),
         ("trixie", "unit install catkin_build integration"),
     ],

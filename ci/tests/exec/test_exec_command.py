@@ -121,7 +121,7 @@ def test_shell_keeps_the_environment_that_a_bashrc_spoils(
     assert shell.returncode == 5
     assert out.startswith("alias\n")
     assert "/usr/bin" in out and "/spoilt" not in out
-    # Debian 11 packages no roscd.
+    # A ROS without rosbash has no roscd.
     has_roscd = any(pathlib.Path(rosbash).exists() for rosbash in ROSBASH)
     assert ("function\n" in out) == has_roscd
 

@@ -219,8 +219,6 @@ class Typist:
 
     def _look_into_logs(self) -> None:
         for path in self._home.glob("log/**/*.log"):
-            if path.name.startswith("rostopic_"):  # rospy's own end has a traceback on Debian 11
-                continue
             found = _LOGGED_ERROR.search(path.read_text(errors="replace"))
             if found:
                 raise PageError(f"{path.name} has: {found.group()}")

@@ -107,7 +107,7 @@ class OnSimulatedClock(unittest.TestCase):
                 ["rosbag", "play", "--quiet", "--clock", "--hz=1000", "-l", "-r", TENFOLD, path],
                 start_new_session=True,
             )
-            # Ctrl-C goes to what it starts as well: rosbag of Debian 11 would not pass it on.
+            # Ctrl-C goes to what it starts as well, as in a terminal.
             self.addCleanup(play.wait, TIMEOUT_S)
             self.addCleanup(os.killpg, play.pid, signal.SIGINT)
             wait_until(

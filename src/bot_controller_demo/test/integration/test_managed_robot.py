@@ -51,7 +51,6 @@ class ManagedRobot(unittest.TestCase):
         wait_until(is_active, lambda: f"not active: {self.state.messages()[-3:]}")
         self.odometry.forget()
         self.odometry.wait_for(lambda message: message.twist.twist.linear.x > 0.0)
-        # Not as before: on Debian 11, rospy is deaf to a publisher that is back for a while.
         self.commands.forget()
         self.commands.wait_for(lambda command: command.linear.x > 0.0)
         for ear in (self.state, self.commands):

@@ -18,7 +18,7 @@ from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from std_msgs.msg import Float32, Header, String
 
 from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
-from nodekit.rospy_internals import publishers, shutdown
+from nodekit.rospy_internals import publishers
 from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
@@ -107,14 +107,6 @@ def receive_bytes(sock, size):
 
 def test_this_rospy_is_known(mismatch):
     assert mismatch() == ""
-
-
-def test_old_rospy_can_shut_down_on_new_python(monkeypatch):
-    ended = threading.Thread()
-    monkeypatch.setattr(rospy.core, "signal_shutdown", lambda reason: ended.isAlive())
-    monkeypatch.setattr(threading.Thread, "isAlive", None, raising=False)
-    shutdown.mend_shutdown()
-    assert rospy.core.signal_shutdown("test") is False
 
 
 @pytest.mark.parametrize("part", ["_PUBLISHER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])

@@ -67,17 +67,11 @@ class Reader:
         try:
             size = self._socket.recv_into(self._buffer)
         except OSError as error:
-            raise self._ended(f"unable to receive data from sender: {error}")
+            raise TransportTerminated(f"unable to receive data from sender: {error}")
         if not size:
-            raise self._ended("the sender has closed the connection")
+            raise TransportTerminated("the sender has closed the connection")
         self._transport.stat_bytes += size
         return bytes(self._buffer[:size])
-
-    def _ended(self, why: str) -> TransportTerminated:
-        # At once: rospy of Debian 11 would keep it and try again, ever more seldom, up to every
-        # 32 s, and take it for a good one where the publisher has come back long since.
-        self._transport.close()
-        return TransportTerminated(why)
 
     def _unpack(self, data: bytes) -> List[Any]:
         if self._parts:

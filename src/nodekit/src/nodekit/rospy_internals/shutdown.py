@@ -1,7 +1,6 @@
 """How rospy ends, and who is called then, in which order: nobody else asks rospy for it."""
 
 import enum
-import threading
 import traceback
 from functools import partial
 from typing import Callable, Dict, List
@@ -13,12 +12,9 @@ from rospy.impl.tcpros_base import TCPServer
 def mend_shutdown() -> None:
     """Let nodes end without a traceback.
 
-    rospy 1.15.9 calls a method of threads that Python 3.9 no longer has. And a
-    server whose first client comes while the node ends listens on a socket that
-    is closed already.
+    A server whose first client comes while the node ends listens on a socket that is closed
+    already.
     """
-    if "isAlive" in rospy.core.signal_shutdown.__code__.co_names:
-        setattr(threading.Thread, "isAlive", threading.Thread.is_alive)
     serve = TCPServer.run
 
     def serve_until_shutdown(server: TCPServer) -> None:

@@ -1,4 +1,4 @@
-"""Directives that let launch files speak for themselves.
+"""Directives that document launch files from their own comments and arguments.
 
 ``{launch-file} FILE`` shows the comment at the top of a launch file and a table
 of its args with their own ``doc=``; ``{launch-args} FILE`` shows the table
@@ -18,7 +18,7 @@ HEADERS = ["Argument", "Default", "What it is"]
 
 
 class LaunchFile(NamedTuple):
-    """What a launch file says of itself.
+        """The documentation in a launch file.
 
     :param comment: the comment at its top
     :param rows: name, default and doc of each arg that can be set

@@ -16,10 +16,10 @@ import rospy
 from helpers.parameter_node import GaugeParameters
 
 from nodekit.master import MasterClient, MasterUnreachable, Reading
-from nodekit.parameter_server import following, watcher
-from nodekit.parameter_server.followers import Follower
-from nodekit.parameter_server.following import Following
+from nodekit.parameter_server import followed_parameter, watcher
+from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
+from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters import reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire
@@ -72,10 +72,10 @@ class Onlooker:
     """Keeps all notifications of a key."""
 
     def __init__(self, key: str) -> None:
-        self.follower = Follower(key, lambda raw: False, self.take)
+        self.watched = WatchedKey(key, lambda raw: False, self.on_reading)
         self.pushed: List[Any] = []
 
-    def take(self, seen: Seen) -> bool:
+    def on_reading(self, seen: Seen) -> bool:
         self.pushed += seen.pushed
         return True
 
@@ -108,8 +108,8 @@ class Races(unittest.TestCase):
 
     def look_on(self) -> Onlooker:
         onlooker = Onlooker(self.key)
-        self.watcher.open([onlooker.follower])
-        self.addCleanup(self.watcher.close, onlooker.follower)
+        self.watcher.open([onlooker.watched])
+        self.addCleanup(self.watcher.close, onlooker.watched)
         return onlooker
 
     def start(self, **values: Any) -> LiveParameters[GaugeParameters]:
@@ -259,7 +259,7 @@ class Races(unittest.TestCase):
 
     def test_what_is_closed_is_followed_no_longer(self) -> None:
         live = self.start(level=2.0)
-        self.assertIn(self.key, self.watcher._followers.keys())
+        self.assertIn(self.key, self.watcher._keys())
         live.close()
         self.assert_not_followed()
         live.update(level=3.0)
@@ -287,18 +287,18 @@ class Races(unittest.TestCase):
         code, _, _ = ServerProxy(rospy.get_node_uri()).paramUpdate("/master", self.level, 5.0)
         self.assertEqual(code, -1, "the node says that it follows the key")
         marker = Onlooker(self.key + "_marker")
-        self.watcher.open([marker.follower])
-        self.addCleanup(self.watcher.close, marker.follower)
-        followers = self.watcher._followers
-        with mock.patch.object(followers, "note", wraps=followers.note) as note:
+        self.watcher.open([marker.watched])
+        self.addCleanup(self.watcher.close, marker.watched)
+        cache = rospy.impl.paramserver.get_param_server_cache()
+        with mock.patch.object(cache, "update", wraps=cache.update) as update:
             held = self.user.get(self.level)
             self.user.set(self.level, 9.0)
-            self.user.set(marker.follower.key, 1)
+            self.user.set(marker.watched.key, 1)
             wait_until(lambda: marker.pushed, lambda: "no notification")
-        noted = [call[0][0].rstrip("/") for call in note.call_args_list]
+        noted = [call[0][0].rstrip("/") for call in update.call_args_list]
         # Not what an earlier test has set at its end.
         noted = [key for key in noted if (key + "_").startswith((self.key + "/", self.key + "_"))]
-        self.assertEqual(noted, [marker.follower.key])
+        self.assertEqual(noted, [marker.watched.key])
         self.user.set(self.level, held if held is not None else 1.0)
 
     def test_set_that_is_refused_at_the_start_is_followed_no_longer(self) -> None:
@@ -549,10 +549,10 @@ class Races(unittest.TestCase):
         heard: List[Any] = []
         key = self.key + "/Message"
         self.user.set(key, "first")
-        follower = Following(key, self.watcher, heard.append)
-        self.addCleanup(follower.close)
-        self.assertEqual(follower.first(), "first")
-        following.open_all([follower])
+        followed = FollowedParameter(key, self.watcher, heard.append)
+        self.addCleanup(followed.close)
+        self.assertEqual(followed.first(), "first")
+        followed_parameter.open_all([followed])
         for value in ("second", 3, ["4"]):
             self.user.set(key, value)
             wait_until(lambda: heard[-1:] == [value], lambda: str(heard))
@@ -560,7 +560,7 @@ class Races(unittest.TestCase):
         self.assert_stays(lambda: heard == ["second", 3, ["4"]])
         self.user.set(key, "fifth")
         wait_until(lambda: heard[-1] == "fifth", lambda: str(heard))
-        follower.tell_again()
+        followed.report_again()
         wait_until(lambda: heard[-2:] == ["fifth", "fifth"], lambda: str(heard))
         self.user.delete(key)
         wait_until(lambda: heard[-1] is None, lambda: str(heard))
@@ -632,8 +632,8 @@ class Races(unittest.TestCase):
             raise SystemExit(1)
 
         broken = [
-            Follower(self.key + "_broken", lambda raw: False, break_down),
-            Follower(self.key + "_leaving", leave, lambda seen: True),
+            WatchedKey(self.key + "_broken", lambda raw: False, break_down),
+            WatchedKey(self.key + "_leaving", leave, lambda seen: True),
         ]
         self.watcher.open(broken)
         self.addCleanup(self.watcher.close, *broken)

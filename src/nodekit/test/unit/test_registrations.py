@@ -58,7 +58,7 @@ class Rig:
 
     def read(self, knows_node: bool, pid: int = 1) -> None:
         """Act as the watcher does."""
-        self.tested.note(Reading({}, knows_node, pid))
+        self.tested.compare(Reading({}, knows_node, pid))
         if self.tested.are_lost:
             self.tested.renew()
             self.tested.renewed()

@@ -7,7 +7,7 @@ import pytest
 
 from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
-from nodekit.parameter_server.followers import Follower, Followers
+from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.kinds import MISSING
 from nodekit.rospy_internals import parameters, registration, shutdown
 from nodekit.testing.waiting import wait_until
@@ -45,16 +45,16 @@ class Client:
 
 
 class Told:
-    """A follower of a key that keeps what it is told."""
+    """A key that keeps what is handed over."""
 
     def __init__(self, key):
         self.values = []
-        self.follower = Follower(key, self.is_news, self.take)
+        self.watched = WatchedKey(key, self.is_news, self.on_reading)
 
     def is_news(self, raw):
         return raw is not MISSING and raw not in self.values
 
-    def take(self, seen):
+    def on_reading(self, seen):
         self.values.append(seen.raw)
         return True
 
@@ -102,17 +102,19 @@ def watcher(monkeypatch, client, notify):
         ("/ab", []),
     ],
 )
-def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(client, key, rings):
-    followers = Followers(client)
-    every = [Told(name).follower for name in ("/a", "/a/b", "/a/bc")]
-    followers.add(every)
-    assert followers.note(key, 1) is bool(rings)
-    assert [entry.key for entry in followers.entries.values() if entry.is_due] == rings
+def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(
+    monkeypatch, watcher, notify, key, rings
+):
+    every = [Told(name).watched for name in ("/a", "/a/b", "/a/bc")]
+    watcher.watch(every)
+    monkeypatch.setattr(watcher, "ring", lambda: None)  # nothing is handed over meanwhile
+    assert notify(key, 1) is bool(rings)
+    assert [watched.key for watched in every if watched.is_due] == rings
 
 
 def test_keys_that_are_many_take_turns(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
-    watcher.subscribe([Told(key).follower for key in MANY])
+    watcher.watch([Told(key).watched for key in MANY])
     watcher.ring()  # or it waits for a second with the old period
     client.reads.clear()
     wait_until(lambda: len([keys for keys in client.reads if keys]) > 6, lambda: "no reads")
@@ -126,11 +128,11 @@ def test_keys_that_are_many_take_turns(monkeypatch, client, watcher):
 def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
     told = [Told(key) for key in MANY]
-    watcher.subscribe([one.follower for one in told])
+    watcher.watch([one.watched for one in told])
     watcher.ring()
     for one in (told[0], told[watching.RECONCILE_KEYS], told[-1]):
-        client.values[one.follower.key] = 5
-        wait_until(lambda: one.values == [5], lambda: f"{one.follower.key} is not noticed")
+        client.values[one.watched.key] = 5
+        wait_until(lambda: one.values == [5], lambda: f"{one.watched.key} is not noticed")
 
 
 def test_notifications_come_again_after_a_restart_of_the_master(
@@ -140,7 +142,7 @@ def test_notifications_come_again_after_a_restart_of_the_master(
     again = []
     monkeypatch.setattr(registration, "register_again", again.append)
     told = Told("/n")
-    watcher.subscribe([told.follower])
+    watcher.watch([told.watched])
     before = set(client.subscribed)
     client.restart()
     watcher.ring()
@@ -153,7 +155,7 @@ def test_notifications_come_again_after_a_restart_of_the_master(
 
 
 def test_watcher_with_nothing_to_do_costs_nothing(client, watcher):
-    watcher.subscribe([Told("/n").follower])
+    watcher.watch([Told("/n").watched])
     watcher.ring()
     wait_until(lambda: ["/n"] in client.reads or [] in client.reads, lambda: str(client.reads))
     before = len(client.reads)

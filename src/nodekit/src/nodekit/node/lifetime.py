@@ -21,7 +21,7 @@ from nodekit.node.maker import Maker, Thing
 from nodekit.node.names import Names
 from nodekit.node.opening import Opener
 from nodekit.node.ownership import Owner
-from nodekit.node.telling import Change, Followed
+from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
 from nodekit.node.timers import NodeTimer, Rate, RateFollowers
 from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
@@ -217,7 +217,7 @@ class Lifetime(Owner, Maker):
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
-            self._open(Change(group or self.default_group, live, on_change))
+            self._open(ChangeCallback(group or self.default_group, live, on_change))
         self._serve("~describe", Trigger, description_handler(live))
         self._serve("~change", SetParameters, change_handler(live))
         if reconfigure.AVAILABLE:
@@ -234,7 +234,7 @@ class Lifetime(Owner, Maker):
         self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None
     ) -> None:
         group = group or self.default_group
-        self._open(Followed(group, self.resolve(key), get_watcher(), callback))
+        self._open(FollowCallback(group, self.resolve(key), get_watcher(), callback))
 
     def stream_log(self, per_second: int = 10) -> StreamLog:
         log = StreamLog(per_second)

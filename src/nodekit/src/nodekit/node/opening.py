@@ -6,9 +6,9 @@ from typing import Any, Iterable, List, Optional
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import Subscription
-from nodekit.node.telling import Change, Followed
+from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
 from nodekit.node.timers import NodeTimer
-from nodekit.parameter_server import following, live_parameters
+from nodekit.parameter_server import followed_parameter, live_parameters
 from nodekit.rospy_internals import registration
 
 
@@ -63,12 +63,12 @@ def _open_together(things: List[Any]) -> None:
             subscription.open()
     for subscription in subscriptions:
         subscription.receive_latched()
-    followed = [thing for thing in things if isinstance(thing, Followed)]
+    followed = [thing for thing in things if isinstance(thing, FollowCallback)]
     live_parameters.open_all(
         [thing for thing in things if isinstance(thing, live_parameters.LiveParameters)]
     )
-    following.open_all([one.following for one in followed])
+    followed_parameter.open_all([one.followed for one in followed])
     for thing in things:
-        if isinstance(thing, (Change, Followed)):
+        if isinstance(thing, (ChangeCallback, FollowCallback)):
             thing.start()
     NodeTimer.start_together([thing for thing in things if isinstance(thing, NodeTimer)])

@@ -8,7 +8,7 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 import rospy
 
 from nodekit.master import MasterClient, MasterUnreachable
-from nodekit.parameter_server.followers import Follower, call_listener
+from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.declaration import ParameterSet, Snapshot
 from nodekit.parameters.judging import on_wire
@@ -61,7 +61,7 @@ class LiveParameters(Generic[Snapshot]):
         self.anew = anew
         self._watcher = watcher
         self._reconciler = Reconciler(declaration, exempt)
-        self._follower = Follower(self.namespace, self._is_news, self._take)
+        self._watched = WatchedKey(self.namespace, self._is_news, self._on_reading)
         self._lock = threading.Lock()
         self._is_open = False
         #: What :meth:`change` has to write when this is opened, by name.
@@ -69,7 +69,7 @@ class LiveParameters(Generic[Snapshot]):
         #: Replaced and never changed, since several threads walk through it.
         self._bells: Tuple[Bell, ...] = ()
         #: What has not been logged yet: values before, and what has come of a change.
-        self._untold: List[Tuple[Snapshot, Outcome]] = []
+        self._unreported: List[Tuple[Snapshot, Outcome]] = []
         raw = watcher.first_reading(self.namespace)
         try:
             outcome = self._reconciler.start(raw, time.monotonic())
@@ -77,7 +77,7 @@ class LiveParameters(Generic[Snapshot]):
             raise error.in_namespace(self.namespace) from None
         self.values = self._reconciler.values
         self._adopt(outcome)
-        self._tell()
+        self._report_changes()
 
     def update(self, **changes: Any) -> None:
         """Change values from within the node, on the server too: all or, if one is refused, none.
@@ -104,7 +104,7 @@ class LiveParameters(Generic[Snapshot]):
                 self._unwritten.update(outcome.writes)
             self._reconciler.adopt(outcome, time.monotonic())
             self._adopt(outcome)
-        self._tell()
+        self._report_changes()
 
     def add_listener(self, bell: Bell) -> Callable[[], None]:
         """Have a function called after each change, in whatever thread makes it.
@@ -129,7 +129,7 @@ class LiveParameters(Generic[Snapshot]):
         with self._lock:
             return self._reconciler.is_news(raw)
 
-    def _take(self, seen: Seen) -> bool:
+    def _on_reading(self, seen: Seen) -> bool:
         try:
             with self._lock:
                 if not self._is_open:
@@ -139,7 +139,7 @@ class LiveParameters(Generic[Snapshot]):
                     _write([self], self._resolved(outcome.writes))
                 return not outcome.again
         finally:
-            self._tell()
+            self._report_changes()
 
     def _begin(self, raw: Any, read_at: float) -> Dict[str, Any]:
         """Follow the server from now on; return what to write there now, by global name.
@@ -159,21 +159,21 @@ class LiveParameters(Generic[Snapshot]):
         return outcome
 
     def _adopt(self, outcome: Outcome) -> None:
-        """Have in force what the reconciler has decided, and note to tell of it."""
-        self._untold.append((self.values, outcome))
+        """Have in force what the reconciler has decided, and keep it to report it."""
+        self._unreported.append((self.values, outcome))
         self.values = self._reconciler.values
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
         """Return values by global name; an empty name is that of the namespace."""
         return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
 
-    def _tell(self) -> None:
+    def _report_changes(self) -> None:
         """Log what has happened, and ring the bells if values have changed: without the lock."""
         with self._lock:
-            untold, self._untold = self._untold, []
-        for old, outcome in untold:
+            unreported, self._unreported = self._unreported, []
+        for old, outcome in unreported:
             self._log(old, outcome)
-        if any(old != outcome.values for old, outcome in untold):
+        if any(old != outcome.values for old, outcome in unreported):
             for bell in self._bells:
                 call_listener(bell, self.namespace)
 
@@ -213,7 +213,7 @@ def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
         raise
     for one in parameters:
         rospy.loginfo("%s: %s", one.namespace, _settings(one.values.as_dict()))
-        one._tell()
+        one._report_changes()
 
 
 def write_missing(client: MasterClient, in_force: Mapping[str, ParameterSet]) -> None:
@@ -238,7 +238,7 @@ def write_missing(client: MasterClient, in_force: Mapping[str, ParameterSet]) ->
 
 def _open(parameters: Sequence[LiveParameters[Any]]) -> None:
     watcher = parameters[0]._watcher
-    watcher.subscribe([one._follower for one in parameters])
+    watcher.watch([one._watched for one in parameters])
     with contextlib.ExitStack() as locks:
         for one in parameters:
             locks.enter_context(one._lock)
@@ -256,7 +256,7 @@ def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
     for one in parameters:
         with one._lock:
             one._is_open = False
-    parameters[0]._watcher.close(*(one._follower for one in parameters))
+    parameters[0]._watcher.close(*(one._watched for one in parameters))
 
 
 def _write(parameters: Sequence[LiveParameters[Any]], writes: Mapping[str, Any]) -> None:

@@ -36,11 +36,11 @@ class Registrations:
         self._turns = Turns(LOOKUPS)
 
     def begin(self, reading: Reading) -> None:
-        """Note which master it is."""
+        """Remember which master it is."""
         self._master_pid = reading.master_pid
 
-    def note(self, reading: Reading) -> None:
-        """Note what was read from the master."""
+    def compare(self, reading: Reading) -> None:
+        """Compare what was read with what the master was, and find out what it has lost."""
         if self._master_pid not in (None, reading.master_pid):
             self.are_lost = self._is_another = True
         elif not reading.knows_node and not self._is_refused:
@@ -55,7 +55,7 @@ class Registrations:
         self._is_refused = not registration.register_again(self._client.request)
 
     def renewed(self) -> None:
-        """Note that the master has been told all, and say so."""
+        """Log that the master has been told all."""
         why = "was restarted" if self._is_another else "had forgotten this node"
         self.are_lost = self._is_another = False
         if not self._is_refused:

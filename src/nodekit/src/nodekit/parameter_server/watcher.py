@@ -10,13 +10,13 @@ import contextlib
 import threading
 import time
 import traceback
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Collection, Dict, Iterator, List, Optional, Sequence, Set, Tuple
 
 import rospy
 
 from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
-from nodekit.parameter_server.followers import Entry, Follower, Followers
 from nodekit.parameter_server.registrations import Registrations
+from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.kinds import MISSING, is_same
 from nodekit.rospy_internals import parameters, shutdown
 
@@ -31,12 +31,14 @@ RECONCILE_KEYS = 200
 SETTLE_S = 0.02
 #: Longest wait for changes to come to rest, s.
 SETTLE_LIMIT_S = 0.15
-#: A defect of a follower is logged at most this often, s.
+#: Longest wait of :meth:`Watcher.close` for what is under way, s.
+CLOSE_LIMIT_S = 1.0
+#: A defect of who watches a key is logged at most this often, s.
 _LOG_PERIOD_S = 10.0
 
 
 class Watcher:
-    """Follows keys of the parameter server for everybody in this process.
+    """Watches keys of the parameter server for everybody in this process.
 
     :param client: asks the master
     :raises MasterUnreachable: if the master does not answer
@@ -44,15 +46,22 @@ class Watcher:
 
     def __init__(self, client: MasterClient) -> None:
         self.client = client
-        self._followers = Followers(client)
+        #: All keys, in the order of their opening; replaced and never changed, since several
+        #: threads walk through it.
+        self._watched: Dict[WatchedKey, None] = {}
+        self._changed = threading.Condition()
+        #: What is being handed over, and by which thread.
+        self._under_way: Optional[WatchedKey] = None
+        self._thread: Optional[threading.Thread] = None
         self._registrations = Registrations(client)
         self._ahead: Dict[str, Any] = {}
         self._turns = Turns(RECONCILE_KEYS)
         self._bell = threading.Event()
         self._reachable = True
+        self._ended = False
         self._logged: Dict[str, float] = {}
         if not parameters.on_push(self._on_push):
-            rospy.logwarn("this rospy is not known: changes are noticed once a second only")
+            rospy.logwarn("unsupported rospy version: changes are noticed once a second only")
         self._take_over_logging()
         shutdown.at_end(shutdown.Ending.TOOLKIT, self.shut_down)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
@@ -63,7 +72,7 @@ class Watcher:
         One left behind is no trifle: the master would shut down whoever has this port by then.
         """
         key = parameters.ROSOUT_PARAMETER
-        self._followers.subscribe([key])
+        self._subscribe([key])
         reading = self.client.read([key])
         self._registrations.begin(reading)
         value = reading.values[key]
@@ -89,32 +98,49 @@ class Watcher:
         """
         return self._ahead.pop(key) if key in self._ahead else self.client.read([key]).values[key]
 
-    def subscribe(self, followers: Sequence[Follower]) -> None:
-        """Follow keys from now on; the followers are told when something is news to them.
+    def watch(self, watched: Sequence[WatchedKey]) -> None:
+        """Watch keys from now on; what is news is handed over.
 
-        :raises MasterUnreachable: if the master does not answer; nobody is followed then
+        :raises MasterUnreachable: if the master does not answer; none of them is watched then
         """
-        self._followers.add(followers)
+        for one in watched:
+            one.forget_all()
+        with self._changed:
+            self._watched = {**self._watched, **dict.fromkeys(watched)}
+        try:
+            self._subscribe({one.key for one in watched})
+        except MasterUnreachable:
+            self.close(*watched)
+            raise
 
-    def open(self, followers: Sequence[Follower]) -> None:
-        """Follow keys from now on, and tell each follower soon what there is.
+    def open(self, watched: Sequence[WatchedKey]) -> None:
+        """Watch keys from now on, and hand over soon what there is.
 
-        :param followers: subscribed already or not
+        :param watched: watched already or not
         :raises MasterUnreachable: if the master does not answer
         """
-        self.subscribe([one for one in followers if one not in self._followers.entries])
-        self.tell(followers)
+        self.watch([one for one in watched if one not in self._watched])
+        self.hand_over_soon(watched)
 
-    def tell(self, followers: Sequence[Follower]) -> None:
-        """Tell each follower soon what there is, whether it is news or not."""
-        for entry in map(self._followers.entries.get, followers):
-            if entry is not None:
-                entry.due = True
+    def hand_over_soon(self, watched: Sequence[WatchedKey]) -> None:
+        """Hand over soon what there is, whether it is news or not."""
+        for one in watched:
+            one.due = True
         self.ring()
 
-    def close(self, *followers: Follower) -> None:
-        """Follow keys no longer, and wait up to 1 s for a follower that is being told."""
-        self._followers.remove(followers)
+    def close(self, *watched: WatchedKey) -> None:
+        """Watch keys no longer; one that is being handed over is waited for, up to 1 s.
+
+        Afterwards nothing is handed over any more.
+        """
+        gone = set(watched)
+        with self._changed:
+            self._watched = dict.fromkeys(one for one in self._watched if one not in gone)
+        if not self._ended:
+            self._unsubscribe({one.key for one in gone} - self._keys())
+        with self._changed:
+            if self._thread is not threading.current_thread():  # or it would wait for itself
+                self._changed.wait_for(lambda: self._under_way not in gone, CLOSE_LIMIT_S)
 
     def ring(self) -> None:
         """Read soon, without waiting for a notification."""
@@ -122,104 +148,144 @@ class Watcher:
 
     def shut_down(self) -> None:
         """End the thread and take the subscriptions back, which rospy itself does not."""
-        self._followers.end()
+        keys, self._ended = self._keys(), True
+        self._unsubscribe(keys)
         self.ring()
 
+    def _keys(self) -> Set[str]:
+        """Return what the master is to notify of."""
+        if self._ended:
+            return set()
+        return {parameters.ROSOUT_PARAMETER, *(one.key for one in self._watched)}
+
+    # Without a lock, which a hung master would keep for long: what has changed meanwhile, in
+    # another thread, is put right afterwards.
+
+    def _subscribe(self, keys: Collection[str]) -> None:
+        """Have the master notify of keys.
+
+        :raises MasterUnreachable: if the master does not answer
+        """
+        self.client.subscribe(keys)
+        stale = set(keys) - self._keys()
+        if stale:
+            self._unsubscribe(stale)
+
+    def _unsubscribe(self, keys: Collection[str]) -> None:
+        with contextlib.suppress(MasterUnreachable):  # one that is gone has no subscriptions
+            self.client.unsubscribe(keys)
+            self.client.subscribe(self._keys().intersection(keys))
+
     def _on_push(self, key: str, value: Any) -> bool:
-        """Note a notification; tell whether anybody follows the key."""
-        is_followed = self._followers.note(key, value)
-        if is_followed:
+        """Keep a notification; tell whether anybody watches the key.
+
+        :param key: global name, with or without a slash at its end
+        :param value: its raw value, an empty dict where it was deleted
+        """
+        key = key.rstrip("/")
+        found = [one for one in self._watched if (key + "/").startswith(one.key + "/")]
+        for one in found:
+            one.pushed.append((key[len(one.key) + 1 :], MISSING if value == {} else value))
+        if found:
             self.ring()
-        return is_followed
+        return bool(found)
 
     def _run(self) -> None:
         next_turn = time.monotonic() + RECONCILE_S
-        while not self._followers.ended:
+        while not self._ended:
             self._bell.wait(max(0.0, next_turn - time.monotonic()))
             self._bell.clear()
             is_due = time.monotonic() >= next_turn
             if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
-            turn = self._turns.next(list(self._followers.entries.values())) if is_due else []
+            turn = self._turns.next(list(self._watched)) if is_due else []
             try:
-                self._look(turn)
-                if is_due and not self._followers.ended:
+                self._read_and_hand_over(turn)
+                if is_due and not self._ended:
                     self._registrations.look_after_services()
             except MasterUnreachable as error:
-                self._note_reachable(False, error)
+                self._log_reachable(False, error)
             except BaseException:  # no defect may end this thread
                 self._log_defect("the parameters are not followed")
             else:
-                self._note_reachable(True)
+                self._log_reachable(True)
 
-    def _note_reachable(self, reachable: bool, error: Optional[Exception] = None) -> None:
-        if reachable != self._reachable and not self._followers.ended:
+    def _log_reachable(self, reachable: bool, error: Optional[Exception] = None) -> None:
+        if reachable != self._reachable and not self._ended:
             self._reachable = reachable
             if reachable:
                 rospy.loginfo("the master answers again")
             else:
                 rospy.logwarn("the master does not answer (%s): settings stay as they are", error)
 
-    def _look(self, turn: List[Entry]) -> None:
+    def _read_and_hand_over(self, turn: List[WatchedKey]) -> None:
         """Read what may have changed; where something has, wait until it rests.
 
-        :param turn: whose keys are read in any case
+        :param turn: what is read in any case
         """
-        due = [entry for entry in self._followers.entries.values() if entry.is_due]
-        entries = list(dict.fromkeys(turn + due))
-        read_at, reading = self._read(entries)
+        due = [one for one in self._watched if one.is_due]
+        watched = list(dict.fromkeys(turn + due))
+        read_at, reading = self._read(watched)
         if self._registrations.are_lost:
-            entries = list(self._followers.entries.values())
-        elif not self._news(entries, reading):
+            watched = list(self._watched)
+        elif not self._news(watched, reading):
             return
         limit = read_at + SETTLE_LIMIT_S
         while True:
             time.sleep(SETTLE_S)
             before = reading
-            read_at, reading = self._read(entries)
+            read_at, reading = self._read(watched)
             if is_same(reading.values, before.values) or read_at > limit:
                 break
-        if self._registrations.are_lost and not self._followers.ended:
-            self._begin_anew()
-        self._pass_on(self._news(entries, reading), reading, read_at)
+        if self._registrations.are_lost and not self._ended:
+            self._register_again()
+        self._hand_over(self._news(watched, reading), reading, read_at)
 
-    def _read(self, entries: List[Entry]) -> Tuple[float, Reading]:
+    def _read(self, watched: List[WatchedKey]) -> Tuple[float, Reading]:
         read_at = time.monotonic()
-        reading = self.client.read([entry.key for entry in entries])
-        self._registrations.note(reading)
+        reading = self.client.read([one.key for one in watched])
+        self._registrations.compare(reading)
         return read_at, reading
 
-    def _begin_anew(self) -> None:
+    def _register_again(self) -> None:
         """Tell a master all that it has to know and does not any more."""
         self._registrations.renew()
-        self._followers.subscribe(self._followers.keys())
-        for entry in self._followers.entries.values():
-            entry.forgotten = True
+        self._subscribe(self._keys())
+        for one in self._watched:
+            one.forgotten = True
         self._registrations.renewed()
 
-    def _pass_on(self, entries: List[Entry], reading: Reading, read_at: float) -> None:
-        """Tell each follower; one that fails keeps no other from being told."""
+    def _hand_over(self, watched: List[WatchedKey], reading: Reading, read_at: float) -> None:
+        """Hand over what was read; who fails keeps nobody else from being told."""
         unreachable: Optional[MasterUnreachable] = None
-        for entry in entries:
+        for one in watched:
+            with self._changed:
+                if one not in self._watched:
+                    continue
+                self._under_way, self._thread = one, threading.current_thread()
             try:
-                if not self._followers.tell(entry, reading.values[entry.key], read_at):
+                if not one.hand_over(reading.values[one.key], read_at):
                     self.ring()
             except MasterUnreachable as error:
                 unreachable = error
             except BaseException:  # also what ends a thread: this one is everybody's
-                self._log_defect(f"{entry.key} is not followed")
+                self._log_defect(f"{one.key} is not followed")
+            finally:
+                with self._changed:
+                    self._under_way = self._thread = None
+                    self._changed.notify_all()
         if unreachable is not None:
             raise unreachable
 
-    def _news(self, entries: List[Entry], reading: Reading) -> List[Entry]:
-        """Return who is to be told of what was read."""
-        found: List[Entry] = []
-        for entry in entries:
+    def _news(self, watched: List[WatchedKey], reading: Reading) -> List[WatchedKey]:
+        """Return what is to be handed over of what was read."""
+        found: List[WatchedKey] = []
+        for one in watched:
             try:
-                if entry.is_news(reading.values[entry.key]):
-                    found.append(entry)
+                if one.is_news(reading.values[one.key]):
+                    found.append(one)
             except BaseException:
-                self._log_defect(f"{entry.key} is not followed")
+                self._log_defect(f"{one.key} is not followed")
         return found
 
     def _log_defect(self, what: str) -> None:

@@ -12,7 +12,7 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
 from nodekit import MasterUnreachable
 from nodekit.master import MasterClient
-from nodekit.parameter_server.following import Following, open_all
+from nodekit.parameter_server.followed_parameter import FollowedParameter, open_all
 from nodekit.parameter_server.watcher import get_watcher
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_sources import unfit
@@ -56,13 +56,13 @@ class ParametersToRos1:
         self._is_written = False
         #: What stands on the server now, until it is sent to the node.
         self._latest: Deque[Any] = collections.deque(maxlen=1)
-        self._following = Following(name, get_watcher(), self._send_soon)
+        self._followed = FollowedParameter(name, get_watcher(), self._send_soon)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
         threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
         self.write_all()
         try:
-            open_all([self._following])
+            open_all([self._followed])
         except BaseException:
             self.close()
             raise
@@ -86,7 +86,7 @@ class ParametersToRos1:
 
     def close(self) -> None:
         """End it; what the node had is taken from the server again."""
-        self._following.close()
+        self._followed.close()
         for one in (self._list, self._get, self._set):
             one.close()
         self._work.put(lambda: self._write([], list(self._values)))
@@ -129,7 +129,7 @@ class ParametersToRos1:
         """Set parameters there, and read once more: the same may be set again from there."""
         self._master.write(values)
         if values:
-            self._following.tell_again()
+            self._followed.report_again()
 
     def _is_news(self, name: str, message: Any) -> bool:
         """Tell whether a change did not come from the server.

@@ -9,7 +9,7 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit import call_service
-from nodekit.parameter_server.following import Following, open_all
+from nodekit.parameter_server.followed_parameter import FollowedParameter, open_all
 from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
@@ -52,7 +52,7 @@ class Controls:
         self._deliver, self._tell = deliver, tell
         self._background = Background(deliver)
         self._panels: Dict[str, Panel] = {}
-        self._followings: Dict[str, Following] = {}
+        self._followed: Dict[str, FollowedParameter] = {}
         self._failed: Dict[str, float] = {}
         self._foreign: Collection[str] = ()
         self._settings = Settings(
@@ -87,7 +87,7 @@ class Controls:
         for node in gone:
             del self._panels[node]
             self._settings.forget(node)
-            leave = self._followings.pop(node).close
+            leave = self._followed.pop(node).close
             self._background.run(("leave", node), leave, lambda _: None)
         if gone:
             self._tell(self.message())
@@ -97,21 +97,21 @@ class Controls:
                 inspect = partial(self._inspect, node, list(names))
                 self._background.run(node, inspect, partial(self._on_inspected, node))
 
-    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, Following]:
+    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, FollowedParameter]:
         own = [name for name in names if name.startswith(node + "/")]
         own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
         if node in self._foreign and services.type_of(node + _FOREIGN) != reconfigure.TYPE:
             raise _NoPanel
         kinds = {name: services.kind_of(name) for name in own}
-        following = Following(
+        followed = FollowedParameter(
             node, get_watcher(), lambda raw: self._deliver(partial(self._on_values, node, raw))
         )
-        open_all([following])  # first: no change after the description is missed
+        open_all([followed])  # first: no change after the description is missed
         try:
             offered = {name: kind for name, kind in kinds.items() if kind}
-            return Panel(node, self._describe(node), offered), following
+            return Panel(node, self._describe(node), offered), followed
         except Exception:
-            following.close()
+            followed.close()
             raise
 
     def _on_inspected(self, node: str, result: Any) -> None:
@@ -120,9 +120,9 @@ class Controls:
             if isinstance(result, DescriptionError):
                 rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
             return
-        self._panels[node], following = result
-        self._followings[node] = following
-        following.tell_again()  # what came before there was a panel is lost
+        self._panels[node], followed = result
+        self._followed[node] = followed
+        followed.report_again()  # what came before there was a panel is lost
         self._tell(self.message())
 
     def _on_values(self, node: str, raw: Any) -> None:
@@ -131,9 +131,9 @@ class Controls:
             self._tell_values(panel, panel.follow(raw))
 
     def _look_again(self, node: str) -> None:
-        following = self._followings.get(node)
-        if following is not None:
-            following.tell_again()
+        followed = self._followed.get(node)
+        if followed is not None:
+            followed.report_again()
 
     def _tell_values(self, panel: Panel, names: List[str]) -> None:
         for name in names:

@@ -3,7 +3,7 @@
 import copy
 from typing import Any, Callable, Optional, Sequence
 
-from nodekit.parameter_server.followers import Follower, call_listener
+from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
 from nodekit.parameters.reconciler import Seen
@@ -11,8 +11,8 @@ from nodekit.parameters.reconciler import Seen
 _UNKNOWN = NoValue("UNKNOWN")
 
 
-class Following:
-    """One key of the parameter server, followed from :func:`open_all` on.
+class FollowedParameter:
+    """A parameter that is followed from :func:`open_all` on.
 
     A value is kept when the master is restarted and has none.
 
@@ -26,10 +26,10 @@ class Following:
         self.key = key.rstrip("/")
         self._watcher = watcher
         self._callback = callback
-        self._follower = Follower(self.key, self._is_news, self._take)
+        self._watched = WatchedKey(self.key, self._is_news, self._on_reading)
         #: What the server held at last, and what of it the callback knows.
         self._held: Any = _UNKNOWN
-        self._told: Any = _UNKNOWN
+        self._reported: Any = _UNKNOWN
 
     def first(self) -> Optional[Any]:
         """Return the raw value now, None where there is none; the callback is told of others.
@@ -37,41 +37,41 @@ class Following:
         :raises MasterUnreachable: if the master does not answer
         """
         self._held = self._watcher.first_reading(self.key)
-        self._told = _value(self._held)
-        return copy.deepcopy(self._told)
+        self._reported = _value(self._held)
+        return copy.deepcopy(self._reported)
 
-    def tell_again(self) -> None:
+    def report_again(self) -> None:
         """Have the callback told soon what there is, also where that is what it was told last.
 
         For those who learn of the value in a second way, and cannot tell which news is older.
         """
-        self._told = _UNKNOWN
-        self._watcher.tell([self._follower])
+        self._reported = _UNKNOWN
+        self._watcher.hand_over_soon([self._watched])
 
     def close(self) -> None:
         """Follow the key no longer."""
-        self._watcher.close(self._follower)
+        self._watcher.close(self._watched)
 
     def _is_news(self, raw: Any) -> bool:
         return not is_same(raw, self._held)
 
-    def _take(self, seen: Seen) -> bool:
+    def _on_reading(self, seen: Seen) -> bool:
         self._held = seen.raw
         value = _value(seen.raw)
-        if not is_same(value, self._told) and not (seen.forgotten and seen.raw is MISSING):
-            self._told = value
+        if not is_same(value, self._reported) and not (seen.forgotten and seen.raw is MISSING):
+            self._reported = value
             call_listener(lambda: self._callback(copy.deepcopy(value)), self.key)
         return True
 
 
-def open_all(followings: Sequence[Following]) -> None:
+def open_all(followed: Sequence[FollowedParameter]) -> None:
     """Follow keys from now on, in a few requests; no change since the first read is missed.
 
-    :param followings: all with the same watcher
+    :param followed: all with the same watcher
     :raises MasterUnreachable: if the master does not answer; nothing is followed then
     """
-    if followings:
-        followings[0]._watcher.open([one._follower for one in followings])
+    if followed:
+        followed[0]._watcher.open([one._watched for one in followed])
 
 
 def _value(raw: Any) -> Optional[Any]:

@@ -1,16 +1,16 @@
-"""Tell a node's class of parameters, in its callback group."""
+"""Call back when parameters have changed, in a callback group."""
 
 from typing import Any, Callable
 
 from nodekit.groups.groups import Group
 from nodekit.node.callbacks import Bell
-from nodekit.parameter_server.following import Following
+from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import Watcher
 
 
-class Change(Bell):
-    """Tells of changes of declared parameters, from what was told last to what is in force now.
+class ChangeCallback(Bell):
+    """Called with changes of declared parameters, from what it knows to what is in force now.
 
     :param group: the callback's group
     :param live: the parameters
@@ -22,23 +22,23 @@ class Change(Bell):
     def __init__(
         self, group: Group, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
-        super().__init__(group, self._tell, f"{live.namespace}: on_change")
+        super().__init__(group, self._report_change, f"{live.namespace}: on_change")
         self._live, self._on_change = live, on_change
-        self._told = live.values
+        self._reported = live.values
 
     def start(self) -> None:
-        """Tell of changes from now on, and of one that has been."""
+        """Call back for changes from now on, and for one that has been."""
         self._live.add_listener(self.ring)
         self.ring()
 
-    def _tell(self) -> None:
-        old, self._told = self._told, self._live.values
-        if self._told != old:
-            self._on_change(self._told, old)
+    def _report_change(self) -> None:
+        old, self._reported = self._reported, self._live.values
+        if self._reported != old:
+            self._on_change(self._reported, old)
 
 
-class Followed(Bell):
-    """Tells of a parameter that nobody has declared: at the start, and when it changes.
+class FollowCallback(Bell):
+    """Called with a parameter that nobody has declared: at the start, and when it changes.
 
     :param group: the callback's group
     :param key: global name
@@ -53,18 +53,18 @@ class Followed(Bell):
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
         #: What is to be opened before the first ring.
-        self.following = Following(key, watcher, self._take)
-        self._value = self.following.first()
+        self.followed = FollowedParameter(key, watcher, self._on_value)
+        self._value = self.followed.first()
 
     def start(self) -> None:
-        """Tell of the value there is; to be called when :attr:`following` was opened."""
+        """Call back with the value there is; to be called when :attr:`followed` was opened."""
         self.ring()
 
     def close(self) -> None:
-        """Tell of nothing any more."""
+        """Call back no more."""
         super().close()
-        self.following.close()
+        self.followed.close()
 
-    def _take(self, value: Any) -> None:
+    def _on_value(self, value: Any) -> None:
         self._value = value
         self.ring()

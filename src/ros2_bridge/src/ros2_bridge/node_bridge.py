@@ -2,7 +2,7 @@
 
 import re
 import time
-from typing import Any, Collection, Dict, List, Optional, Set, Union
+from typing import Any, Collection, Dict, List, Optional, Set
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
@@ -10,9 +10,9 @@ from rclpy.serialization import deserialize_message
 
 from nodekit import Node
 from nodekit.master import MasterClient
-from ros2_bridge.parameters.parameter_sources import Described, Plain, WithSimTime
 from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.ros1_parameters import DescribedParameters, ServerParameters
 from ros2_bridge.ros1.ros1_graph import Ros1Graph
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import parameter_services, ranked
@@ -139,16 +139,13 @@ class NodeBridge:
         """
         if style == "none":
             return None
-        source: Union[Described, Plain] = Plain(self._client, name)
-        if style == "described":
-            source = Described(name)
+        kind = DescribedParameters if style == "described" else ServerParameters
         return ParametersToRos2(
             self._node.lifetime(),
             self._side,
             self._to_ros2[name].node,
-            name,
             self._other(name),
-            WithSimTime(source, self._client),
+            kind(self._client, name),
             self._events.publish,
         )
 

@@ -24,10 +24,10 @@ from rclpy.serialization import serialize_message
 
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.parameters.parameter_messages import to_message
-from ros2_bridge.parameters.parameter_sources import Plain
 from ros2_bridge.parameters.parameter_values import BYTES, INTEGER, STRING, STRINGS
 from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.ros1_parameters import ServerParameters
 
 GENERATOR = "/signal_generator"
 
@@ -150,7 +150,7 @@ def test_node_that_judges_itself_since_a_moment_is_not_passed_over() -> None:
     client: Any = SimpleNamespace(write=written.append)
     for uri in ("rosrpc://localhost:1", None):
         client.lookup_service = {"/generator/describe": uri}.get
-        why = Plain(client, "/generator").change({"pid.p": 2})
+        why = ServerParameters(client, "/generator").change({"pid.p": 2})
         assert ("/generator has just begun to judge" in why) is (uri is not None)
     assert written == [{"/generator/pid/p": 2}]
 

@@ -122,3 +122,24 @@ def test_list(prefixes: Any, depth: int, names: Any) -> None:
 def test_what_is_not_in_force_yet() -> None:
     assert values.differs({"a": 1, "b": 2}, {"a": 1, "b": 3})
     assert not values.differs({"a": 1, "b": 2}, {"a": 1.0, "c": 3})
+
+
+@pytest.mark.parametrize(
+    "value, words",
+    [
+        (None, "x cannot be removed"),
+        (2**31, "refused 2147483648: ROS 1 carries integers of 32 bits only"),
+        ([1, -(2**31) - 1], "refused -2147483649"),
+        ("a\0b", "no control characters"),
+        (["a", "\x1f"], "no control characters"),
+    ],
+)
+def test_what_ros1_cannot_carry(value: Any, words: str) -> None:
+    assert words in values.unfit("x", value)
+
+
+@pytest.mark.parametrize(
+    "value", [2**31 - 1, -(2**31), 1e300, "a\tb\n", True, [], [1, 2], [""]]
+)
+def test_what_ros1_can_carry(value: Any) -> None:
+    assert values.unfit("x", value) == ""

@@ -73,6 +73,18 @@ def fitting_kind(value: Any, kind: int) -> int:
     return found
 
 
+def unfit(name: str, value: Any) -> str:
+    """Return why ROS 1 cannot carry the value of a parameter; empty where it can."""
+    for one in value if isinstance(value, list) else [value]:
+        if one is None:
+            return f"{name} cannot be removed: ROS 1's nodes keep their parameters"
+        if type(one) is int and not LOWEST <= one <= HIGHEST:
+            return f"{name}: refused {one}: ROS 1 carries integers of 32 bits only"
+        if type(one) is str and any(ord(sign) < 32 and sign not in "\t\n\r" for sign in one):
+            return f"{name}: refused {one!r}: ROS 1 carries no control characters"
+    return ""
+
+
 def flat(tree: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
     """Return the parameters below a namespace of ROS 1, by their names in ROS 2."""
     found: Dict[str, Any] = {}

@@ -15,7 +15,6 @@ from nodekit.master import MasterClient
 from nodekit.parameter_server.followed_parameter import FollowedParameter, open_all
 from nodekit.parameter_server.watcher import get_watcher
 from ros2_bridge.parameters import parameter_messages as messages
-from ros2_bridge.parameters.parameter_sources import unfit
 from ros2_bridge.parameters.parameter_values import (
     DOUBLE,
     DOUBLES,
@@ -24,6 +23,7 @@ from ros2_bridge.parameters.parameter_values import (
     flat,
     kind_of,
     ros1_key,
+    unfit,
 )
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2

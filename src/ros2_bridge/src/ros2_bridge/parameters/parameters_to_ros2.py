@@ -23,8 +23,8 @@ from rclpy.node import Node as Ros2Node
 
 from nodekit import Maker
 from ros2_bridge.parameters import parameter_messages as messages
-from ros2_bridge.parameters.parameter_sources import Parameter, Unreadable, WithSimTime, unfit
-from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed
+from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed, unfit
+from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
 from ros2_bridge.ros2.ros2_side import Ros2
 
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
@@ -37,8 +37,8 @@ class ParametersToRos2:
     :param made: makes what follows them; is closed with this
     :param side: the bridge in ROS 2
     :param node: the node of ROS 2 that stands for it
-    :param name, other: the global name that it has in ROS 1, and in ROS 2
-    :param source: where its parameters are
+    :param other: the global name that it has in ROS 2
+    :param parameters: its parameters
     :param publish: publishes an event
     """
 
@@ -47,12 +47,11 @@ class ParametersToRos2:
         made: Maker,
         side: Ros2,
         node: Ros2Node,
-        name: str,
         other: str,
-        source: WithSimTime,
+        parameters: Ros1Parameters,
         publish: Callable[[Any], None],
     ) -> None:
-        self._made, self._name, self._other, self._source = made, name, other, source
+        self._made, self._other, self._parameters = made, other, parameters
         self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
@@ -70,7 +69,7 @@ class ParametersToRos2:
             )
         ]
         try:
-            made.follow(name, self._publish_soon, group=made.group(exclusive=False))
+            made.follow(parameters.name, self._publish_soon, group=made.group(exclusive=False))
         except BaseException:
             self.close()
             raise
@@ -82,18 +81,20 @@ class ParametersToRos2:
             try:
                 send(answer(request))
             except Unreadable as error:  # ROS 2 has no errors of services: there is no response
-                rospy.logwarn_throttle(1.0, f"cannot read the parameters of {self._name}: {error}")
+                rospy.logwarn_throttle(
+                    1.0, f"cannot read the parameters of {self._parameters.name}: {error}"
+                )
 
         return lambda *given: threading.Thread(target=work, args=given, daemon=True).start()
 
     def _list(self, request: Any) -> Any:
-        names, prefixes = listed(list(self._source.read()), request.prefixes, request.depth)
+        names, prefixes = listed(list(self._parameters.read()), request.prefixes, request.depth)
         result = ListParametersResult(names=names, prefixes=prefixes)
         return ListParameters.Response(result=result)
 
     def _found(self, names: List[str]) -> List[Parameter]:
         """Return the named parameters, none at all where one is unknown: so does rclpy."""
-        known = self._source.read()
+        known = self._parameters.read()
         return [known[name] for name in names] if set(names) <= set(known) else []
 
     def _get(self, request: Any) -> Any:
@@ -124,7 +125,7 @@ class ParametersToRos2:
         """Have the node take all of some values, or none."""
         values = {one.name: messages.to_plain(one.value) for one in parameters}
         reasons = [reason for reason in (unfit(*item) for item in values.items()) if reason]
-        reason = "; ".join(reasons) or self._source.change(values)
+        reason = "; ".join(reasons) or self._parameters.change(values)
         if not reason:
             self._publish_changes()
         return SetParametersResult(successful=not reason, reason=reason)
@@ -140,31 +141,28 @@ class ParametersToRos2:
             if self._is_reading:
                 return
             self._is_reading = True
-        threading.Thread(target=self._publish_until_done, daemon=True).start()
+        threading.Thread(target=self._publish_until_in_force, daemon=True).start()
 
-    def _publish_until_done(self) -> None:
+    def _publish_until_in_force(self) -> None:
+        reads = 0
         try:
-            self._publish_until_in_force()
+            while True:
+                with self._lock:
+                    reads = 0 if self._again else reads
+                    self._again = False
+                in_force = self._publish_changes()
+                reads += 1
+                with self._lock:
+                    # The node judges what was set on the server in its own time.
+                    behind = reads < _MOST_READS and differs(self._server, in_force)
+                    if not (behind or self._again):
+                        self._is_reading = False
+                        return
+                time.sleep(_PAUSE_S)
         except Exception:  # or nobody would ever read again
             with self._lock:
                 self._is_reading = False
             raise
-
-    def _publish_until_in_force(self) -> None:
-        reads = 0
-        while True:
-            with self._lock:
-                reads = 0 if self._again else reads
-                self._again = False
-            in_force = self._publish_changes()
-            reads += 1
-            with self._lock:
-                # The node judges what was set on the server in its own time.
-                behind = reads < _MOST_READS and differs(self._server, in_force)
-                if not (behind or self._again):
-                    self._is_reading = False
-                    return
-            time.sleep(_PAUSE_S)
 
     def _publish_changes(self) -> Dict[str, Any]:
         """Publish what has changed in force; of what is refused nothing is published.
@@ -172,7 +170,7 @@ class ParametersToRos2:
         :returns: the values in force
         """
         try:
-            read = self._source.read()
+            read = self._parameters.read()
         except Unreadable:
             return {}  # it has just ended, or does so
         now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}

@@ -1,0 +1,106 @@
+"""The parameters of a node of ROS 1: where they are, and who judges a change of them."""
+
+from typing import Any, Dict, Mapping, NamedTuple, Optional
+
+from nodekit import CallError, ChangeRefused, MasterUnreachable, ParameterClient
+from nodekit.master import MasterClient
+from ros2_bridge.parameters.parameter_values import BOOL, declared_kind, flat, kind_of, ros1_key
+
+#: How long a node may take to describe its parameters, or to judge a change, s.
+TIMEOUT_S = 2.0
+#: In ROS 2 each node has it; in ROS 1 it is one parameter for all nodes, so it is not set here.
+_SIM_TIME, _SIM_TIME_IN_ROS1 = "use_sim_time", "/use_sim_time"
+
+
+class Parameter(NamedTuple):
+    """A parameter.
+
+    :param kind: as ROS 2 numbers them
+    :param entry: of the node's description, None where it has none
+    """
+
+    value: Any
+    kind: int
+    entry: Optional[Mapping[str, Any]]
+
+
+class Unreadable(Exception):
+    """Parameters that cannot be read; the text says why."""
+
+
+class Ros1Parameters:
+    """The parameters of a node, and whether it goes by simulated time.
+
+    :param client: asks the master
+    :param name: global name of the node
+    """
+
+    def __init__(self, client: MasterClient, name: str) -> None:
+        self._client, self.name = client, name
+
+    def read(self) -> Dict[str, Parameter]:
+        """Return the parameters in force, by their names in ROS 2.
+
+        :raises Unreadable: if the node or the master does not answer
+        """
+        try:
+            found = self._read()
+            value = self._client.read([_SIM_TIME_IN_ROS1]).values[_SIM_TIME_IN_ROS1]
+        except (CallError, MasterUnreachable) as error:
+            raise Unreadable(str(error)) from None
+        found[_SIM_TIME] = Parameter(value is True, BOOL, None)
+        return found
+
+    def change(self, values: Mapping[str, Any]) -> str:
+        """Change all of some parameters, or none.
+
+        :param values: new values, by names in ROS 2
+        :returns: why not; empty where they are in force
+        """
+        if _SIM_TIME in values:
+            return f"{_SIM_TIME} is shared by all nodes of ROS 1: rosparam set {_SIM_TIME_IN_ROS1}"
+        try:
+            return self._change({ros1_key(name): value for name, value in values.items()})
+        except (CallError, ChangeRefused, MasterUnreachable) as error:
+            return str(error)
+
+    def _read(self) -> Dict[str, Parameter]:
+        raise NotImplementedError
+
+    def _change(self, values: Mapping[str, Any]) -> str:
+        raise NotImplementedError
+
+
+class DescribedParameters(Ros1Parameters):
+    """Those of a node made with nodekit, which describes them and judges changes itself."""
+
+    def _read(self) -> Dict[str, Parameter]:
+        entries = ParameterClient(self.name, TIMEOUT_S).describe()
+        try:
+            return {
+                name.replace("/", "."): Parameter(entry["value"], declared_kind(entry), entry)
+                for name, entry in entries.items()
+            }
+        except (KeyError, TypeError) as error:
+            raise Unreadable(f"malformed description of {self.name}: {error!r}") from None
+
+    def _change(self, values: Mapping[str, Any]) -> str:
+        ParameterClient(self.name, TIMEOUT_S).change(values)
+        return ""
+
+
+class ServerParameters(Ros1Parameters):
+    """Those of any other node: what stands on the parameter server, which takes everything."""
+
+    def _read(self) -> Dict[str, Parameter]:
+        tree = self._client.read([self.name]).values[self.name]
+        values = flat(tree) if isinstance(tree, dict) else {}
+        kinds = {name: kind_of(value) for name, value in values.items()}
+        return {name: Parameter(values[name], kind, None) for name, kind in kinds.items() if kind}
+
+    def _change(self, values: Mapping[str, Any]) -> str:
+        # A managed one that was configured since the last poll?
+        if self._client.lookup_service(f"{self.name}/describe"):
+            return f"{self.name} has just begun to judge its parameters itself: try again"
+        self._client.write({f"{self.name}/{key}": value for key, value in values.items()})
+        return ""

@@ -23,7 +23,7 @@ class CourseTable(SphinxDirective):
         with path.open(encoding="utf-8", newline="") as file:
             items = [row for row in csv.DictReader(file) if row["document"] == self.arguments[0]]
         if not items:
-                        raise self.error(f"{path} has no item of the document {self.arguments[0]}")
+            raise self.error(f"{path} has no item of the document {self.arguments[0]}")
         return [table(HEADERS, [_row(item) for item in items])]
 
 

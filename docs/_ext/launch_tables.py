@@ -18,7 +18,7 @@ HEADERS = ["Argument", "Default", "What it is"]
 
 
 class LaunchFile(NamedTuple):
-        """The documentation in a launch file.
+    """The documentation in a launch file.
 
     :param comment: the comment at its top
     :param rows: name, default and doc of each arg that can be set

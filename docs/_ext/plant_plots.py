@@ -62,7 +62,7 @@ def simulate(method: str, signal: Signal, times: List[float]) -> List[float]:
 
     :param method: one of METHODS
     :param signal: the input, sampled by the plant
-        :param times: s; the plant also computes the samples in between
+    :param times: s; the plant also computes the samples in between
     """
     plant = SampledPlant(VALUES.plant._replace(method=method), SAMPLE_TIME)
     outputs = []

@@ -32,7 +32,7 @@ def float32(value):
     return struct.unpack("f", struct.pack("f", value))[0]
 
 
-class Source:
+class ExactSine:
     """Samples of an exact sine, rounded as on the wire."""
 
     def __init__(self, amplitude=2.0, frequency=6.2832, phase=0.3, mean=0.0):
@@ -73,7 +73,7 @@ settings = st.builds(
     method=st.just("sine"),
 )
 sources = st.builds(
-    Source,
+    ExactSine,
     amplitude=st.floats(-100.0, 100.0).filter(lambda amplitude: abs(amplitude) > 1e-3),
     frequency=st.floats(0.3, 30.0),
     phase=st.floats(-math.pi, math.pi),
@@ -108,7 +108,7 @@ def test_without_phase_shift_any_signal_passes_unchanged(samples, scale, method)
 )
 def test_keep_positive_lifts_the_trough_to_zero_and_no_higher(scale, offset, lowest):
     conditioner = Conditioner()
-    source = Source(frequency=1.0, phase=0.0)
+    source = ExactSine(frequency=1.0, phase=0.0)
     lifted = Settings(amplitude_scale=scale, offset=offset)
     results = [conditioner.process(*source.sample(math.pi / 8), lifted) for _ in range(64)]
     assert min(results[1:]) == pytest.approx(lowest, abs=1e-5)
@@ -118,7 +118,7 @@ def test_keep_positive_lifts_the_trough_to_zero_and_no_higher(scale, offset, low
 @pytest.mark.parametrize("frequency", [0.0, -6.2832, -1.0])
 def test_phase_shift_holds_where_frequency_is_zero_or_negative(frequency, method):
     conditioner = Conditioner()
-    source = Source(phase=0.4)
+    source = ExactSine(phase=0.4)
     shifted = Settings(1.0, 2.0, 0.0, keep_positive=False, method=method)
     for _ in range(250):
         conditioner.process(*source.sample(0.005), shifted)
@@ -130,7 +130,7 @@ def test_phase_shift_holds_where_frequency_is_zero_or_negative(frequency, method
 
 def test_keep_positive_lifts_by_the_amplitude_of_the_sample_itself():
     conditioner = Conditioner()
-    source = Source()
+    source = ExactSine()
     for amplitude in (2.0, 10.0, 0.1, -3.0):
         source.amplitude = amplitude
         for _ in range(3):
@@ -140,7 +140,7 @@ def test_keep_positive_lifts_by_the_amplitude_of_the_sample_itself():
 
 def test_input_offset_centres_the_signal_before_all_else():
     conditioner = Conditioner()
-    source = Source(mean=4.0)
+    source = ExactSine(mean=4.0)
     centred = Settings(phase_shift=0.7, input_offset=4.0)
     conditioner.process(*source.sample(), centred)
     for _ in range(30):
@@ -151,7 +151,7 @@ def test_input_offset_centres_the_signal_before_all_else():
 @given(st.floats(0.01, 5.0), st.integers(1, 5), st.floats(1e-3, 0.1))
 def test_a_change_of_input_offset_does_not_upset_the_phase(wrong, count, step):
     conditioner = Conditioner()
-    source = Source(phase=0.0)
+    source = ExactSine(phase=0.0)
     right = Settings(keep_positive=False)
     for _ in range(200):
         conditioner.process(*source.sample(step), right)
@@ -166,7 +166,7 @@ def test_a_change_of_input_offset_does_not_upset_the_phase(wrong, count, step):
 
 def test_the_phase_recovers_as_soon_as_the_input_offset_is_set_right():
     conditioner = Conditioner()
-    source = Source(mean=1.0)
+    source = ExactSine(mean=1.0)
     for _ in range(500):
         conditioner.process(*source.sample(), Settings())
     centred = Settings(input_offset=1.0)
@@ -180,7 +180,7 @@ def test_the_phase_recovers_as_soon_as_the_input_offset_is_set_right():
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_sample_that_is_not_finite_is_as_good_as_lost(field, value):
     conditioner = Conditioner()
-    source = Source()
+    source = ExactSine()
     for _ in range(5):
         conditioner.process(*source.sample(), Settings())
     broken = list(source.sample())
@@ -220,7 +220,7 @@ def test_the_largest_float32_is_a_result():
 
 def test_restarts_are_counted_and_answered():
     conditioner = Conditioner()
-    source = Source()
+    source = ExactSine()
     for lap in range(3):
         source.time = 0.0
         for _ in range(5):
@@ -233,7 +233,7 @@ def test_a_quadrature_by_square_root_fails_where_this_one_does_not():
     # cos = sqrt(1 - (y/A)^2): at the crest the rounded sample exceeds the amplitude.
     amplitude = 0.1
     conditioner = Conditioner()
-    source = Source(amplitude, 1.0, 0.0)
+    source = ExactSine(amplitude, 1.0, 0.0)
     failures = 0
     for index in range(2000):
         sample = source.sample(0.5 * math.pi if index % 2 else 1e-4)
@@ -265,7 +265,7 @@ def test_a_delayed_square_is_the_square_shifted(lead, scale, keep_positive):
 
 def test_methods_agree_on_a_sine_and_may_be_switched_at_any_sample():
     conditioner = Conditioner()
-    source = Source(frequency=6.0)
+    source = ExactSine(frequency=6.0)
     for index in range(1200):
         sine = Settings(phase_shift=1.0)
         chosen = sine._replace(method=METHODS[index // 7 % 2])
@@ -286,7 +286,7 @@ def test_a_delayed_signal_is_centred_by_the_input_offset_in_force():
 @pytest.mark.parametrize("method", METHODS)
 def test_stopped_generator_keeps_the_phase_for_when_it_goes_on(method):
     settings = Settings(keep_positive=False, input_offset=1.0, method=method)
-    conditioner, undisturbed, source = Conditioner(), Conditioner(), Source(mean=1.0)
+    conditioner, undisturbed, source = Conditioner(), Conditioner(), ExactSine(mean=1.0)
     for number in range(60):
         sample = source.sample(0.05)
         if number in (40, 41):

@@ -31,7 +31,7 @@ COMMANDS = (
 )
 
 
-def judged(number: int, meant: Level) -> Command:
+def validated(number: int, meant: Level) -> Command:
     """Return the command of a number.
 
     :param number: the number

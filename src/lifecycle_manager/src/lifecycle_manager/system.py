@@ -6,7 +6,7 @@ It is told what happens, and the time: that of any clock that never goes back, s
 import math
 from typing import List, Optional, Sequence, Tuple
 
-from lifecycle_manager.commands import judged
+from lifecycle_manager.commands import validated
 from lifecycle_manager.member import GET_STATE, RESULTS, Member, state_text
 from lifecycle_manager.plan import DOWN, Level, next_instruction
 
@@ -44,7 +44,7 @@ class System:
         :param number: of the command
         :raises ValueError: if there is no such command, or it is not allowed now
         """
-        self.goal = judged(number, self._meant()).goal
+        self.goal = validated(number, self._meant()).goal
         self.problem = ""
         self._told_at = now
         for member in self.members:

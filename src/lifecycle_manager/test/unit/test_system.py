@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lifecycle_manager.commands import COMMANDS, judged
+from lifecycle_manager.commands import COMMANDS, validated
 from lifecycle_manager.member import GET_STATE, RESULTS, Member, state_text
 from lifecycle_manager.plan import DOWN, Level
 from lifecycle_manager.system import FIRST_QUERY_S, System
@@ -376,14 +376,14 @@ def test_commands() -> None:
     for number, command in enumerate(COMMANDS):
         for meant in Level:
             if meant in command.starts:
-                assert judged(number, meant) is command
+                assert validated(number, meant) is command
             else:
                 with pytest.raises(
                     ValueError, match=f"^{command.name} is refused while all are to be"
                 ):
-                    judged(number, meant)
+                    validated(number, meant)
     with pytest.raises(ValueError, match="command: refused 7: must be one of 0 STARTUP, 1 PAUSE"):
-        judged(7, Level.ACTIVE)
+        validated(7, Level.ACTIVE)
 
 
 def test_states() -> None:

@@ -38,12 +38,12 @@ class Talker:
         self._places = candidates(node.name)
         self._texts: Dict[str, Optional[str]] = {}
         for place in self._places:
-            node.follow(place, partial(self._take_text, place))
+            node.follow(place, partial(self._set_text, place))
         self._publisher = node.publisher("chatter", String)
         self._log = node.stream_log()
         node.every(lambda: self._settings.values.rate, self._publish)
 
-    def _take_text(self, place: str, value: Any) -> None:
+    def _set_text(self, place: str, value: Any) -> None:
         self._texts[place] = as_text(value)
 
     def _publish(self, _elapsed: float) -> None:

@@ -56,11 +56,11 @@ class DcMotor:
         if self._begun_at is None:
             self._begun_at = elapsed
         moment = elapsed - self._begun_at
-        self._take_over_settings(self._plant, moment)
+        self._apply_settings(self._plant, moment)
         self._plant.hold(moment, self._input)
         self._speed_publisher.publish(Float32(self._plant.output(moment)))
 
-    def _take_over_settings(self, plant: FirstOrderPlant, moment: float) -> None:
+    def _apply_settings(self, plant: FirstOrderPlant, moment: float) -> None:
         new, old = self._parameters.values, self._settings
         if new is old:
             return

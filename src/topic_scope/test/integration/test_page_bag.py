@@ -151,7 +151,7 @@ class Bag(unittest.TestCase):
         page = self.page()
         hello = page.messages("hello")[0]
         self.assertEqual(hello["bag"]["name"], "sine.bag")
-        self.assertAlmostEqual(hello["bag"]["begin"], BEGIN, 5)
+        self.assertAlmostEqual(hello["bag"]["start"], BEGIN, 5)
         self.assertAlmostEqual(hello["bag"]["end"], BEGIN + LENGTH_S, 5)
         self.play(page, time=BEGIN + 15.0)
         told = self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)

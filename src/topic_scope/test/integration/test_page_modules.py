@@ -334,6 +334,22 @@ class Modules(BrowserTest):
         self.assertEqual(held, [1, 8, 8, None, None])
         self.assertEqual(bins, [3, None, 1, 8, None, None])
 
+    def test_a_page_of_another_version_is_told_to_reload(self) -> None:
+        read, text, is_shown = self.browser.call(
+            "base/link.js",
+            "(() => { const version = 1;"
+            " const read = [{ type: 'fields' }, { type: 'hello', protocol: version },"
+            " { type: 'hello', protocol: version + 1 }, { type: 'frame' }].map(module.isReadable);"
+            " const told = [document.getElementById('banner-text').textContent,"
+            " !document.getElementById('banner').hidden];"
+            " module.isReadable({ type: 'hello', protocol: version });"
+            " module.showMaster({ text: '' });"
+            " return [read, ...told]; })()",
+        )
+        self.assertEqual(read, [True, True, False, False])
+        self.assertTrue(is_shown)
+        self.assertIn("another version than the scope: reload the page", text)
+
     def test_what_is_counted_is_drawn_in_steps(self) -> None:
         types = ["bool", "uint8", "int64", "byte", "char", "float32", "float64", "time", "duration"]
         names = [f"/{name}" for name in types]
@@ -345,8 +361,8 @@ class Modules(BrowserTest):
             " const traces = module.readTraces({ '/bool': { drawn: 'line', gain: -0.5 },"
             " '/time': { drawn: 'steps', offset: -2e-7 } });"
             " const values = { available, traces, fields: [...names, ...more] };"
-            " const { traces: looks } = module.looksOf(values);"
-            " return [Object.keys(looks).filter((field) => looks[field].steps),"
+            " const { traces: scales } = module.scalingOf(values);"
+            " return [Object.keys(scales).filter((field) => scales[field].steps),"
             " ['/bool', '/time', '/int64'].map((field) => module.scaledText(values, field))]; })()",
             names,
             more,

@@ -125,7 +125,7 @@ class Signals(ScopeTest):
         bases = {own: "time_x", received: "received", "/proc_signal/data": "received"}
         page.wait_for(
             "stats",
-            lambda stats: {name: trace.get("time") for name, trace in stats["traces"].items()}
+            lambda stats: {name: trace.get("timestamp") for name, trace in stats["traces"].items()}
             == bases,
         )
         wait_until(lambda: len(self.samples(received)) > 150, lambda: "no samples")

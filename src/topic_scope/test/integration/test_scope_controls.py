@@ -235,13 +235,13 @@ class Controls(ScopeTest):
             return [(one["node"], one["state"]) for one in told["nodes"]]
 
         self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
-        page.send("transit", node=node, label="configure")
+        page.send("transition", node=node, label="configure")
         self.assertEqual(sorted(wait_state("inactive")), ["activate", "cleanup", "shutdown"])
-        page.send("transit", node=node, label="activate")
+        page.send("transition", node=node, label="activate")
         wait_state("active")
-        page.send("transit", node=node, label="configure")
+        page.send("transition", node=node, label="configure")
         self.assertIn(f"{node} cannot configure now", page.wait_for("error")["text"])
-        page.send("transit", node="/nobody", label="configure")
+        page.send("transition", node="/nobody", label="configure")
         page.wait_for("error", lambda told: "/nobody cannot" in told["text"])
         page.forget()
         talker.terminate()

@@ -193,7 +193,7 @@ class ReadOnly(ScopeTest):
         for request in (
             {"type": "set", "node": "/signal_generator", "name": "amplitude", "value": 7.0},
             {"type": "call", "service": "/signal_generator/enable", "data": False},
-            {"type": "transit", "node": "/n", "label": "configure"},
+            {"type": "transition", "node": "/n", "label": "configure"},
             {"type": "steer", "topic": "/cmd_vel"},
             {"type": "drive", "speed": 0.1, "turn": 0, "sent": 0},
             {"type": "goal", "topic": "/goal", "frame": "odom", "x": 0, "y": 0, "heading": 0},

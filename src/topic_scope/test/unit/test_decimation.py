@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from topic_scope.analysis.decimation import as_json, bin_of, extremes
 from topic_scope.analysis.ring import Samples
 from topic_scope.page.view import LATE_S, LiveView
-from topic_scope.protocol import protocol
+from topic_scope.protocol import requests
 
 EPOCH = 1.7e9
 VALUES = st.floats(allow_nan=True, allow_infinity=True, width=32)
@@ -58,7 +58,7 @@ def test_lines_end_where_samples_are_missing_however_the_frames_fall(
 ) -> None:
     pairs = [(time, value) for time, value in pairs if math.isfinite(value)]
     samples, screen = arrays(pairs), Screen()
-    view, width = LiveView(protocol.View(4.0, 100, None)), 0.04
+    view, width = LiveView(requests.View(4.0, 100, None)), 0.04
 
     def until(now: float, start: float, end: float) -> Samples:
         times, values = source(samples, now)
@@ -108,7 +108,7 @@ def _same(moment: float) -> float:
 def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, window: float) -> None:
     """However the frames fall, nothing is lost and nothing is left over."""
     samples, screen = arrays(pairs), Screen()
-    view = LiveView(protocol.View(window, 50, None))
+    view = LiveView(requests.View(window, 50, None))
     view.select(["/a"])
     for now in sorted({EPOCH + moment for moment in [*moments, 5.0]}):
         frame = view.frame(now, lambda name, start, end: source(samples, now), _same)
@@ -121,7 +121,7 @@ def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, windo
 
 
 def test_while_the_time_stands_only_another_view_is_news() -> None:
-    view, samples = LiveView(protocol.View(1.0, 100, None)), arrays([(0.5, 1.0)])
+    view, samples = LiveView(requests.View(1.0, 100, None)), arrays([(0.5, 1.0)])
     view.select(["/a"])
 
     def frame() -> object:
@@ -129,13 +129,13 @@ def test_while_the_time_stands_only_another_view_is_news() -> None:
 
     assert frame() is not None
     assert frame() is None
-    view.show(protocol.View(0.7, 100, None))
+    view.show(requests.View(0.7, 100, None))
     assert frame() is not None
     assert frame() is None
 
 
 def test_a_page_that_was_away_for_long_starts_over() -> None:
-    view = LiveView(protocol.View(1.0, 100, None))
+    view = LiveView(requests.View(1.0, 100, None))
     nothing = (numpy.empty(0), numpy.empty(0))
     resets = [
         (view.frame(EPOCH + moment, lambda *_: nothing, _same) or {})["reset"]
@@ -146,20 +146,20 @@ def test_a_page_that_was_away_for_long_starts_over() -> None:
 
 def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
     samples = arrays([(0.5, 1.0), (1.5, -7.0), (2.5, 3.0)])
-    view, screen = LiveView(protocol.View(1.0, 10, EPOCH + 2.0)), Screen()
+    view, screen = LiveView(requests.View(1.0, 10, EPOCH + 2.0)), Screen()
     view.select(["/a"])
     first = view.frame(EPOCH + 4.0, lambda *_: samples, _same)
     assert first is not None
     screen.show(first)
     assert screen.bins[bin_of(EPOCH + 1.5, 0.1)] == [-7.0, -7.0]
     assert view.frame(EPOCH + 4.1, lambda *_: samples, _same) is None
-    view.show(protocol.View(1.0, 10, EPOCH + 3.0))
+    view.show(requests.View(1.0, 10, EPOCH + 3.0))
     again = view.frame(EPOCH + 4.2, lambda *_: samples, _same)
     assert again is not None and again["reset"]
 
 
 def test_a_span_that_ends_later_goes_on_until_then() -> None:
-    view = LiveView(protocol.View(1.0, 10, EPOCH + 2.0))
+    view = LiveView(requests.View(1.0, 10, EPOCH + 2.0))
     frames = [
         view.frame(EPOCH + moment, lambda *_: (numpy.empty(0), numpy.empty(0)), _same)
         for moment in (1.0, 1.9, 2.1, 2.1 + LATE_S, 2.2 + LATE_S)
@@ -173,7 +173,7 @@ def test_samples_that_come_late_are_shown_where_they_belong(
 ) -> None:
     samples, screen = arrays(pairs), Screen()
     came = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
-    view, before = LiveView(protocol.View(4.0, 50, None)), 0.0
+    view, before = LiveView(requests.View(4.0, 50, None)), 0.0
     view.select(["/a"])
     for now in sorted({EPOCH + moment for moment in [*moments, 8.0]}):
         new = samples[0][(before < came) & (came <= now)]

@@ -16,7 +16,7 @@ from topic_scope.messages.fields import FieldError, expand
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import RequestError, fields_of
-from topic_scope.protocol.protocol import View
+from topic_scope.protocol.requests import View
 from topic_scope.record.differences import DifferenceRecorder
 from topic_scope.record.message_source import Batch
 

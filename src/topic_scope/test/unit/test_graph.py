@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.graph.graph import Rates, message
+from topic_scope.graph.graph import Rates, graph_message
 from topic_scope.graph.master_watch import GraphState
 
 STATE = GraphState(
@@ -26,7 +26,7 @@ def counts(topic: str, *connections: tuple) -> list:
 
 
 def test_the_log_and_the_scope_itself_are_left_out() -> None:
-    graph = message(STATE, Rates(), "/scope")
+    graph = graph_message(STATE, Rates(), "/scope")
     assert graph["nodes"] == ["/b", "/c", "/gen", "/proc", "/quiet"]
     assert graph["topics"] == [
         {"name": "/lone", "datatype": "*"},
@@ -52,7 +52,7 @@ def test_a_rate_is_messages_by_time(steps: List[int], period: float) -> None:
         # The second connection loses messages.
         rates.add_counts("/gen", counts("/signal", (1, count), (2, count // 2)), index * period)
         assert rates.of("/gen", "/signal") == pytest.approx(step / period)
-    edges = message(STATE, rates, "/scope")["edges"]
+    edges = graph_message(STATE, rates, "/scope")["edges"]
     shown = [edge["rate"] for edge in edges if edge["topic"] == "/signal"]
     assert shown == [rates.of("/gen", "/signal")] * 2
 

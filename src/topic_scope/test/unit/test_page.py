@@ -27,13 +27,6 @@ def test_what_is_said_once_comes_first_and_is_limited() -> None:
     assert [message["text"] for message in messages[:-1]] == [str(n) for n in range(950, 1000)]
 
 
-def test_a_bad_request_is_answered_and_not_handled() -> None:
-    page = Page(10.0)
-    handled = []
-    page.obey("{", lambda *request: handled.append(request))
-    assert handled == [] and page.pop_messages()[0]["type"] == "error"
-
-
 def test_a_page_whose_frames_take_long_gets_them_less_often() -> None:
     page = Page(10.0)
     assert page.is_due(0.0)

@@ -7,9 +7,10 @@ from unittest import mock
 import pytest
 
 from topic_scope.messages.layouts import Layouts
-from topic_scope.protocol import options
+from topic_scope.protocol import options, requests
+from topic_scope.protocol.requests import Handler
 from topic_scope.web.server import Server
-from topic_scope.web.waiting import master_message
+from topic_scope.web.site import master_message
 
 SILENT = master_message("The master does not answer.")
 
@@ -24,6 +25,9 @@ class Origin:
 
     def hello(self) -> Dict[str, Any]:
         return {"readonly": False}
+
+    def handlers(self) -> Dict[str, Handler]:
+        return {}
 
     def messages(self) -> List[Dict[str, Any]]:
         return [{"type": "panels", "panels": []}, SILENT]
@@ -59,6 +63,25 @@ def test_a_page_hears_of_the_master_before_it_has_answered(server: Server) -> No
     server._send_frames()
     types = [message["type"] for message in socket.sent[1:]]
     assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
+
+
+def test_the_greeting_tells_the_version_of_the_protocol(server: Server) -> None:
+    server.on_topics({})
+    socket = Socket(server)
+    server._send_frames()
+    assert (socket.sent[0]["type"], socket.sent[0]["protocol"]) == ("hello", requests.VERSION)
+
+
+def test_a_request_is_obeyed_or_refused_in_words(server: Server) -> None:
+    page = Socket(server).page
+    server.handle(page, '{"type": "view", "window": 3, "width": 100}')
+    server.handle(page, '{"type": "chart", "kind": "xy", "x": "/a/x"}')
+    server.handle(page, '{"type": "measure", "shapes": true}')
+    assert page.view.window == 3.0 and page.chart.request.x == "/a/x" and page.measure.shapes
+    page.pop_messages()
+    for text in ("{", '{"type": "chart"}', '{"type": "nothing"}'):
+        server.handle(page, text)
+    assert [message["type"] for message in page.pop_messages()] == ["error"] * 3
 
 
 def test_fields_of_the_command_line_that_are_not_there_are_named_on_the_terminal(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from topic_scope.analysis.ring import Samples
 from topic_scope.page.trigger import TriggerWatch, crossings
-from topic_scope.protocol import protocol
+from topic_scope.protocol import requests
 
 WINDOW = 1.0
 
@@ -56,7 +56,7 @@ def test_no_crossing_is_where_no_line_is() -> None:
     for longest, moments in ((math.inf, [2.55, 5.15]), (0.5, [5.0, 5.15]), (0.0, [5.0, 5.2])):
         found = crossings(times, values, 0.5, True, longest=longest)
         assert found.tolist() == pytest.approx(moments)
-        request = protocol.Trigger("single", "/a", 0.5, True)
+        request = requests.Trigger("single", "/a", 0.5, True)
         watch = TriggerWatch(request, 0.0)
         heard = watch.update(6.0, WINDOW, lambda *_: (times, values), lambda _: longest)
         assert heard is not None and heard["time"] == pytest.approx(moments[0])
@@ -64,7 +64,7 @@ def test_no_crossing_is_where_no_line_is() -> None:
 
 def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
     """Return what a page is told, looking at some moments."""
-    request = protocol.Trigger(mode, "/a", level, True)
+    request = requests.Trigger(mode, "/a", level, True)
     watch = TriggerWatch(request, 0.0)
     messages: List[Optional[dict]] = []
     for now in moments:
@@ -80,7 +80,7 @@ def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) 
 @pytest.mark.parametrize("mode", ["off", "normal", "single"])
 def test_each_state_tells_the_number_of_its_request(mode: str) -> None:
     for number in (0, 7):
-        watch = TriggerWatch(protocol.Trigger(mode, "/a", 0.0, True, number), 0.0)
+        watch = TriggerWatch(requests.Trigger(mode, "/a", 0.0, True, number), 0.0)
         messages = [watch.update(now, WINDOW, lambda *_: sine(now)) for now in (0.5, 1.5)]
         assert [message["number"] for message in messages if message] == [number] * (
             1 if mode == "off" else 2
@@ -134,7 +134,7 @@ def test_noise_within_the_hysteresis_makes_no_crossings(seed: int, moments: List
     assert found == pytest.approx([1.0, 2.0, 3.0, 4.0], abs=0.05)
     assert len(crossings(times, values + noise, 0.0, True)) > 10
     # However often one looks, and so whatever is seen at a time.
-    request = protocol.Trigger("single", "/a", 0.0, True, 0, hysteresis=0.25)
+    request = requests.Trigger("single", "/a", 0.0, True, 0, hysteresis=0.25)
     watch, heard = TriggerWatch(request, 0.0), []
     for now in sorted(moments) + [4.95]:
 
@@ -148,7 +148,7 @@ def test_noise_within_the_hysteresis_makes_no_crossings(seed: int, moments: List
 
 def test_holdoff_and_position_say_when_the_next_crossing_counts() -> None:
     for changes, apart in (({"holdoff": 1.5}, 5 / 3), ({"position": 0.1}, 1.0), ({}, 2 / 3)):
-        request = protocol.Trigger("auto", "/a", 0.0, True)._replace(**changes)
+        request = requests.Trigger("auto", "/a", 0.0, True)._replace(**changes)
         watch = TriggerWatch(request, 0.0)
         heard = [watch.update(now, WINDOW, lambda *_: sine(5.0, frequency=3.0)) for now in MOMENTS]
         times = [one["time"] for one in heard if one and one["time"]]

@@ -32,7 +32,7 @@ import { keepArranged } from "./state/traces.js";
 import { Trigger } from "./measure/trigger.js";
 import { LevelCursors } from "./measure/level_cursors.js";
 import { View } from "./state/view.js";
-import { showLink, showMaster, notify } from "./base/link.js";
+import { isReadable, showLink, showMaster, notify } from "./base/link.js";
 
 const state = new State();
 keepArranged(state);
@@ -52,7 +52,7 @@ const describe = startAlternative(state);
 
 const connection = new Connection(
   `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`,
-  (message) => handlers[message.type]?.(message),
+  (message) => isReadable(message) && handlers[message.type]?.(message),
   showLink,
 );
 const setup = new Setup(state);

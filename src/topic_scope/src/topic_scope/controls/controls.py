@@ -20,7 +20,6 @@ from topic_scope.controls.panels import DescriptionError, Panel
 from topic_scope.controls.settings import Answer, Changed, Settings, value_message
 from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
-from topic_scope.protocol import protocol
 
 #: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
 PANELS = 64
@@ -139,20 +138,6 @@ class Controls:
         for name in names:
             self._tell(value_message(panel, name), panel.node, name)
 
-    def obey(self, request: protocol.Request, answer: Answer) -> None:
-        """Do what a page asks for.
-
-        :param request: to set a parameter, to call a service, or for a transition
-        :param answer: tells the page
-        :raises ValueError: if that cannot be done
-        """
-        if isinstance(request, protocol.Set):
-            self.set(request.node, request.name, request.value, answer)
-        elif isinstance(request, protocol.Call):
-            self.call(request.service, request.data, answer)
-        elif isinstance(request, protocol.Transit):
-            self._managed.change(request.node, request.label, answer)
-
     def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
         """Set a parameter; the page is told if the node refuses the value.
 
@@ -180,6 +165,16 @@ class Controls:
                 services.call(self._background, service, panel.services[service], data, answer)
                 return
         raise ValueError(f"there is no service {service} to call")
+
+    def change_state(self, node: str, label: str, answer: Answer) -> None:
+        """Ask a managed node for a transition.
+
+        :param node: its name
+        :param label: of the transition
+        :param answer: tells the page what has become of it
+        :raises ValueError: if the node cannot make it now
+        """
+        self._managed.change(node, label, answer)
 
     def _describe(self, node: str) -> str:
         if node in self._foreign:

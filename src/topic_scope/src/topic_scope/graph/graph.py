@@ -1,8 +1,10 @@
 """The graph of nodes and topics, and how often messages go along its edges."""
 
-from typing import Any, Dict, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
+from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
+from topic_scope.graph.node_queries import NodeQueries
 
 #: What rqt_graph leaves out too: the log, and who listens to it.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
@@ -52,7 +54,7 @@ class Rates:
         self._rates = {node: rates for node, rates in self._rates.items() if node in nodes}
 
 
-def message(state: GraphState, rates: Rates, without: str) -> Dict[str, Any]:
+def graph_message(state: GraphState, rates: Rates, without: str) -> Dict[str, Any]:
     """Return the graph as a page shows it.
 
     :param state: what the master knows
@@ -97,3 +99,48 @@ def _pairs(registrations: Any, hidden: Tuple[str, ...]) -> List[Tuple[str, str]]
         for node in sorted(nodes)
         if name not in LOG_TOPICS and node not in hidden
     ]
+
+
+class GraphFeed:
+    """Makes the graph, with rates as long as somebody looks; in the thread of the web.
+
+    :param name: name of the scope's node, which is left out
+    :param background: where to wait for nodes
+    :param send: passes the graph on to the pages that show it
+    """
+
+    def __init__(
+        self, name: str, background: Background, send: Callable[[Dict[str, Any]], None]
+    ) -> None:
+        self._name, self._background, self._send = name, background, send
+        self._queries = NodeQueries(name)
+        self._rates = Rates()
+        self._state: Optional[GraphState] = None
+
+    def message(self) -> Optional[Dict[str, Any]]:
+        """Return the graph, None as long as it is not known."""
+        return graph_message(self._state, self._rates, self._name) if self._state else None
+
+    def on_state(self, state: GraphState, is_shown: bool) -> None:
+        """Take note of what is on the graph.
+
+        :param state: what the master knows
+        :param is_shown: whether a page shows it
+        """
+        self._state = state
+        if is_shown:
+            nodes = {node for _, names in state.publishers for node in names} - {self._name}
+            self._background.run(
+                "counts", lambda: self._queries.message_counts(nodes), self._on_counts
+            )
+        else:
+            self._rates = Rates()
+
+    def _on_counts(self, answers: Any) -> None:
+        if not isinstance(answers, Exception):
+            self._rates.keep(set(answers))
+            for node, (when, statistics) in answers.items():
+                self._rates.add_counts(node, statistics, when)
+        graph = self.message()
+        if graph is not None:
+            self._send(graph)

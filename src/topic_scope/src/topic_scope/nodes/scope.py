@@ -13,7 +13,6 @@ from topic_scope.protocol.options import Options
 from topic_scope.web import bag_scope, web
 from topic_scope.web.live_graph import LiveGraph
 from topic_scope.web.server import Server
-from topic_scope.web.serving import open_browser
 from topic_scope.web.site import Site
 
 
@@ -58,7 +57,7 @@ def main() -> None:
 
     site = Site(chosen, sockets)  # before there is a master: a page says that it is missing
     if chosen.open_browser:
-        threading.Thread(target=open_browser, args=(chosen.url,), daemon=True).start()
+        threading.Thread(target=web.open_browser, args=(chosen.url,), daemon=True).start()
 
     def start(_node: object) -> Scope:
         if chosen.port != wanted.port:

@@ -6,9 +6,9 @@ from typing import Any, Dict, Optional, Tuple
 from topic_scope.analysis.decimation import as_json
 from topic_scope.analysis.spectrum import peaks, reduced, spectrum
 from topic_scope.analysis.xy import paired, thinned
-from topic_scope.page.view import LATE_S, LiveView, Step
-from topic_scope.protocol.looks import Source
-from topic_scope.protocol.wishes import Chart
+from topic_scope.page.view import LATE_S, GapLimit, LiveView
+from topic_scope.protocol.requests import Chart
+from topic_scope.protocol.scaling import ReadSamples
 
 #: Time between two charts, s.
 CHART_S = 0.1
@@ -28,12 +28,12 @@ class ChartFeed:
         self._made_of: Any = None
 
     def update(
-        self, now: float, source: Source, longest_step: Step, view: LiveView
+        self, now: float, read: ReadSamples, longest_step: GapLimit, view: LiveView
     ) -> Optional[Dict[str, Any]]:
         """Return what is to be shown, None where it is not time yet, or the same as before.
 
         :param now: the time, s
-        :param source: where the samples are
+        :param read: returns samples
         :param longest_step: tells where a line ends
         :param view: what the page shows
         """
@@ -46,15 +46,19 @@ class ChartFeed:
             return None
         self._made_at, self._made_of = time.monotonic(), made_of
         make = _spectra if self.request.kind == "spectrum" else _xy
-        return make(source, longest_step, view, self.request, (start, end))
+        return make(read, longest_step, view, self.request, (start, end))
 
 
 def _spectra(
-    source: Source, longest_step: Step, view: LiveView, request: Chart, span: Tuple[float, float]
+    read: ReadSamples,
+    longest_step: GapLimit,
+    view: LiveView,
+    request: Chart,
+    span: Tuple[float, float],
 ) -> Dict[str, Any]:
     traces: Dict[str, Any] = {}
     for name in view.fields:
-        samples = source(name, *span)
+        samples = read(name, *span)
         found = spectrum(*samples, request.window, request.averages, longest_step(name))
         if found is not None:
             first, step, values = reduced(found, view.width)
@@ -69,13 +73,17 @@ def _spectra(
 
 
 def _xy(
-    source: Source, longest_step: Step, view: LiveView, request: Chart, span: Tuple[float, float]
+    read: ReadSamples,
+    longest_step: GapLimit,
+    view: LiveView,
+    request: Chart,
+    span: Tuple[float, float],
 ) -> Dict[str, Any]:
-    x = source(request.x, *span)
+    x = read(request.x, *span)
     longest = longest_step(request.x)
     traces = {}
     for name in view.fields:
         if name != request.x:
-            points = thinned(paired(x, source(name, *span), longest))
+            points = thinned(paired(x, read(name, *span), longest))
             traces[name] = [as_json(row) for row in points]
     return {"type": "xy", "x": request.x, "traces": traces}

@@ -8,8 +8,8 @@ import rospy
 from topic_scope.analysis import measurements
 from topic_scope.analysis.statistics import measure
 from topic_scope.page.view import LiveView
-from topic_scope.protocol.looks import Source
-from topic_scope.protocol.wishes import Measure
+from topic_scope.protocol.requests import Measure
+from topic_scope.protocol.scaling import ReadSamples
 from topic_scope.record.recorder import Recorder
 
 #: Least time without a sample after which a page says so, s.
@@ -17,18 +17,18 @@ SILENT_S = 1.0
 
 
 def statistics_of(
-    recorder: Recorder, source: Source, view: LiveView, wish: Measure, now: float
+    recorder: Recorder, read: ReadSamples, view: LiveView, wanted: Measure, now: float
 ) -> Dict[str, Any]:
     """Return the message that tells a page what is measured of its traces.
 
     :param recorder: knows the traces
-    :param source: where their samples are
+    :param read: returns their samples
     :param view: what the page shows
-    :param wish: what it wants to be measured
+    :param wanted: what it wants to be measured
     :param now: the time, s
     """
-    span = wish.span(now) or view.span(now)
-    traces = {name: _measured(recorder, source, name, span, wish, now) for name in view.fields}
+    span = wanted.span(now) or view.span(now)
+    traces = {name: _measured(recorder, read, name, span, wanted, now) for name in view.fields}
     return {"type": "stats", "traces": traces}
 
 
@@ -58,23 +58,23 @@ def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
 
 def _measured(
     recorder: Recorder,
-    source: Source,
+    read: ReadSamples,
     name: str,
     span: Tuple[float, float],
-    wish: Measure,
+    wanted: Measure,
     now: float,
 ) -> Dict[str, Any]:
     told: Dict[str, Any] = {"problem": recorder.problem(name)}
     trace = recorder.trace(name)
     if trace is None:
         return told
-    samples = source(name, *span)
-    told.update({"topic": trace.stream.topic, "time": trace.stream.timestamp})
+    samples = read(name, *span)
+    told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
     told.update(measure(*samples, trace.longest_step))
-    if wish.shapes:
+    if wanted.shapes:
         told.update(measurements.figures(*samples, trace.longest_step))
-    if wish.against:
-        reference, longest = source(wish.against, *span), recorder.longest_step(wish.against)
+    if wanted.against:
+        reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
         told["phase"] = measurements.phase(samples, reference, longest)
     age, usual = trace.age(now), trace.longest_step
     silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)

@@ -1,16 +1,14 @@
 """One page that is open: what it wants, and what is on its way to it."""
 
 from collections import deque
-from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
+from typing import Any, Deque, Dict, List, Optional, Tuple
 
 from topic_scope.page.charts import ChartFeed
 from topic_scope.page.measuring import statistics_of
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import LiveView, default_view
-from topic_scope.protocol import protocol
-from topic_scope.protocol.checks import RequestError
-from topic_scope.protocol.looks import Looks
-from topic_scope.protocol.wishes import Chart, Measure
+from topic_scope.protocol.requests import Chart, Measure, Trigger
+from topic_scope.protocol.scaling import Scaling
 from topic_scope.record.recorder import Recorder
 
 #: Most answers that wait for a page that does not read.
@@ -33,10 +31,10 @@ class Page:
         self.chosen: Optional[Tuple[str, ...]] = None
         self.wants_graph = False
         self.view = LiveView(default_view(window))
-        self.trigger = TriggerWatch(protocol.Trigger("off", "", 0.0, True), 0.0)
+        self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
         self.chart = ChartFeed(Chart())
         self.measure = Measure()
-        self.looks = Looks()
+        self.scaling = Scaling()
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
@@ -49,15 +47,23 @@ class Page:
         self.view.restart()
         self.trigger = TriggerWatch(self.trigger.request, now)
 
-    def want(self, looks: Looks) -> None:
-        """Show its traces in another way.
+    def scale(self, scaling: Scaling) -> None:
+        """Show its traces scaled otherwise.
 
-        :param looks: how it wants them
+        :param scaling: how
         """
-        self.looks = looks
-        self.view.stepped = looks.is_stepped
+        self.scaling = scaling
+        self.view.stepped = scaling.is_stepped
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)
+
+    def set_measure(self, measure: Measure) -> None:
+        """Measure something else."""
+        self.measure = measure
+
+    def set_chart(self, chart: Chart) -> None:
+        """Show another chart."""
+        self.chart = ChartFeed(chart)
 
     def watch(self, recorder: Recorder, now: float) -> None:
         """Look for what the page's trigger waits for.
@@ -67,9 +73,9 @@ class Page:
         """
 
         def longest(field: str) -> float:  # in steps it holds its value until the next one comes
-            return 0.0 if self.looks.is_stepped(field) else recorder.longest_step(field)
+            return 0.0 if self.scaling.is_stepped(field) else recorder.longest_step(field)
 
-        samples = self.looks.scaled(recorder.samples)
+        samples = self.scaling.scaled(recorder.samples)
         crossing = self.trigger.update(now, self.view.window, samples, longest)
         if crossing is not None:
             self.put(crossing)
@@ -81,7 +87,7 @@ class Page:
         :param now: time up to which they are there, s
         :param measures: whether they are measured, too
         """
-        samples, longest = self.looks.scaled(recorder.samples), recorder.longest_step
+        samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
         if measures:
             self.put(statistics_of(recorder, samples, self.view, self.measure, now))
         chart = self.chart.update(now, samples, longest, self.view)
@@ -121,14 +127,3 @@ class Page:
         self._latest.clear()
         self._notes.clear()
         return messages
-
-    def obey(self, text: Any, handle: Callable[["Page", protocol.Request], None]) -> None:
-        """Do what the page asks for, or tell it why not.
-
-        :param text: the request as it came
-        :param handle: what does it
-        """
-        try:
-            handle(self, protocol.parse(text))
-        except RequestError as error:
-            self.put_once({"type": "error", "text": str(error)})

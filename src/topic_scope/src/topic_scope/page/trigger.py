@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Optional, Tuple
 import numpy
 
 from topic_scope.analysis.ring import Samples
-from topic_scope.protocol import protocol
+from topic_scope.protocol.requests import Trigger
 
 #: How long after the last crossing it is said that none comes, s.
 _QUIET_S = 0.5
@@ -81,7 +81,7 @@ class TriggerWatch:
     :ivar request: what to wait for
     """
 
-    def __init__(self, request: protocol.Trigger, now: float) -> None:
+    def __init__(self, request: Trigger, now: float) -> None:
         self.request = request
         self._seen = now
         self._hold_until = now
@@ -97,7 +97,7 @@ class TriggerWatch:
         source: Callable[[str, float, float], Samples],
         longest_step: Callable[[str], float] = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
-        """Look at what has come.
+        """Search what has come for crossings.
 
         :param now: time up to which all samples are there, s
         :param window: span of time that the page shows, s
@@ -107,7 +107,7 @@ class TriggerWatch:
         """
         if self._is_waiting:
             field = self.request.field
-            self._look(source(field, self._seen, now), longest_step(field), window)
+            self._search(source(field, self._seen, now), longest_step(field), window)
             if self._state == "triggered" and self.request.mode != "single":
                 is_auto = self.request.mode == "auto"
                 if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
@@ -127,7 +127,7 @@ class TriggerWatch:
     def _is_waiting(self) -> bool:
         return self.request.mode in ("normal", "auto") or self._state == "armed"
 
-    def _look(self, samples: Samples, longest: float, window: float) -> None:
+    def _search(self, samples: Samples, longest: float, window: float) -> None:
         times, values = samples
         if not len(times):
             return

@@ -6,11 +6,11 @@ from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 import numpy
 
 from topic_scope.analysis.decimation import all_extremes, as_json, bin_of, lasts
-from topic_scope.protocol import protocol
-from topic_scope.protocol.looks import Source
+from topic_scope.protocol.requests import View
+from topic_scope.protocol.scaling import ReadSamples
 
 #: Returns how far apart samples of one line of a field may be, s.
-Step = Callable[[str], float]
+GapLimit = Callable[[str], float]
 
 #: How much later than others a sample may come and still be shown on a page that is paused, s.
 LATE_S = 1.0
@@ -22,7 +22,7 @@ class LiveView:
     :param view: the span of time that is shown
     """
 
-    def __init__(self, view: protocol.View) -> None:
+    def __init__(self, view: View) -> None:
         self.fields: Sequence[str] = ()
         self._view = view
         #: First bin that the page does not have in full; None where it has none.
@@ -35,7 +35,7 @@ class LiveView:
         self.pinned: Optional[Tuple[float, float]] = None
         self._pin()
 
-    def show(self, view: protocol.View) -> None:
+    def show(self, view: View) -> None:
         """Show another span of time."""
         self._view = view
         self._pin()
@@ -77,14 +77,14 @@ class LiveView:
     def frame(
         self,
         now: float,
-        source: Source,
+        read: ReadSamples,
         changed_since: Callable[[float], float],
-        longest_step: Step = lambda _field: math.inf,
+        longest_step: GapLimit = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
         """Return what the page does not have yet.
 
         :param now: time up to which what was received is there, s
-        :param source: where the samples are
+        :param read: returns samples
         :param changed_since: tells from when on there are others than at an earlier time, s
         :param longest_step: tells where a line ends
         :returns: the frame, None where nothing can come any more
@@ -107,7 +107,7 @@ class LiveView:
         for field, step in zip(self.fields, longest):
             # A little more than the bins, whose edges are rounded otherwise.
             begin = (first - 0.5) * width - (step if math.isfinite(step) else 0.0)
-            samples.append(source(field, begin, (last + 1.5) * width))
+            samples.append(read(field, begin, (last + 1.5) * width))
             if self.stepped(field):
                 ends[field] = as_json(lasts(*samples[-1], first, count, width))
         found = all_extremes(samples, first, count, width, longest) if samples else numpy.empty(0)
@@ -124,12 +124,12 @@ class LiveView:
         }
 
 
-def default_view(window: float) -> protocol.View:
+def default_view(window: float) -> View:
     """Return what is shown to a page that has not said what it wants.
 
     :param window: span of time, s
     """
-    return protocol.View(window, 1000, None)
+    return View(window, 1000, None)
 
 
 def pinned(views: Iterable[LiveView]) -> Dict[str, Tuple[float, float]]:

@@ -21,7 +21,7 @@ def fields_of(names: Any) -> Tuple[str, ...]:
 
     :param names: as it came
     :returns: each name once
-    :raises RequestError: if it is no such list
+    :raises RequestError: if it is not such a list
     """
     if not isinstance(names, list):
         raise RequestError("fields is a list of names")
@@ -47,7 +47,7 @@ def field_names(name: Any, kind: str) -> List[str]:
 
     :param name: as it came
     :param kind: what it is needed for
-    :raises RequestError: if it is no name of a field
+    :raises RequestError: if it is not a name of a field
     """
     if not isinstance(name, str):
         raise RequestError(f"{kind}: the name of a field is a text")
@@ -103,6 +103,17 @@ def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]
     if not isinstance(word, str) or word not in words:
         raise RequestError(f"{kind}: {key} is one of {', '.join(words)}")
     return word
+
+
+def flag_of(request: Dict[str, Any], kind: str, key: str) -> bool:
+    """Return a truth value in a request.
+
+    :raises RequestError: if it is not one
+    """
+    flag = request.get(key)
+    if not isinstance(flag, bool):
+        raise RequestError(f"{kind}: {key} is true or false")
+    return flag
 
 
 def number_of(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:

@@ -10,9 +10,9 @@ from geometry_msgs.msg import PoseStamped
 
 from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
-from topic_scope.graph.takers import taken_type
+from topic_scope.graph.node_queries import NodeQueries
 from topic_scope.page.page import Page
-from topic_scope.protocol.robot_requests import Drive, Goal, Steer
+from topic_scope.protocol.requests import Drive, Goal
 from topic_scope.robots import wheel
 from topic_scope.robots.dead_man import Velocity
 from topic_scope.robots.wheel import Wheel
@@ -33,7 +33,8 @@ class Driving:
 
     def __init__(self, name: str, background: Background) -> None:
         self._name, self._background = name, background
-        self._takers: Dict[str, List[str]] = {}
+        self._queries = NodeQueries(name)
+        self._subscribers: Dict[str, List[str]] = {}
         self._types: Dict[str, str] = {}
         self._wheels: Dict[str, Tuple[Page, Wheel]] = {}
         self._wanted: Dict[Page, str] = {}
@@ -42,9 +43,9 @@ class Driving:
 
     def on_state(self, state: GraphState) -> None:
         """Take note of what is on the graph."""
-        takers = {topic: set(nodes) - {self._name} for topic, nodes in state.subscribers}
-        self._takers = {topic: sorted(nodes) for topic, nodes in takers.items() if nodes}
-        self._types = {topic: state.types.get(topic, "*") for topic in self._takers}
+        subscribers = {topic: set(nodes) - {self._name} for topic, nodes in state.subscribers}
+        self._subscribers = {topic: sorted(nodes) for topic, nodes in subscribers.items() if nodes}
+        self._types = {topic: state.types.get(topic, "*") for topic in self._subscribers}
 
     def targets(self) -> Dict[str, Any]:
         """Return the topics on which robots take commands and goals."""
@@ -57,13 +58,13 @@ class Driving:
 
     # --- Commands ----------------------------------------------------------------------------
 
-    def steer(self, page: Page, request: Steer) -> None:
+    def steer(self, page: Page, topic: str) -> None:
         """Give a page the wheel of a robot, and take it from the page that had it.
 
+        :param topic: where the robot takes commands; empty to give the wheel back
         :raises ValueError: if nobody takes commands there
         """
         self.leave(page)
-        topic = request.topic
         if not topic:
             return
         ask = self._asked(topic, wheel.TYPES)
@@ -156,10 +157,10 @@ class Driving:
 
         :raises ValueError: if nobody listens
         """
-        nodes = self._takers.get(topic)
+        nodes = self._subscribers.get(topic)
         if not nodes:
             raise ValueError(f"nobody listens to {topic}")
-        return partial(taken_type, self._name, topic, nodes, known)
+        return partial(self._queries.subscribed_type, topic, nodes, known)
 
 
 def _make(topic: str, ask: Callable[[], Optional[str]]) -> Wheel:

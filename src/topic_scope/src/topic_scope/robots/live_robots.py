@@ -1,6 +1,6 @@
 """The robots of a graph: shown on pages that want them, and driven by these."""
 
-from typing import Callable, Optional, Union
+from typing import Callable, Optional
 
 import tornado.ioloop
 
@@ -8,7 +8,6 @@ from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
-from topic_scope.protocol.robot_requests import Drive, Goal, Robots, Steer
 from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.robots import robot_view
 from topic_scope.robots.driving import Driving
@@ -21,12 +20,14 @@ class LiveRobots:
 
     :param name: name of the scope's node
     :param deliver: hands a function to that thread
+
+    :ivar driving: what drives robots
     """
 
     def __init__(self, name: str, deliver: Callable[[Callable[[], None]], None]) -> None:
         self._name = name
         self._background = Background(deliver)
-        self._driving = Driving(name, self._background)
+        self.driving = Driving(name, self._background)
         self._subscriptions = RawSubscriptions(SteadyClock())
         self._view = robot_view.RobotView(self._subscriptions, Layouts())
         self._state: Optional[GraphState] = None
@@ -35,39 +36,27 @@ class LiveRobots:
     def on_state(self, state: GraphState) -> None:
         """Take note of what is on the graph."""
         self._state = state
-        self._driving.on_state(state)
+        self.driving.on_state(state)
         others = {topic for topic, nodes in state.publishers if set(nodes) - {self._name}}
         types = state.published_types
         self._view.set_topics({topic: types[topic] for topic in others & set(types)})
         if self._view.pages:
-            self._view.send_to_pages(self._driving.targets())
+            self._view.send_to_pages(self.driving.targets())
         else:
-            self._driving.rest()
+            self.driving.rest()
         if self._subscriptions.is_to_adjust:
             self._background.run("subscriptions", self._subscriptions.adjust, lambda _: None)
 
-    def handle(self, page: Page, request: Robots) -> None:
+    def show(self, page: Page, is_on: bool) -> None:
         """Begin or end to show robots on a page."""
-        if not request.on:
+        if not is_on:
             self.leave(page)
             return
         self._view.enter(page)
         if self._state is not None:
             self.on_state(self._state)
 
-    def control(self, page: Page, request: Union[Steer, Drive, Goal]) -> None:
-        """Drive a robot, or send it to a place.
-
-        :raises ValueError: if that cannot be done
-        """
-        if isinstance(request, Steer):
-            self._driving.steer(page, request)
-        elif isinstance(request, Drive):
-            self._driving.drive(page, request)
-        else:
-            self._driving.send(page, request)
-
     def leave(self, page: Page) -> None:
         """Forget a page; a robot that it drove stops."""
-        self._driving.leave(page)
+        self.driving.leave(page)
         self._view.leave(page)

@@ -17,7 +17,6 @@ from topic_scope.protocol.options import Options
 from topic_scope.web import web
 from topic_scope.web.recording import Recording
 from topic_scope.web.server import Server
-from topic_scope.web.serving import open_browser, serve
 
 
 def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
@@ -35,12 +34,12 @@ def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
         recording = Recording(str(options.bag), options.history, options.window)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, tornado.ioloop.IOLoop.current().stop)
-        serve(options, sockets, web.Front(Server(options, recording)))
+        web.serve(options, sockets, web.Front(Server(options, recording)))
         rospy.loginfo("the scope shows %s at %s", options.bag, options.url)
         if not options.is_local:
             rospy.logwarn("it is open to the network: others can watch, and play the bag")
         if options.open_browser:
-            threading.Thread(target=open_browser, args=(options.url,), daemon=True).start()
+            threading.Thread(target=web.open_browser, args=(options.url,), daemon=True).start()
         tornado.ioloop.IOLoop.current().start()
     except BagError as error:
         sys.exit(f"scope.py: {error}")

@@ -7,17 +7,17 @@ import tornado.ioloop
 
 from topic_scope.controls.controls import Controls
 from topic_scope.graph.background import Background
-from topic_scope.graph.graph_feed import GraphFeed
+from topic_scope.graph.graph import GraphFeed
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
-from topic_scope.protocol import protocol
+from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
-from topic_scope.protocol.robot_requests import Drive, Goal, Robots, Steer
+from topic_scope.protocol.requests import Handler
 from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.robots.live_robots import LiveRobots
-from topic_scope.web.origin import Host
-from topic_scope.web.waiting import master_message
+from topic_scope.web.origin import Pages
+from topic_scope.web.site import master_message
 
 
 class LiveGraph:
@@ -33,12 +33,12 @@ class LiveGraph:
         self._watch = MasterWatch(self.source, self.layouts)
         self._trouble = ""  # what is wrong with the master, in words
 
-    def start(self, host: Host) -> None:
+    def start(self, server: Pages) -> None:
         """Begin to follow the graph."""
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
-        self._host = host
-        self._controls = Controls(deliver, host.send_to_pages)
-        self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._tell_graph)
+        self._server = server
+        self._controls = Controls(deliver, server.send_to_pages)
+        self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._send_graph)
         self._robots = LiveRobots(rospy.get_name(), deliver)
         self._watch.start(
             lambda state: deliver(self._on_state, state),
@@ -53,14 +53,14 @@ class LiveGraph:
     def _set_trouble(self, text: str) -> None:
         if text != self._trouble:
             self._trouble = text
-            for page in self._host.pages():
+            for page in self._server.pages():
                 page.put(master_message(text))
 
     def _on_state(self, state: GraphState) -> None:
         self._set_trouble("")
-        self._host.on_topics(state.published_types)
+        self._server.on_topics(state.published_types)
         self._controls.on_state(state)
-        self._graph.on_state(state, any(page.wants_graph for page in self._host.pages()))
+        self._graph.on_state(state, any(page.wants_graph for page in self._server.pages()))
         self._robots.on_state(state)
 
     def ring(self) -> None:
@@ -81,35 +81,64 @@ class LiveGraph:
         """Forget a page; a robot that it drove stops."""
         self._robots.leave(page)
 
-    def handle(self, page: Page, request: protocol.Request) -> None:
-        """Show the graph or robots, or change something on the graph.
+    def handlers(self) -> Dict[str, Handler]:
+        """Return what shows the graph and robots, and what changes something on the graph."""
+        controls, robots = self._controls, self._robots
+        return {
+            "graph": Handler(requests.graph_of, self._show_graph),
+            "robots": Handler(requests.robots_of, self._show_robots),
+            "set": self._changing(
+                requests.set_of,
+                lambda page, wanted: controls.set(
+                    wanted.node, wanted.name, wanted.value, page.put_once
+                ),
+            ),
+            "call": self._changing(
+                requests.call_of,
+                lambda page, wanted: controls.call(wanted.service, wanted.data, page.put_once),
+            ),
+            "transition": self._changing(
+                requests.transition_of,
+                lambda page, wanted: controls.change_state(
+                    wanted.node, wanted.label, page.put_once
+                ),
+            ),
+            "steer": self._changing(requests.steering_of, robots.driving.steer),
+            "drive": self._changing(requests.drive_of, robots.driving.drive),
+            "goal": self._changing(requests.goal_of, robots.driving.send),
+        }
 
-        :raises RequestError: if that cannot be done
+    def _changing(
+        self, check: Callable[[Dict[str, Any]], Any], change: Callable[[Page, Any], None]
+    ) -> Handler:
+        """Return what handles requests that change something, where that is allowed.
+
+        :param check: as of a handler
+        :param change: does it; raises ValueError if that cannot be done
         """
-        if isinstance(request, protocol.Graph):
-            page.wants_graph = request.on
-            graph = self._graph.message()
-            if request.on and graph is not None:
-                page.put(graph)
-                self._watch.ring()
-        elif isinstance(request, Robots):
-            self._robots.handle(page, request)
+
+        def handle(page: Page, wanted: Any) -> None:
+            if self._is_readonly:
+                raise RequestError("this scope is open to the network, and so is read-only")
+            try:
+                change(page, wanted)
+            except ValueError as error:
+                raise RequestError(str(error)) from None
+
+        return Handler(check, handle)
+
+    def _show_graph(self, page: Page, is_on: bool) -> None:
+        page.wants_graph = is_on
+        graph = self._graph.message()
+        if is_on and graph is not None:
+            page.put(graph)
             self._watch.ring()
-        else:
-            self._control(page, request)
 
-    def _control(self, page: Page, request: protocol.Request) -> None:
-        if self._is_readonly:
-            raise RequestError("this scope is open to the network, and so is read-only")
-        try:
-            if isinstance(request, (Steer, Drive, Goal)):
-                self._robots.control(page, request)
-            else:
-                self._controls.obey(request, page.put_once)
-        except ValueError as error:
-            raise RequestError(str(error)) from None
+    def _show_robots(self, page: Page, is_on: bool) -> None:
+        self._robots.show(page, is_on)
+        self._watch.ring()
 
-    def _tell_graph(self, message: Dict[str, Any]) -> None:
-        for page in self._host.pages():
+    def _send_graph(self, message: Dict[str, Any]) -> None:
+        for page in self._server.pages():
             if page.wants_graph:
                 page.put(message)

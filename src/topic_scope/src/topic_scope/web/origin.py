@@ -4,12 +4,15 @@ from typing import Any, Dict, List, Mapping, Protocol
 
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
-from topic_scope.protocol import protocol
+from topic_scope.protocol.requests import Handler
 from topic_scope.record.message_source import MessageSource
 
 
-class Host(Protocol):
-    """The server, as an origin sees it; all methods belong to the thread of the web."""
+class Pages(Protocol):
+    """The server of all pages, as an origin sees it.
+
+    All methods belong to the thread of the web.
+    """
 
     def pages(self) -> List[Page]:
         """Return the pages that are open."""
@@ -38,8 +41,8 @@ class Origin(Protocol):
     def layouts(self) -> Layouts:
         """What is known of their types."""
 
-    def start(self, host: Host) -> None:
-        """Begin, and serve a host from now on."""
+    def start(self, server: Pages) -> None:
+        """Begin, and tell a server from now on."""
 
     def hello(self) -> Dict[str, Any]:
         """Return what the greeting of a page has besides."""
@@ -47,11 +50,8 @@ class Origin(Protocol):
     def messages(self) -> List[Dict[str, Any]]:
         """Return what a new page is told."""
 
-    def handle(self, page: Page, request: protocol.Request) -> None:
-        """Do what a page asks for that is not about its traces.
-
-        :raises RequestError: if that cannot be done
-        """
+    def handlers(self) -> Dict[str, Handler]:
+        """Return what handles requests that are not about the traces of a page."""
 
     def ring(self) -> None:
         """Look at once for what is wanted."""

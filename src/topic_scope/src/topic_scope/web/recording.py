@@ -10,14 +10,13 @@ from topic_scope.bag.bag_file import BagFile
 from topic_scope.bag.bag_player import BagPlayer
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.page import Page
-from topic_scope.protocol import protocol
+from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
-from topic_scope.protocol.playback import Playback
-from topic_scope.protocol.robot_requests import Robots
+from topic_scope.protocol.requests import Handler
 from topic_scope.robots.robot_view import PERIOD_S, RobotView
-from topic_scope.web.origin import Host
+from topic_scope.web.origin import Pages
 
-#: Time between two looks at how far it is, s.
+#: Time between two updates of how far it is, s.
 _PERIOD_S = 0.025
 
 
@@ -47,13 +46,13 @@ class Recording:
         self._jumps = 0
         self._told: Dict[str, Any] = {}
 
-    def start(self, host: Host) -> None:
+    def start(self, server: Pages) -> None:
         """Show the first window of the bag, and wait for somebody who wants it to go on."""
-        self._host = host
-        host.on_topics(self._types)
+        self._server = server
+        server.on_topics(self._types)
         self._seek(self.source.start + self._window)
-        tornado.ioloop.PeriodicCallback(self._look, _PERIOD_S * 1e3).start()
-        tornado.ioloop.PeriodicCallback(self._show_robots, PERIOD_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._update, _PERIOD_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._update_robots, PERIOD_S * 1e3).start()
 
     def ring(self) -> None:
         """Read again what is shown, where more is wanted of it."""
@@ -62,7 +61,7 @@ class Recording:
 
     def _seek(self, time: float) -> None:
         self.source.seek(time)
-        self._host.halt()
+        self._server.halt()
         self._robots.forget()
         self._is_loading = True
 
@@ -70,25 +69,25 @@ class Recording:
         self._jumps += 1
         self._seek(time)
 
-    def _show_robots(self) -> None:
+    def _update_robots(self) -> None:
         if not self.source.is_loading:
             self._robots.update()
 
-    def _look(self) -> None:
+    def _update(self) -> None:
         """Tell pages how far it is."""
         if self._is_loading and not self.source.is_loading:
             self._is_loading = False
-            self._host.resume()
-            self._host.on_topics(self._types)  # messages may have told names of their elements
+            self._server.resume()
+            self._server.on_topics(self._types)  # messages may have told names of their elements
             self.ring()
         while self.source.problems:
             text = self.source.problems.popleft()
             rospy.logwarn(text)
-            for page in self._host.pages():
+            for page in self._server.pages():
                 page.put_once({"type": "error", "text": text})
         if self._state() != self._told:
             self._told = self._state()
-            self._host.send_to_pages(self._told)
+            self._server.send_to_pages(self._told)
 
     def _state(self) -> Dict[str, Any]:
         return {
@@ -103,7 +102,7 @@ class Recording:
 
     def hello(self) -> Dict[str, Any]:
         """Return what the greeting of a page has besides."""
-        ends = {"begin": self.source.start, "end": self.source.end}
+        ends = {"start": self.source.start, "end": self.source.end}
         return {"readonly": False, "bag": {"name": self._name, **ends}}
 
     def messages(self) -> List[Dict[str, Any]]:
@@ -115,22 +114,22 @@ class Recording:
         self._robots.leave(page)
         self._robots.set_topics(self._types)
 
-    def handle(self, page: Page, request: protocol.Request) -> None:
-        """Show robots on a page; or, for all pages, play, stop, or go elsewhere.
+    def handlers(self) -> Dict[str, Handler]:
+        """Return what shows robots on a page, and what plays the bag for all pages."""
+        needs_nodes = ("graph", "set", "call", "transition", "steer", "drive", "goal")
+        return {
+            "robots": Handler(requests.robots_of, self._show_robots_on),
+            "playback": Handler(requests.playback_of, self._play),
+            **dict.fromkeys(needs_nodes, Handler(_refuse, self._play)),
+        }
 
-        :raises RequestError: if something else is asked for
-        """
-        if isinstance(request, Robots):
-            show = self._robots.enter if request.on else self._robots.leave
-            show(page)
-            self._robots.set_topics(self._types)
-            self.ring()
-        elif isinstance(request, Playback):
-            self._play(request)
-        else:
-            raise RequestError("this is a bag: it has no nodes, so no graph and no parameters")
+    def _show_robots_on(self, page: Page, is_on: bool) -> None:
+        show = self._robots.enter if is_on else self._robots.leave
+        show(page)
+        self._robots.set_topics(self._types)
+        self.ring()
 
-    def _play(self, request: Playback) -> None:
+    def _play(self, _page: Page, request: requests.Playback) -> None:
         if request.speed is not None:
             self.source.speed = request.speed
         if request.time is not None:
@@ -141,3 +140,7 @@ class Recording:
             if self.source.place >= self.source.end:
                 self._jump(self.source.start)
             self.source.play()
+
+
+def _refuse(_request: Dict[str, Any]) -> None:
+    raise RequestError("this is a bag: it has no nodes, so no graph and no parameters")

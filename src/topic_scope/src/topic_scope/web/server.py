@@ -8,20 +8,18 @@ import rospy
 import tornado.ioloop
 
 from topic_scope.messages.fields import FieldError
-from topic_scope.page.charts import ChartFeed
 from topic_scope.page.export import parts
 from topic_scope.page.measuring import left_out, warn_of
 from topic_scope.page.page import Page
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import pinned
-from topic_scope.protocol import protocol
-from topic_scope.protocol.checks import TRACES
-from topic_scope.protocol.looks import Looks
+from topic_scope.protocol import requests
+from topic_scope.protocol.checks import TRACES, RequestError
 from topic_scope.protocol.options import Options
-from topic_scope.protocol.wishes import Chart, Measure
+from topic_scope.protocol.requests import Handler
+from topic_scope.protocol.scaling import scaling_of
 from topic_scope.record.differences import DifferenceRecorder
 from topic_scope.record.recorder import Choice
-from topic_scope.web.greeting import choices_message, hello
 from topic_scope.web.origin import Origin
 from topic_scope.web.web import Socket
 
@@ -53,6 +51,7 @@ class Server:
         self._is_halted = False
         loop = tornado.ioloop.IOLoop.current()
         origin.start(self)
+        self._handlers = {**self._own_handlers(), **origin.handlers()}
         loop.call_later(WARN_AFTER_S, self._warn)
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
 
@@ -124,31 +123,41 @@ class Server:
         """
         return parts(self._recorder, self._expanded(names), start, end)
 
-    def handle(self, page: Page, request: protocol.Request) -> None:
-        """Do what a page asks for.
+    def handle(self, page: Page, text: Any) -> None:
+        """Do what a page asks for, or tell it why not.
 
-        :raises RequestError: if that cannot be done
+        :param text: the request as it came
         """
-        if isinstance(request, protocol.Select):
-            page.chosen = request.fields
-            self._expanded(request.fields, page)
-            self._select(page)
-            page.view.restart()
-            self._record()
-            self._origin.ring()
-        elif isinstance(request, protocol.View):
-            page.view.show(request)
-            self._pin()
-        elif isinstance(request, protocol.Trigger):
-            page.trigger = TriggerWatch(request, self._recorder.update())
-        elif isinstance(request, Looks):
-            page.want(request)
-        elif isinstance(request, Measure):
-            page.measure = request
-        elif isinstance(request, Chart):
-            page.chart = ChartFeed(request)
-        else:
-            self._origin.handle(page, request)
+        try:
+            requests.dispatch(text, self._handlers, page)
+        except RequestError as error:
+            page.put_once({"type": "error", "text": str(error)})
+
+    def _own_handlers(self) -> Dict[str, Handler]:
+        """Return what handles requests that are about the traces of a page."""
+        return {
+            "select": Handler(requests.selection_of, self._choose_fields),
+            "view": Handler(requests.view_of, self._show_view),
+            "trigger": Handler(requests.trigger_of, self._set_trigger),
+            "scaling": Handler(scaling_of, Page.scale),
+            "measure": Handler(requests.measure_of, Page.set_measure),
+            "chart": Handler(requests.chart_of, Page.set_chart),
+        }
+
+    def _choose_fields(self, page: Page, fields: Sequence[str]) -> None:
+        page.chosen = tuple(fields)
+        self._expanded(fields, page)
+        self._select(page)
+        page.view.restart()
+        self._record()
+        self._origin.ring()
+
+    def _show_view(self, page: Page, view: requests.View) -> None:
+        page.view.show(view)
+        self._pin()
+
+    def _set_trigger(self, page: Page, trigger: requests.Trigger) -> None:
+        page.trigger = TriggerWatch(trigger, self._recorder.update())
 
     # --- To pages ----------------------------------------------------------------------------
 
@@ -177,7 +186,15 @@ class Server:
             page.put_once({"type": "error", "text": left_out(count, TRACES)})
 
     def _hello(self) -> Dict[str, Any]:
-        return {**hello(self._options, self._initial), **self._origin.hello()}
+        return {
+            "type": "hello",
+            "protocol": requests.VERSION,
+            "history": self._options.history,
+            "fields": self._initial,
+            "defaults": {"window": self._options.window},
+            "setup": self._options.setup,
+            **self._origin.hello(),
+        }
 
     def _warn(self) -> None:
         warn_of(self._recorder, self._all_of(self._options.fields), TRACES)
@@ -242,3 +259,14 @@ class Server:
             connection.send(page.frame(self._recorder, now, measures))
             # By the processor: what others do on this machine is not the page's work.
             page.took(began, began + time.thread_time() - used)
+
+
+def choices_message(choices: Sequence[Choice], types: Mapping[str, str]) -> Dict[str, Any]:
+    """Return the message that tells what can be chosen.
+
+    :param choices: the fields
+    :param types: type of each topic
+    """
+    listed = [choice._asdict() for choice in choices]
+    topics = {choice.topic: types.get(choice.topic, "*") for choice in choices}
+    return {"type": "fields", "fields": listed, "types": topics}

@@ -3,18 +3,63 @@
 import asyncio
 import socket
 import threading
-from typing import Callable, List, Optional
+from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Sequence
 
 import rosgraph
 import rospy
 import tornado.ioloop
 
 from nodekit.master import MasterClient, MasterUnreachable
+from topic_scope.analysis.csv_rows import header
+from topic_scope.page.page import Page
 from topic_scope.protocol.options import Options
 from topic_scope.web import web
 from topic_scope.web.server import Server
-from topic_scope.web.serving import serve
-from topic_scope.web.waiting import Waiting
+
+
+def master_message(text: str) -> Dict[str, Any]:
+    """Return the message that tells a page of the master.
+
+    :param text: what is wrong, in words; empty where it answers
+    """
+    return {"type": "master", "text": text}
+
+
+class Waiting:
+    """Stands where the server will be.
+
+    :param uri: where the master is to be
+    :param window: span of time that a page sees at first, s
+    """
+
+    def __init__(self, uri: str, window: float) -> None:
+        self.sockets: List[web.Socket] = []
+        self._uri, self._window = uri, window
+        self._trouble = ""
+
+    def open(self, connection: web.Socket) -> Page:
+        """Tell a page what it waits for, as far as that is known."""
+        self.sockets.append(connection)
+        connection.send([master_message(self._trouble)])
+        return Page(self._window)
+
+    def miss(self) -> None:
+        """Tell pages that the master does not answer: before, the scope may only need a moment."""
+        self._trouble = f"There is no ROS master at {self._uri} yet: the scope waits for it."
+        for connection in self.sockets:
+            connection.send([master_message(self._trouble)])
+
+    def close(self, connection: web.Socket) -> None:
+        """Forget a page."""
+        if connection in self.sockets:
+            self.sockets.remove(connection)
+
+    def handle(self, page: Page, _text: Any) -> None:
+        """Ignore a request: what a page wants it says again to the server."""
+
+    async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
+        """Return the file's first row alone: there are no samples."""
+        yield header("time", "received", *names)
 
 
 class Site:
@@ -62,7 +107,7 @@ class Site:
         try:
             asyncio.set_event_loop(asyncio.new_event_loop())
             self._loop = tornado.ioloop.IOLoop.current()
-            serve(self._options, self._sockets, self._front)
+            web.serve(self._options, self._sockets, self._front)
         except Exception as error:
             self._error = error
             self._running.set()

@@ -3,19 +3,23 @@
 import asyncio
 import errno
 import json
+import os
 import socket
+import webbrowser
 from typing import Any, Dict, List, Optional
 
+import rospkg
+import tornado.httpserver
 import tornado.iostream
 import tornado.netutil
 import tornado.web
 import tornado.websocket
 
 from topic_scope.page.page import Page
-from topic_scope.protocol import protocol
 from topic_scope.protocol.checks import RequestError, fields_of, time_of
 from topic_scope.protocol.options import Options
-from topic_scope.web import hosts
+from topic_scope.protocol.requests import LONGEST
+from topic_scope.web import access
 
 #: Where Debian installs dygraphs.
 DYGRAPHS = "/usr/share/javascript/dygraphs"
@@ -53,7 +57,9 @@ def bind(options: Options) -> List[socket.socket]:
 
 
 def _check_host(handler: tornado.web.RequestHandler) -> None:
-    if not hosts.is_known_host(handler.request.host, handler.application.settings["host_names"]):
+    if not access.is_known_host(
+        handler.request.host, handler.application.settings["machine_names"]
+    ):
         raise tornado.web.HTTPError(403, "not a name of this machine")
 
 
@@ -133,7 +139,7 @@ class Socket(tornado.websocket.WebSocketHandler):
         _check_host(self)
 
     def check_origin(self, origin: str) -> bool:
-        return hosts.is_same_origin(origin, self.request.host)
+        return access.is_same_origin(origin, self.request.host)
 
     def open(self, *_arguments: str, **_named: str) -> None:
         stream = self.ws_connection.stream if self.ws_connection else None
@@ -151,7 +157,7 @@ class Socket(tornado.websocket.WebSocketHandler):
 
     def on_message(self, message: Any) -> None:
         if self.page is not None:
-            self.page.obey(message, self._front.scope.handle)
+            self._front.scope.handle(self.page, message)
 
     def on_close(self) -> None:
         self._front.scope.close(self)
@@ -187,8 +193,31 @@ def application(front: Front, folder: str, names: List[str]) -> tornado.web.Appl
             (r"/dygraphs/(.*)", Files, {"path": DYGRAPHS}),
             (r"/()", Files, {"path": folder, "default_filename": "index.html"}),
         ],
-        host_names=names,
-        websocket_max_message_size=protocol.LONGEST,
+        machine_names=names,
+        websocket_max_message_size=LONGEST,
         websocket_ping_interval=20,
         log_function=lambda handler: None,
     )
+
+
+def serve(options: Options, sockets: List[socket.socket], front: Front) -> None:
+    """Serve pages from now on, in the loop of the thread that calls this.
+
+    :param options: the command line
+    :param sockets: where to serve
+    :param front: what pages show
+    """
+    # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
+    folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
+    names = access.names_of(socket.gethostname(), socket.getfqdn(), options.address)
+    server = tornado.httpserver.HTTPServer(
+        application(front, folder, names), max_header_size=16384, max_body_size=4096
+    )
+    server.add_sockets(sockets)
+
+
+def open_browser(url: str) -> None:
+    """Open a page, where there is a display and a browser; waits for it."""
+    # Without a display the module would take one that runs in the terminal.
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        webbrowser.open(url)

@@ -3,7 +3,9 @@
 import { byId, setText } from "./dom.js";
 
 const NOTICE_MS = 8000;
+const PROTOCOL = 1; // the server has the same number: a page of another version would misread it
 let leaving = null;
+let isOutdated = false;
 
 /** Show a sentence above all else; none to show nothing. */
 function warn(text, canRetry) {
@@ -26,6 +28,19 @@ export function showLink(state, wait, reason) {
   if (state !== "lost") return;
   const seconds = Math.max(1, Math.round(wait / 1000));
   warn(`${reason || "The connection to the scope is lost"}. Trying again in ${seconds} s.`, true);
+}
+
+/**
+ * Tell whether a message can be read; say so where it comes from another version of the scope.
+ * @param {{type: string, protocol: ?number}} message
+ * @returns {boolean}
+ */
+export function isReadable(message) {
+  if (message.type === "hello") {
+    isOutdated = message.protocol !== PROTOCOL;
+    if (isOutdated) warn("This page is of another version than the scope: reload the page.", false);
+  }
+  return !isOutdated;
 }
 
 /**

@@ -139,7 +139,7 @@ export class Legend {
       const measured = traces[field] || {};
       element.classList.toggle("gone", Boolean(measured.problem));
       name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
-      if (measured.topic) timestamp.show(measured.topic, measured.time);
+      if (measured.topic) timestamp.show(measured.topic, measured.timestamp);
       setText(badge, missing(measured));
       badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));

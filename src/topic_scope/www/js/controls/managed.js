@@ -27,7 +27,7 @@ export class Managed {
   row({ node, state, transitions }) {
     const buttons = this.state.values.readonly ? [] : transitions.map((label) => make("button", {
       type: "button", "aria-label": `${node}: ${label}`,
-      click: () => this.send({ type: "transit", node, label }),
+      click: () => this.send({ type: "transition", node, label }),
     }, label));
     return make("div", { class: "managed-node", "data-node": node },
       make("span", { class: "name" }, node),

@@ -50,7 +50,7 @@ export class Playback {
 
   /**
    * Learn whether a bag is shown, and which.
-   * @param {{bag: ?{name: string, begin: number, end: number}}} message
+   * @param {{bag: ?{name: string, start: number, end: number}}} message
    * @param {boolean} fresh whether the page shows what the scope suggests
    */
   onHello({ bag = null }, fresh) {
@@ -61,7 +61,7 @@ export class Playback {
     this.state.set({ isBag: bag !== null, playing: bag === null });
     if (!bag) return;
     setText(byId("playback-name"), bag.name);
-    this.place.max = bag.end - bag.begin;
+    this.place.max = bag.end - bag.start;
     if (fresh) this.state.setAxis("x", { clock: true });
   }
 
@@ -89,17 +89,17 @@ export class Playback {
   }
 
   pick() {
-    this.picked = this.bag.begin + Number(this.place.value);
+    this.picked = this.bag.start + Number(this.place.value);
     this.show();
   }
 
   show() {
     if (!this.bag || !this.latest) return;
-    const { begin, end } = this.bag;
-    const time = this.picked ?? clamp(this.sweep.live.now, begin, end);
-    if (this.picked === null) this.place.value = time - begin;
+    const { start, end } = this.bag;
+    const time = this.picked ?? clamp(this.sweep.live.now, start, end);
+    if (this.picked === null) this.place.value = time - start;
     const at = `${dateText(time)} ${clockText(time, 0.01)} ${zoneText(time)}`;
-    const text = `${at}, ${(time - begin).toFixed(2)} of ${(end - begin).toFixed(2)} s`;
+    const text = `${at}, ${(time - start).toFixed(2)} of ${(end - start).toFixed(2)} s`;
     setText(byId("playback-time"), this.latest.loading ? `${text}, loading` : text);
     this.place.setAttribute("aria-valuetext", text);
   }

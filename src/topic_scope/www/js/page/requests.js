@@ -1,7 +1,7 @@
 /** Tells the server what the user has chosen, also after a connection that was lost. */
 
 import { clamp } from "../base/numbers.js";
-import { looksOf } from "../state/traces.js";
+import { scalingOf } from "../state/traces.js";
 
 const EVERY_MS = 50; // between two views while the wheel turns
 
@@ -29,7 +29,7 @@ export class Requests {
       this.sendSelect();
     });
     state.on(["window", "end"], () => this.sendViewSoon());
-    state.on(["fields", "traces", "available"], () => this.sendLooks());
+    state.on(["fields", "traces", "available"], () => this.sendScaling());
     state.on(["trigger"], () => this.sendTrigger());
     state.on(["view"], () => {
       this.sendShown();
@@ -56,7 +56,7 @@ export class Requests {
     if (fresh && setup) this.setup.restore(JSON.stringify(setup));
     if (fresh || !this.picked) this.setup.rememberGiven();
     this.sendSelect();
-    this.sendLooks();
+    this.sendScaling();
     this.sendView();
     this.sendTrigger();
     this.sendChart(this.chart);
@@ -80,8 +80,8 @@ export class Requests {
     if (this.picked) this.send({ type: "select", fields: this.state.values.fields });
   }
 
-  sendLooks() {
-    const message = looksOf(this.state.values);
+  sendScaling() {
+    const message = scalingOf(this.state.values);
     this.send(message, !Object.keys(message.traces).length);
   }
 

@@ -1,7 +1,7 @@
 /** What the screen shows: the running trace, a paused stretch, or one held by the trigger. */
 
 import { TraceBuffer } from "./buffer.js";
-import { looksOf } from "./traces.js";
+import { scalingOf } from "./traces.js";
 
 const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only when a frame says so
 
@@ -26,11 +26,11 @@ export class Sweep {
       if (mode !== this.armed) this.release();
       this.armed = mode;
     });
-    let looks = "";
+    let scaling = "";
     state.on(["fields", "traces"], (values) => {
-      const now = JSON.stringify([values.fields, looksOf(values)]);
-      if (now !== looks) this.release(); // what is held is scaled otherwise
-      looks = now;
+      const now = JSON.stringify([values.fields, scalingOf(values)]);
+      if (now !== scaling) this.release(); // what is held is scaled otherwise
+      scaling = now;
     });
   }
 

@@ -102,13 +102,13 @@ export function isStepped(values, field) {
  * @param {Object} values of the state
  * @returns {Object} the request
  */
-export function looksOf(values) {
-  const looks = values.fields.map((field) => {
+export function scalingOf(values) {
+  const scales = values.fields.map((field) => {
     const { gain, offset } = chosenOf(values, field);
     return [field, { gain, offset, steps: isStepped(values, field) }];
   });
   const isOwn = ([, { gain, offset, steps }]) => gain !== 1 || offset !== 0 || steps;
-  return { type: "looks", traces: Object.fromEntries(looks.filter(isOwn)) };
+  return { type: "scaling", traces: Object.fromEntries(scales.filter(isOwn)) };
 }
 
 /**

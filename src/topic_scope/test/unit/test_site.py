@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, List
 
-from topic_scope.web.waiting import Waiting
+from topic_scope.web.site import Waiting
 
 URI = "http://localhost:11311"
 SENTENCE = f"There is no ROS master at {URI} yet: the scope waits for it."

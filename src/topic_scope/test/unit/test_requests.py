@@ -2,16 +2,36 @@
 
 import json
 import math
+import pathlib
+import re
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.protocol import playback, protocol, robot_requests
+from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
-from topic_scope.protocol.looks import Look, Looks
-from topic_scope.protocol.wishes import Chart, Measure
+from topic_scope.protocol.requests import Chart, Handler, Measure
+from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
+
+CHECKS = {
+    "select": requests.selection_of,
+    "view": requests.view_of,
+    "trigger": requests.trigger_of,
+    "scaling": scaling_of,
+    "measure": requests.measure_of,
+    "chart": requests.chart_of,
+    "graph": requests.graph_of,
+    "set": requests.set_of,
+    "call": requests.call_of,
+    "transition": requests.transition_of,
+    "robots": requests.robots_of,
+    "steer": requests.steering_of,
+    "drive": requests.drive_of,
+    "goal": requests.goal_of,
+    "playback": requests.playback_of,
+}
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -23,25 +43,25 @@ SINGLE = {"type": "trigger", "mode": "single", "field": "/a/x", "level": 0, "edg
 GOOD = [
     (
         {"type": "select", "fields": ["/a/x:y", "/a/y"]},
-        protocol.Select(("/a/x", "/a/y")),
+        ("/a/x", "/a/y"),
     ),
-    ({"type": "select", "fields": []}, protocol.Select(())),
-    ({"type": "view", "window": 2, "width": 800, "end": None}, protocol.View(2.0, 800, None)),
-    ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, protocol.View(2.0, 800, 1.7e9)),
+    ({"type": "select", "fields": []}, ()),
+    ({"type": "view", "window": 2, "width": 800, "end": None}, requests.View(2.0, 800, None)),
+    ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, requests.View(2.0, 800, 1.7e9)),
     (
         {"type": "trigger", "mode": "normal", "field": "/a/x", "level": -1, "edge": "falling"},
-        protocol.Trigger("normal", "/a/x", -1.0, False),
+        requests.Trigger("normal", "/a/x", -1.0, False),
     ),
-    ({"type": "trigger", "mode": "off"}, protocol.Trigger("off", "", 0.0, True)),
+    ({"type": "trigger", "mode": "off"}, requests.Trigger("off", "", 0.0, True)),
     (
         {"type": "trigger", "mode": "off", "number": 2**53 - 1},
-        protocol.Trigger("off", "", 0.0, True, 2**53 - 1),
+        requests.Trigger("off", "", 0.0, True, 2**53 - 1),
     ),
     (
         {**SINGLE, "number": 3},
-        protocol.Trigger("single", "/a/x", 0.0, True, 3),
+        requests.Trigger("single", "/a/x", 0.0, True, 3),
     ),
-    ({"type": "looks", "traces": {"/a/x": {"gain": 2}}}, Looks({"/a/x": Look(2.0)})),
+    ({"type": "scaling", "traces": {"/a/x": {"gain": 2}}}, Scaling({"/a/x": TraceScale(2.0)})),
     ({"type": "measure"}, Measure()),
     (
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
@@ -53,33 +73,48 @@ GOOD = [
         {"type": "chart", "kind": "spectrum", "window": "flattop", "averages": 4},
         Chart("spectrum", "", "flattop", 4),
     ),
-    ({"type": "set", "node": "/n", "name": "a", "value": 1}, protocol.Set("/n", "a", 1)),
-    ({"type": "call", "service": "/n/reset"}, protocol.Call("/n/reset", None)),
-    ({"type": "call", "service": "/n/enable", "data": True}, protocol.Call("/n/enable", True)),
+    ({"type": "set", "node": "/n", "name": "a", "value": 1}, requests.Set("/n", "a", 1)),
+    ({"type": "call", "service": "/n/reset"}, requests.Call("/n/reset", None)),
+    ({"type": "call", "service": "/n/enable", "data": True}, requests.Call("/n/enable", True)),
     (
-        {"type": "transit", "node": "/n", "label": "configure"},
-        protocol.Transit("/n", "configure"),
+        {"type": "transition", "node": "/n", "label": "configure"},
+        requests.Transition("/n", "configure"),
     ),
-    ({"type": "playback", "playing": False}, playback.Playback(False)),
-    ({"type": "playback", "time": 1.7e9, "speed": 2}, playback.Playback(None, 1.7e9, 2.0)),
-    ({"type": "graph", "on": True}, protocol.Graph(True)),
-    ({"type": "robots", "on": True}, robot_requests.Robots(True)),
-    ({"type": "steer", "topic": "/cmd_vel"}, robot_requests.Steer("/cmd_vel")),
-    ({"type": "steer", "topic": ""}, robot_requests.Steer("")),
+    ({"type": "playback", "playing": False}, requests.Playback(False)),
+    ({"type": "playback", "time": 1.7e9, "speed": 2}, requests.Playback(None, 1.7e9, 2.0)),
+    ({"type": "graph", "on": True}, True),
+    ({"type": "robots", "on": True}, True),
+    ({"type": "steer", "topic": "/cmd_vel"}, "/cmd_vel"),
+    ({"type": "steer", "topic": ""}, ""),
     (
         {"type": "drive", "speed": 0.2, "turn": -1, "sent": 12.5},
-        robot_requests.Drive(0.2, -1.0, 12.5),
+        requests.Drive(0.2, -1.0, 12.5),
     ),
     (
         {"type": "goal", "topic": "/g", "frame": "odom", "x": 1, "y": -2.5, "heading": 0},
-        robot_requests.Goal("/g", "odom", 1.0, -2.5, 0.0),
+        requests.Goal("/g", "odom", 1.0, -2.5, 0.0),
     ),
 ]
 
 
+def understood(text: Any) -> Any:
+    """Return what a handler is given of a request, for the page that asks."""
+    found = []
+    page = object()
+
+    def handle(asking: object, wanted: Any) -> None:
+        assert asking is page
+        found.append(wanted)
+
+    handlers = {kind: Handler(check, handle) for kind, check in CHECKS.items()}
+    requests.dispatch(text, handlers, page)
+    (wanted,) = found
+    return wanted
+
+
 @pytest.mark.parametrize("request_, expected", GOOD)
 def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
-    assert protocol.parse(json.dumps(request_)) == expected
+    assert understood(json.dumps(request_)) == expected
 
 
 @pytest.mark.parametrize(
@@ -140,18 +175,18 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
 )
 def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
     with pytest.raises(RequestError, match="[a-z]"):
-        protocol.parse(json.dumps(request_))
+        understood(json.dumps(request_))
 
 
 @given(st.text(max_size=200) | st.binary(max_size=50))
 def test_garbage_is_refused(text: Any) -> None:
     with pytest.raises(RequestError):
-        protocol.parse(text)
+        understood(text)
 
 
 def test_json_that_is_nested_too_deeply_is_refused() -> None:
     with pytest.raises(RequestError):
-        protocol.parse("[" * 60000)
+        understood("[" * 60000)
 
 
 @given(
@@ -166,7 +201,14 @@ def test_json_that_is_nested_too_deeply_is_refused() -> None:
 )
 def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, values: Any) -> None:
     try:
-        request = protocol.parse(json.dumps({**values, "type": kind}))
+        wanted = understood(json.dumps({**values, "type": kind}))
     except RequestError:
         return
-    assert type(request).__name__ == kind.capitalize()
+    kinds = {"select": tuple, "graph": bool}
+    assert isinstance(wanted, kinds.get(kind) or getattr(requests, kind.capitalize()))
+
+
+def test_the_page_has_the_version_of_the_protocol() -> None:
+    link = pathlib.Path(__file__).parents[2] / "www" / "js" / "base" / "link.js"
+    (found,) = re.findall(r"^const PROTOCOL = (\d+);", link.read_text("utf-8"), re.MULTILINE)
+    assert int(found) == requests.VERSION

@@ -1,4 +1,4 @@
-"""How a page wants its traces: with which gain and offset, and whether in steps.
+"""With which gain and offset a page wants its traces, and whether in steps.
 
 All that a page is told of a trace is of the scaled values: what is drawn, measured and triggered on
 agrees with the axis then. CSV files have the values as they came.
@@ -12,12 +12,12 @@ from topic_scope.analysis.ring import Samples
 from topic_scope.protocol.checks import TRACES, RequestError, field_in, number_of
 
 #: Returns the samples of a field from one time to another, both in s.
-Source = Callable[[str, float, float], Samples]
+ReadSamples = Callable[[str, float, float], Samples]
 
 _LARGEST = 1e300
 
 
-class Look(NamedTuple):
+class TraceScale(NamedTuple):
     """How a page wants one trace.
 
     :param gain: what its values are multiplied by
@@ -30,40 +30,40 @@ class Look(NamedTuple):
     steps: bool = False
 
 
-class Looks(NamedTuple):
+class Scaling(NamedTuple):
     """How a page wants its traces.
 
     :param traces: by name of the field; others are as they are
     """
 
-    traces: Mapping[str, Look] = {}
+    traces: Mapping[str, TraceScale] = {}
 
-    def scaled(self, source: Source) -> Source:
+    def scaled(self, read: ReadSamples) -> ReadSamples:
         """Return where the samples are as the page wants them.
 
-        :param source: where they are as they came
+        :param read: returns them as they came
         """
-        scales = {name: look for name, look in self.traces.items() if look[:2] != Look()[:2]}
+        scales = {name: one for name, one in self.traces.items() if one[:2] != TraceScale()[:2]}
         if not scales:
-            return source
+            return read
 
         def samples(name: str, start: float, end: float) -> Samples:
-            times, values = source(name, start, end)
-            look = scales.get(name)
-            if look is None:
+            times, values = read(name, start, end)
+            scale = scales.get(name)
+            if scale is None:
                 return times, values
             with numpy.errstate(over="ignore", invalid="ignore"):
-                return times, values * look.gain + look.offset
+                return times, values * scale.gain + scale.offset
 
         return samples
 
     def is_stepped(self, name: str) -> bool:
         """Tell whether the value of a trace holds until the next one comes."""
-        look = self.traces.get(name)
-        return look is not None and look.steps
+        scale = self.traces.get(name)
+        return scale is not None and scale.steps
 
 
-def looks_of(request: Dict[str, Any]) -> Looks:
+def scaling_of(request: Dict[str, Any]) -> Scaling:
     """Read how a page wants its traces.
 
     :param request: as it came
@@ -71,18 +71,18 @@ def looks_of(request: Dict[str, Any]) -> Looks:
     """
     traces = request.get("traces")
     if not isinstance(traces, dict) or len(traces) > TRACES:
-        raise RequestError(f"looks: traces is an object of at most {TRACES} fields")
-    return Looks(dict(_look_of(name, wanted) for name, wanted in traces.items()))
+        raise RequestError(f"scaling: traces is an object of at most {TRACES} fields")
+    return Scaling(dict(_scale_of(name, wanted) for name, wanted in traces.items()))
 
 
-def _look_of(name: str, wanted: Any) -> Tuple[str, Look]:
-    field = field_in({"field": name}, "looks")
+def _scale_of(name: str, wanted: Any) -> Tuple[str, TraceScale]:
+    field = field_in({"field": name}, "scaling")
     if not isinstance(wanted, dict) or not isinstance(wanted.get("steps", False), bool):
         raise RequestError(
-            "looks: of a trace there are a gain, an offset, and steps, true or false"
+            "scaling: of a trace there are a gain, an offset, and steps, true or false"
         )
     gain, offset = (
-        number_of({key: wanted.get(key, usual)}, "looks", key, -_LARGEST, _LARGEST)
+        number_of({key: wanted.get(key, usual)}, "scaling", key, -_LARGEST, _LARGEST)
         for key, usual in (("gain", 1.0), ("offset", 0.0))
     )
-    return field, Look(gain, offset, wanted.get("steps", False))
+    return field, TraceScale(gain, offset, wanted.get("steps", False))

@@ -4,7 +4,7 @@ from typing import Optional
 
 import pytest
 
-from topic_scope.web.hosts import is_known_host, is_same_origin, names_of
+from topic_scope.web.access import is_known_host, is_same_origin, names_of
 
 NAMES = names_of("Lab-7.uni.example", "lab-7.uni.example", "scope.example")
 

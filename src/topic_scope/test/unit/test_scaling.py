@@ -12,8 +12,8 @@ from topic_scope.analysis.decimation import as_json, bin_of, lasts
 from topic_scope.analysis.ring import Samples
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import TRACES, RequestError
-from topic_scope.protocol.looks import Look, Looks, looks_of
-from topic_scope.protocol.protocol import View
+from topic_scope.protocol.requests import View
+from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
 TIMES, VALUES = numpy.array([1.0, 2.0, 3.0]), numpy.array([4.0, math.nan, -1e300])
 
@@ -24,14 +24,16 @@ def samples(name: str, start: float, end: float) -> Samples:
 
 
 def test_all_that_is_not_scaled_is_as_it_came() -> None:
-    assert Looks().scaled(samples) is samples
-    assert Looks({"/a": Look(steps=True)}).scaled(samples) is samples
-    times, values = Looks({"/a": Look(2.0)}).scaled(samples)("/b", 1.0, 2.0)
+    assert Scaling().scaled(samples) is samples
+    assert Scaling({"/a": TraceScale(steps=True)}).scaled(samples) is samples
+    times, values = Scaling({"/a": TraceScale(2.0)}).scaled(samples)("/b", 1.0, 2.0)
     assert times.tolist() == [1.0, 2.0] and values[0] == 4.0
 
 
 def test_what_is_scaled_is_multiplied_first() -> None:
-    scaled = Looks({"/a": Look(-2.0, 0.5), "/c": Look(1e300), "/d": Look(offset=1.0)})
+    scaled = Scaling(
+        {"/a": TraceScale(-2.0, 0.5), "/c": TraceScale(1e300), "/d": TraceScale(offset=1.0)}
+    )
     source = scaled.scaled(samples)
     times, values = source("/a", 1.0, 9.0)
     assert times.tolist() == [1.0, 2.0, 3.0]
@@ -42,7 +44,7 @@ def test_what_is_scaled_is_multiplied_first() -> None:
 
 
 def test_steps() -> None:
-    looks = Looks({"/a": Look(steps=True), "/b": Look(2.0)})
+    looks = Scaling({"/a": TraceScale(steps=True), "/b": TraceScale(2.0)})
     assert [looks.is_stepped(name) for name in ("/a", "/b", "/c")] == [True, False, False]
 
 
@@ -85,8 +87,8 @@ def test_a_frame_has_last_values_of_steps_alone() -> None:
 
 def test_a_request_is_read() -> None:
     traces = {"/a/x": {"gain": 2, "offset": -1, "steps": True}, "/b.derivative@stamp": {}}
-    expected = {"/a/x": Look(2.0, -1.0, True), "/b.derivative@stamp": Look()}
-    assert looks_of({"traces": traces}) == Looks(expected)
+    expected = {"/a/x": TraceScale(2.0, -1.0, True), "/b.derivative@stamp": TraceScale()}
+    assert scaling_of({"traces": traces}) == Scaling(expected)
 
 
 @pytest.mark.parametrize(
@@ -108,4 +110,4 @@ def test_a_request_is_read() -> None:
 )
 def test_a_request_that_makes_no_sense_is_refused(traces: Tuple[Any, ...]) -> None:
     with pytest.raises(RequestError):
-        looks_of({"traces": traces})
+        scaling_of({"traces": traces})

@@ -14,7 +14,7 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE, TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
-from topic_scope.controls.lamps import Lamps
+from topic_scope.controls.statuses import Statuses
 from topic_scope.record.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
 
 TOPIC, OTHER = "/topic", "/other"
@@ -117,13 +117,16 @@ def test_what_a_node_says_of_itself_is_heard_beside_a_raw_subscription(
     subscription: RawSubscription, stack: contextlib.ExitStack, kind: str, heard: List[str]
 ) -> None:
     tell = mock.Mock()
-    lamps = Lamps(mock.Mock(), lambda function: function(), tell)
-    lamps.follow({"/node": TOPIC})
-    stack.callback(lamps._adjust, [])
-    lamps._adjust([TOPIC])
+    own = RawSubscriptions(SteadyClock())
+    statuses = Statuses(own, mock.Mock(), tell)
+    statuses.follow({"/node": TOPIC})
+    stack.callback(own.adjust)
+    stack.callback(own.want, [])
+    own.adjust()
     connection = Connection(stack)
     connection.transport.header = {"type": "std_msgs/" + kind}
     connection.receive(struct.pack("<II", 8, 4) + b"idle")
+    statuses.update()
     assert [call[0][0]["nodes"]["/node"] for call in tell.call_args_list] == heard
     assert len(subscription.drain()[0].messages) == 1
 

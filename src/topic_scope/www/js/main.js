@@ -90,7 +90,7 @@ const handlers = {
   },
   panels: (message) => panels.show(message.panels),
   managed: (message) => managed.show(message),
-  lamps: (message) => panels.onLamps(message),
+  statuses: (message) => panels.onStatuses(message),
   value: (message) => panels.onValue(message),
   refused: (message) => panels.onRefused(message),
   called: (message) => panels.onCalled(message),

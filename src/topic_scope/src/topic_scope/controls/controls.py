@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any, Callable, Collection, Dict, List, Mapping, Tuple
 
 import rospy
+import tornado.ioloop
 import yaml
 from std_srvs.srv import Trigger
 
@@ -14,12 +15,13 @@ from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit_msgs.srv import SetParameters
 from topic_scope.controls import reconfigure, services
-from topic_scope.controls.lamps import Lamps, topics_of
 from topic_scope.controls.managed import Managed
 from topic_scope.controls.panels import DescriptionError, Panel
 from topic_scope.controls.settings import Answer, Changed, Settings, value_message
+from topic_scope.controls.statuses import PERIOD_S, Statuses, topics_of
 from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
+from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 
 #: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
 PANELS = 64
@@ -58,11 +60,13 @@ class Controls:
             self._background, self._change, self._tell_values, self._look_again
         )
         self._managed = Managed(self._background, tell)
-        self._lamps = Lamps(self._background, deliver, tell)
+        subscriptions = RawSubscriptions(SteadyClock())
+        self._statuses = Statuses(subscriptions, self._background, tell)
+        tornado.ioloop.PeriodicCallback(self._statuses.update, PERIOD_S * 1e3).start()
 
     def messages(self) -> List[Dict[str, Any]]:
         """Return what a new page is told."""
-        return [self.message(), self._managed.message(), self._lamps.message()]
+        return [self.message(), self._managed.message(), self._statuses.message()]
 
     def message(self) -> Dict[str, Any]:
         """Return all panels."""
@@ -72,7 +76,7 @@ class Controls:
     def on_state(self, state: GraphState) -> None:
         """Take note of what is on the graph."""
         self.on_services([name for name, nodes in state.services if nodes])
-        self._lamps.follow(topics_of(self._panels, state.publishers, state.types))
+        self._statuses.follow(topics_of(self._panels, state.publishers, state.types))
 
     def on_services(self, names: Collection[str]) -> None:
         """Take note of the services on the graph."""

@@ -98,7 +98,7 @@ export class Panels {
    * Show the status of the nodes.
    * @param {{nodes: Object<string, string>}} message
    */
-  onLamps({ nodes }) {
+  onStatuses({ nodes }) {
     this.statuses = nodes;
     for (const [node, { element }] of this.shown) {
       const status = element.querySelector("summary .status");

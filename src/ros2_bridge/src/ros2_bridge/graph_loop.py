@@ -17,7 +17,7 @@ from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.settings import BridgeParameters, Qualities
 from ros2_bridge.rules.skipped import SkipLog
-from ros2_bridge.services.service_bridge import ServiceBridge
+from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.rosout import Rosout
 from ros2_bridge.topics.topic_bridge import TopicBridge
 from ros2_bridge.types.types import Types

@@ -21,7 +21,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import Way
 from ros2_bridge.rules.renaming import Renaming
-from ros2_bridge.services.service_bridge import ServiceBridge
+from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.topic_bridge import TopicBridge
 from test_topics import RCLError
 

@@ -1,17 +1,24 @@
-"""One service, one way."""
+"""Services: finds those that others offer, and bridges them until they go."""
 
 import threading
-from typing import Any, Callable
+from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import rospy
 from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import CallError, Node
+from nodekit.master import MasterClient
+from ros2_bridge.ros1.ros1_graph import Ros1Graph
 from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, parameter_services, wanted
+from ros2_bridge.rules.pairs import PairBridge
+from ros2_bridge.rules.skipped import SkipLog
 from ros2_bridge.types.instructions import ConversionError
-from ros2_bridge.types.types import ServiceType
+from ros2_bridge.types.service_types import ServiceTypes
+from ros2_bridge.types.types import ServiceType, Types
 
 #: Fields that say, by convention, why a service has failed.
 _WHY = ("message", "status_message", "reason")
@@ -120,3 +127,76 @@ class ServiceToRos1:
         """End it."""
         self._made.close()
         self._client.close()
+
+
+_Pair = Union[ServiceToRos1, ServiceToRos2]
+
+
+class ServiceBridge(PairBridge[_Pair]):
+    """Keeps the pairs of services as both graphs want them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param client: asks the master
+    :param timeout: returns the longest wait for a response, s
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        client: MasterClient,
+        types: Types,
+        skipped: SkipLog,
+        timeout: Callable[[], float],
+    ) -> None:
+        super().__init__(skipped)
+        self._node, self._side, self._types, self._timeout = node, side, types, timeout
+        self._types1 = ServiceTypes(client)
+
+    def update_services(
+        self,
+        rules: Rules,
+        ros1: Ros1Graph,
+        ros2: Dict[str, Tuple[str, str]],
+        owners: Dict[str, Ros2Node],
+    ) -> None:
+        """Begin and end what this poll of both graphs asks for.
+
+        :param ros2: type and node of each service of ROS 2, by its name in ROS 1
+        :param owners: the nodes of ROS 1 that appear in ROS 2
+        """
+        self._names, self._ros1, self._ros2, self._owners = rules.names, ros1, ros2, owners
+        in_ros1 = set(ros1.services) - parameter_services(set(ros1.services))
+        in_ros2 = {name for name, (kind, _) in ros2.items() if not kind.startswith(OWN_WAYS)}
+        self._types1.begin_poll(in_ros1)
+        # A name that both sides have is not called for the other.
+        self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+
+    def _has_same_type(self, way: Way, pair: _Pair) -> bool:
+        return self._type(way) in (None, pair.kind.ros1)
+
+    def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
+        """Tell whether a pair is still offered by the right node: that may appear only later."""
+        return isinstance(pair, ServiceToRos1) or pair.owner is self._owner(way)
+
+    def _begin(self, way: Way) -> Optional[_Pair]:
+        name, other = way.name, self._names.in_ros2(way.name) or way.name
+        validate_full_topic_name(other, is_service=True)
+        kind = self._type(way)
+        if kind is None or kind.startswith(OWN_WAYS):
+            return None
+        found, node, side = self._types.service(kind), self._node, self._side
+        if way.to_ros2:
+            return ServiceToRos2(node, side, self._owner(way), name, other, found, self._timeout)
+        return ServiceToRos1(node, side, name, other, found, self._timeout)
+
+    def _owner(self, way: Way) -> Ros2Node:
+        """Return the node that offers a service of ROS 1 in ROS 2."""
+        return self._owners.get(self._ros1.services.get(way.name, ""), self._side.node)
+
+    def _type(self, way: Way) -> Optional[str]:
+        """Return ROS 1's name of a service's type, None where its server has not told it yet."""
+        if way.to_ros2:
+            return self._types1.of(way.name)
+        return self._types.ros1_name(self._ros2[way.name][0])

@@ -8,7 +8,6 @@ writes docs/images/cw1.svg.
 """
 
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -17,13 +16,16 @@ from typing import List
 
 import matplotlib
 
+from nodekit.testing.processes import free_port
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
-from basic_comms.msg import signal_msg  # noqa: E402
 from std_msgs.msg import Float32  # noqa: E402
 from std_srvs.srv import SetBool  # noqa: E402
+
+from basic_comms.msg import signal_msg  # noqa: E402
 
 PICTURE = Path(__file__).resolve().parent / "images" / "cw1.svg"
 CHANGES = [
@@ -104,9 +106,7 @@ def draw(recording: Recording) -> None:
 
 def main() -> None:
     """Run the launch file on a master of its own, record, draw."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        os.environ["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
+    os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
     command = ["roslaunch", "basic_comms", "cw1.launch", "signal_rate:=100"]
     launch = subprocess.Popen(command, stdout=sys.stderr)
     try:

@@ -2,7 +2,6 @@
 
 import contextlib
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -16,6 +15,8 @@ from observers import wait_until
 from peers import WORKSPACE
 from surroundings import Soak
 from usage import Sampler, added
+
+from nodekit.testing.processes import free_port
 
 TESTS = WORKSPACE / "src" / "topic_scope" / "test"
 RIG = [sys.executable, str(TESTS / "measure_load.py"), "--publish"]
@@ -140,13 +141,6 @@ def tenths(values: List[int]) -> List[float]:
     """Return the medians of ten parts of a series: they show growth from a step."""
     count = len(values)
     return [median(values[count * n // 10 : count * (n + 1) // 10] or values) for n in range(10)]
-
-
-def free_port() -> int:
-    """Return a port of localhost that nobody serves at."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
 
 
 def is_served(url: str) -> bool:

@@ -10,7 +10,6 @@ chromium-driver, python3-selenium, and python3-pil, which comes with python3-mat
 
 import io
 import os
-import socket
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -23,6 +22,8 @@ from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
 from PIL import Image
 from selenium.webdriver.common.keys import Keys
+
+from nodekit.testing.processes import free_port
 
 IMAGES = Path(__file__).resolve().parents[3] / "docs" / "images"
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
@@ -170,9 +171,7 @@ def take_robots(browser: Browser, url: str) -> None:
 
 def main() -> None:
     """Run everything on a master of its own."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        os.environ["ROS_MASTER_URI"] = f"http://localhost:{probe.getsockname()[1]}"
+    os.environ["ROS_MASTER_URI"] = f"http://localhost:{free_port()}"
     course = ("roslaunch", "basic_comms", "cw1.launch", f"signal_rate:={RATE_HZ:g}")
     motors = ("roslaunch", "motor_control", "motor_2.launch")
     robot = ("roslaunch", "diff_drive_sim", "diff_drive.launch", "world:=arena", "scan_rate:=10")

@@ -9,7 +9,6 @@ import argparse
 import math
 import os
 import pathlib
-import socket
 import subprocess
 import sys
 import time
@@ -65,11 +64,10 @@ def measure(seconds: float) -> None:
     from browsing.scope_process import ScopeProcess
     from wire.client import Client
 
+    from nodekit.testing.processes import free_port
     from nodekit.testing.waiting import wait_until
 
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = str(probe.getsockname()[1])
+    port = str(free_port())
     os.environ["ROS_MASTER_URI"] = "http://localhost:" + port
     master = subprocess.Popen(["rosmaster", "--core", "-p", port], stdout=subprocess.DEVNULL)
     load = subprocess.Popen([sys.executable, __file__, "--publish"])

@@ -11,7 +11,6 @@ one draws, and the second one begins when that has been handed over.
 
 import multiprocessing
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -23,6 +22,8 @@ import rosgraph
 from browsing.browser import Browser
 from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
+
+from nodekit.testing.processes import free_port
 
 TRACES, RATE_HZ = 10, 1000.0
 SETTLE_S, MEASURE_S = 7.0, 20.0
@@ -103,9 +104,7 @@ def _middle_and_high(values: "numpy.ndarray[numpy.float64]") -> "tuple[float, fl
 
 def main() -> None:
     """Run everything on a master of its own."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://localhost:{port}"
     master = subprocess.Popen(["roscore", "-p", str(port)], stdout=sys.stderr)
     wait_until(rosgraph.is_master_online, lambda: "no master")

@@ -19,11 +19,11 @@ from xml.etree import ElementTree
 import rospy
 import yaml
 from helpers.job import Job
-from helpers.tutorial import WORKSPACE, PageError, free_ports
+from helpers.tutorial import WORKSPACE, PageError
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.launching import launch_file
-from nodekit.testing.processes import Master
+from nodekit.testing.processes import Master, free_port
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
@@ -229,7 +229,7 @@ class Typist:
     def _start(self, command: str) -> Job:
         line, hash_, comment = command.partition(" #")
         if "topic_scope scope." in line:  # beside one that somebody may have open
-            (port,) = free_ports(1)
+            port = free_port()
             line += f" port:={port}" if line.startswith("roslaunch") else f" --port {port}"
         self._count += 1
         output = self._home / f"output{self._count}"

@@ -1,7 +1,6 @@
 """Do what a page of the documentation tells its reader to do."""
 
 import os
-import socket
 import tempfile
 import time
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Callable, Dict, List, Optional
 from helpers.job import Job
 
 from nodekit.testing.console import INTERRUPT, Step, find, is_all, steps_of
+from nodekit.testing.processes import free_ports
 
 #: The root of the workspace, where a reader is.
 WORKSPACE = Path(__file__).resolve().parents[4]
@@ -137,17 +137,6 @@ class Reader:
         job = Job(command, WORKSPACE, self._environment, output)
         self._jobs.append(job)
         return job
-
-
-def free_ports(count: int) -> List[int]:
-    """Find ports of localhost that nobody serves at."""
-    probes = [socket.socket() for _ in range(count)]
-    for probe in probes:
-        probe.bind(("localhost", 0))
-    ports: List[int] = [probe.getsockname()[1] for probe in probes]
-    for probe in probes:
-        probe.close()
-    return ports
 
 
 def _wrong(step: Step, what: str, output: str) -> PageError:

@@ -23,25 +23,13 @@ from std_msgs.msg import String
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import publishers
 from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 
 TIME_OUT = 30.0  # s
 SIZE = 16_000  # characters; a socket's buffers are full after some hundred messages
 RATE = 1000.0  # Hz
-
-
-def wait_until(condition, what):
-    """Wait for a condition, with a time-out.
-
-    :param condition: function to become true
-    :param what: what is waited for
-    """
-    deadline = time.monotonic() + TIME_OUT
-    while not condition():
-        if time.monotonic() > deadline:
-            raise AssertionError(f"waited in vain until {what}")
-        time.sleep(0.01)
 
 
 def memory():
@@ -106,7 +94,9 @@ class PublishingTest(unittest.TestCase):
         """
         before = {s.node for s in publisher.statistics()}
         node = Node(self, "recording_subscriber.py", self.topic)
-        wait_until(lambda: len(publisher.statistics()) > len(before), "it is subscribed")
+        wait_until(
+            lambda: len(publisher.statistics()) > len(before), lambda: "it is not subscribed"
+        )
         (name,) = {s.node for s in publisher.statistics()} - before
         return name, node
 
@@ -164,7 +154,9 @@ class PublishingTest(unittest.TestCase):
         lost = self.statistics_of(publisher, name).lost
         self.assertGreaterEqual(lost, 900)
         stopped.process.send_signal(signal.SIGCONT)
-        wait_until(lambda: not self.statistics_of(publisher, name).stalled, "back")
+        wait_until(
+            lambda: not self.statistics_of(publisher, name).stalled, lambda: "it is still stalled"
+        )
         back_at = self.count
         self.publish(publisher, 200)
         record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
@@ -176,7 +168,7 @@ class PublishingTest(unittest.TestCase):
         self.assertEqual(numbers, sorted(set(numbers)))
         self.assertEqual(numbers[-201:], list(range(back_at - 1, self.count)))
         self.assertEqual(len(numbers), self.count - self.statistics_of(publisher, name).lost)
-        wait_until(self.no_more_threads, "the background thread is gone")
+        wait_until(self.no_more_threads, lambda: "a background thread is left")
 
     def test_last_message_arrives_though_nothing_follows_it(self):
         publisher = self.publisher()
@@ -200,16 +192,20 @@ class PublishingTest(unittest.TestCase):
         with socket.create_connection((host, port)) as mute:
             header = {"topic": self.topic, "md5sum": String._md5sum, "type": String._type}
             mute.sendall(encode_ros_handshake_header({**header, "callerid": "/mute"}))
-            wait_until(lambda: len(publisher.statistics()) == 2, "the mute one is connected")
-            wait_until(lambda: self.statistics_of(publisher, "/mute").stalled, "it is stalled")
+            wait_until(
+                lambda: len(publisher.statistics()) == 2, lambda: "the mute one is not connected"
+            )
+            wait_until(
+                lambda: self.statistics_of(publisher, "/mute").stalled, lambda: "it is not stalled"
+            )
             self.publish(publisher, 300)
             self.assertGreaterEqual(self.statistics_of(publisher, "/mute").lost, 299)
             _, late = self.subscriber(publisher)
             self.wait_for(late, self.last(self.count - 1), "a late joiner has the last message")
-        wait_until(lambda: len(publisher.statistics()) == 2, "the mute one is dropped")
+        wait_until(lambda: len(publisher.statistics()) == 2, lambda: "the mute one is still there")
         record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
         self.assertEqual(record["numbers"]["a"], list(range(self.count)))
-        wait_until(self.no_more_threads, "the background thread is gone")
+        wait_until(self.no_more_threads, lambda: "a background thread is left")
 
     def test_killed_subscriber_is_dropped(self):
         publisher = self.publisher()
@@ -223,7 +219,7 @@ class PublishingTest(unittest.TestCase):
         self.publish(publisher, 20_000, until=lambda: len(publisher.statistics()) == 1)
         record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
         self.assertEqual(record["numbers"]["a"], list(range(self.count)))
-        wait_until(self.no_more_threads, "the background thread is gone")
+        wait_until(self.no_more_threads, lambda: "a background thread is left")
 
     def test_rosnode_sees_the_connections_and_counts(self):
         publisher = self.publisher()

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nodekit.testing.waiting import wait_until
 from nodekit.transport import delivery
 from nodekit.transport.link import PROBATION_S, REPORT_PERIOD_S, Link, LossReports, Phase
 
@@ -112,13 +113,6 @@ def receive(sock, size):
     while len(data) < size:
         data += sock.recv(size - len(data))
     return data
-
-
-def wait_until(condition):
-    deadline = time.monotonic() + TIME_OUT
-    while not condition():
-        assert time.monotonic() < deadline, "timed out"
-        time.sleep(0.005)
 
 
 @given(
@@ -237,9 +231,9 @@ def test_stalled_receiver_is_served_in_the_background_until_it_is_back(pairs, mo
             delivery.deliver(message, [link])
     assert link.stalled
     assert threading.active_count() == threads + 1
-    wait_until(lambda: link.reports)
+    wait_until(lambda: link.reports, lambda: "no report")
     stream = receive(theirs, len(messages[0]) + len(messages[-1]))
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
     assert unpack(stream) == [0, 4]
     assert (link.sent, link.lost, link.stalled) == (2, 3, False)
     assert [stalled for stalled, _ in link.reports] == [True] * (len(link.reports) - 1) + [False]
@@ -254,7 +248,7 @@ def test_background_thread_serves_a_second_stall(pairs):
         with link.lock:
             delivery.deliver(BIG, [link])
         assert receive(theirs, len(BIG)) == BIG
-        wait_until(lambda: threading.active_count() == threads)
+        wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
 @pytest.mark.parametrize("stalled", [False, True])
@@ -269,8 +263,8 @@ def test_receiver_that_has_gone_is_dropped_without_a_word(pairs, stalled):
         else:
             theirs.close()
             delivery.deliver(b"news", [link])
-    wait_until(lambda: link.fileno() == -1)
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: link.fileno() == -1, lambda: "the link is open")
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
     with link.lock:
         delivery.deliver(b"more", [link])
     assert link.reports == []
@@ -292,7 +286,7 @@ def test_socket_closed_by_someone_else_ends_the_background_thread(pairs):
     with link.lock:
         delivery.deliver(BIG, [link])
     ours.close()
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
 def test_reports_are_throttled_and_complete(pairs):
@@ -469,10 +463,10 @@ def test_background_thread_pauses_where_a_writable_socket_takes_nothing(pairs):
     with link.lock:
         delivery.deliver(b"news", [link])
     full.tries.clear()
-    wait_until(lambda: len(full.tries) > 20)
+    wait_until(lambda: len(full.tries) > 20, lambda: "too few tries")
     assert full.tries[20] - full.tries[0] >= 20 * delivery.DRAIN_PAUSE_S
     ours.close()
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
 def test_background_thread_takes_notice_of_another_stall(pairs):
@@ -485,10 +479,10 @@ def test_background_thread_takes_notice_of_another_stall(pairs):
     with other.lock:
         delivery.deliver(BIG, [other])
     assert receive(read, len(BIG)) == BIG
-    wait_until(lambda: other.phase is Phase.ON_PROBATION)
+    wait_until(lambda: other.phase is Phase.ON_PROBATION, lambda: "it is not on probation")
     assert (silent.phase, threading.active_count()) == (Phase.STALLED, threads + 1)
     held.close()
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
 class LockWithEvent:
@@ -539,14 +533,14 @@ def test_socket_closed_by_someone_else_with_a_report_pending_ends_the_background
     with link.lock:
         for _ in range(3):
             delivery.deliver(BIG, [link])
-    wait_until(lambda: len(link.reports) == 2)
+    wait_until(lambda: len(link.reports) == 2, lambda: "no second report")
     receive(theirs, 2 * len(BIG))
-    wait_until(lambda: link.phase is Phase.ON_PROBATION)
+    wait_until(lambda: link.phase is Phase.ON_PROBATION, lambda: "it is not on probation")
     assert link.needs_attention()
     time.sleep(10 * delivery.DRAIN_PAUSE_S)
     assert threading.active_count() == threads + 1
     ours.close()
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
     assert link.phase is Phase.GONE
     assert link.reports == [(False, 1), (True, 1)]
 
@@ -567,7 +561,7 @@ def test_report_that_fails_does_not_end_the_background_thread(pairs, caplog):
             delivery.deliver(BIG, [link])
     assert failed.wait(TIME_OUT)
     assert receive(theirs, 2 * len(BIG)) == 2 * BIG
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
     assert (link.phase, link.sent, link.lost) == (Phase.ON_PROBATION, 2, 1)
     assert "receiver: cannot be served" in caplog.text
     assert "no report" in caplog.text
@@ -587,4 +581,4 @@ def test_background_thread_that_cannot_be_started_is_started_at_the_next_stall(p
     delivery.deliver(BIG, links[1:])
     for theirs in (one, two):
         assert receive(theirs, len(BIG)) == BIG
-    wait_until(lambda: threading.active_count() == threads)
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")

@@ -16,7 +16,7 @@ from nodekit.node.callbacks import DEPTH, Answering, Bell, Callback, Receiving
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.node.timers import NodeTimer
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
 
@@ -36,12 +36,6 @@ def scheduler() -> Iterator[Scheduler]:
 def executor(name: str) -> Optional[_Executor]:
     makers = {"single": SingleThreadedExecutor, "multi": lambda: MultiThreadedExecutor(4)}
     return makers[name]() if name in makers else None
-
-
-def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
-    thread = threading.Thread(target=function, args=arguments, daemon=True)
-    thread.start()
-    return thread
 
 
 def make(

@@ -10,6 +10,7 @@ from nodekit.groups.groups import Group
 from nodekit.managed.gate import Gate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.timers import NodeTimer
+from nodekit.testing.waiting import in_thread
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
 
@@ -43,9 +44,8 @@ def scheduler() -> Iterator[Scheduler]:
     made.close()
 
 
-def in_thread(function: Callable[..., Any], *arguments: Any) -> None:
-    thread = threading.Thread(target=function, args=arguments, daemon=True)
-    thread.start()
+def wait_for(function: Callable[..., Any], *arguments: Any) -> None:
+    thread = in_thread(function, *arguments)
     thread.join(TIMEOUT_S)
     assert not thread.is_alive(), "nobody waits for the sending thread"
 
@@ -61,7 +61,7 @@ def test_state_of_before_goes_out_before_what_is_published_meanwhile(
     def publish_newer() -> None:
         state.publish(String("newer"))
 
-    sent.meanwhile = (lambda: in_thread(publish_newer)) if thread else publish_newer
+    sent.meanwhile = (lambda: wait_for(publish_newer)) if thread else publish_newer
     gate.let_publish(True)
     state.publish(String("newest"))
     assert sent.words == ["older", "newer", "newest"]
@@ -71,7 +71,7 @@ def test_state_of_before_is_sent_once(sent: Sent) -> None:
     gate = Gate()
     state = ManagedPublisher(gate, "/state", String, latch=True)
     state.publish(String("older"))
-    sent.meanwhile = lambda: in_thread(state.heed)
+    sent.meanwhile = lambda: wait_for(state.heed)
     gate.let_publish(True)
     state.heed()
     assert sent.words == ["older"]
@@ -109,7 +109,7 @@ def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
     ManagedTimer.start_together([timer])
     gate.let_tick(True)
     assert timer._timer.timetable.deadline is not None
-    meanwhile = lambda: in_thread(gate.let_tick, False) if gate.ticks else None  # noqa: E731
+    meanwhile = lambda: wait_for(gate.let_tick, False) if gate.ticks else None  # noqa: E731
     timer.follow()
     assert timer._timer.timetable.deadline is None
     timer.close()
@@ -134,7 +134,7 @@ def test_rate_of_before_a_change_is_not_set_after_that_of_it(
     gate.let_tick(True)
     timer = ManagedTimer(gate, *options) if managed else NodeTimer(*options)
     NodeTimer.start_together([timer])
-    meanwhile = lambda: in_thread(timer.follow)  # noqa: E731
+    meanwhile = lambda: wait_for(timer.follow)  # noqa: E731
     timer.follow()
     assert timer._timer.timetable._rate == 7.0
     timer.close()

@@ -8,6 +8,7 @@ import pytest
 
 from nodekit.groups.groups import Group, ReentrantGroup
 from nodekit.node.callbacks import Bell, Callback, Receiving
+from nodekit.testing.waiting import in_thread
 
 TIMEOUT_S = 10.0
 
@@ -39,12 +40,6 @@ def queued(group: Group, count: int) -> None:
     while len(group._queue) < count:
         assert time.monotonic() < deadline
         time.sleep(0.001)
-
-
-def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
-    thread = threading.Thread(target=function, args=arguments, daemon=True)
-    thread.start()
-    return thread
 
 
 def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:

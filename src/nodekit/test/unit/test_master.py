@@ -18,6 +18,7 @@ from nodekit.parameter_server.live_parameters import write_missing
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.kinds import MISSING, UNREADABLE
 from nodekit.testing import processes
+from nodekit.testing.processes import free_port
 
 PAGE = b"<!DOCTYPE html><html><body><p>Please log in<br></body></html>"
 
@@ -217,11 +218,8 @@ def test_uri_that_leads_nowhere(uri: str) -> None:
 
 
 def test_nobody_listens() -> None:
-    with socket.socket() as chooser:
-        chooser.bind(("localhost", 0))
-        port = chooser.getsockname()[1]
     with pytest.raises(MasterUnreachable, match="refused"):
-        MasterClient("/n", master_uri=f"http://localhost:{port}/").read([])
+        MasterClient("/n", master_uri=f"http://localhost:{free_port()}/").read([])
 
 
 def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:

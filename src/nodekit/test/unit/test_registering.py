@@ -1,6 +1,5 @@
 """Registration with the master, in requests that a function of the test's own answers."""
 
-import threading
 
 import pytest
 import rospy
@@ -10,6 +9,7 @@ from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import registration
+from nodekit.testing.waiting import in_thread
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"
@@ -136,18 +136,12 @@ def asked(ending, monkeypatch):
     return ask
 
 
-def in_thread(function):
-    thread = threading.Thread(target=function)
-    thread.start()
-    thread.join()
-
-
 def test_topic_that_is_made_anew_while_it_is_taken_back_stays_registered(asked):
     old, new = (Publisher("/topic", String) for _ in range(2))
     old.open()
     with registration.together():
         old.close()
-        in_thread(new.open)
+        in_thread(new.open).join()
     told = [call[0] for call in asked.calls]
     new.close()
     assert told[-1] == "registerPublisher", told
@@ -157,6 +151,6 @@ def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
     publisher = Publisher("/topic", String)
     with registration.together():
         publisher.open()
-        in_thread(publisher.close)
+        in_thread(publisher.close).join()
     told = [call[0] for call in asked.calls]
     assert told[-1] == "unregisterPublisher", told

@@ -1,19 +1,13 @@
 """The scope as a process of its own, which a test can end and start again."""
 
 import os
-import socket
 import subprocess
 from urllib.request import urlopen
 
 import roslib.packages
 from browsing.waiting import wait_until
 
-
-def free_port() -> int:
-    """Return a port that nobody listens at."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
+from nodekit.testing.processes import free_port
 
 
 class ScopeProcess:

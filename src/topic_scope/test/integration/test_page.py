@@ -20,7 +20,7 @@ import rospy
 from browsing.browser import HEIGHT, WIDTH
 from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.picture import Picture
-from browsing.scope_process import ScopeProcess, free_port
+from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
@@ -28,6 +28,7 @@ from std_msgs.msg import Float64
 from wire.client import Client
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.processes import free_port
 from nodekit.testing.running import rosrun
 
 

@@ -15,13 +15,8 @@ import roslib.packages
 import rosunit
 from wire.client import Client, fetch
 
+from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return int(probe.getsockname()[1])
 
 
 class Life(unittest.TestCase):

@@ -1,5 +1,6 @@
 """Processes that a test starts and ends, a master among them, and a client of the master."""
 
+import contextlib
 import os
 import signal
 import socket
@@ -12,6 +13,23 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+
+def free_ports(count: int) -> List[int]:
+    """Return different TCP ports of localhost that nothing listens on.
+
+    :param count: how many
+    """
+    with contextlib.ExitStack() as probes:
+        sockets = [probes.enter_context(socket.socket()) for _ in range(count)]
+        for probe in sockets:
+            probe.bind(("localhost", 0))
+        return [int(probe.getsockname()[1]) for probe in sockets]
+
+
+def free_port() -> int:
+    """Return a TCP port of localhost that nothing listens on."""
+    return free_ports(1)[0]
 
 
 class Process:
@@ -85,9 +103,7 @@ class Master:
     """A master that can be killed and started again; its parameters go with it."""
 
     def __init__(self) -> None:
-        with socket.socket() as chooser:
-            chooser.bind(("localhost", 0))
-            self._port = chooser.getsockname()[1]
+        self._port = free_port()
         self.uri = f"http://localhost:{self._port}/"
         self.start()
 

@@ -1,7 +1,8 @@
-"""Wait for a condition instead of sleeping and hoping."""
+"""Wait for a condition instead of sleeping and hoping; have a thread do what has to wait."""
 
+import threading
 import time
-from typing import Callable, Optional, TypeVar
+from typing import Any, Callable, Optional, TypeVar
 
 Value = TypeVar("Value")
 
@@ -34,3 +35,15 @@ def wait_until(
             raise AssertionError(f"after {timeout:g} s: {what()}")
         time.sleep(pause)
         pause = min(2.0 * pause, _LONGEST_S)
+
+
+def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
+    """Call a function in a thread of its own, which does not keep the process from ending.
+
+    :param function: what to call
+    :param arguments: what to call it with
+    :returns: the thread, which has been started
+    """
+    thread = threading.Thread(target=function, args=arguments, daemon=True)
+    thread.start()
+    return thread

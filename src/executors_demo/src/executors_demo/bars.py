@@ -9,7 +9,7 @@ class Bar(NamedTuple):
     """A call.
 
     :param begin: when it began, s since the start of the node
-    :param end: when it ended, or the time of the last line where none tells of its end, s
+    :param end: when it ended, or the time of the last line if its end is not in the log, s
     :param thread: name of the thread that made it
     :param who: what was called
     :param number: which of its calls, from 1 on
@@ -73,7 +73,7 @@ def most_at_once(made: List[Bar]) -> int:
 
     :param made: the calls
     """
-    # Whoever ends when another begins is gone by then.
+    # A call that ends when another begins does not overlap it.
     steps = sorted(
         [(bar.begin, 1) for bar in made if bar.begin < bar.end]
         + [(bar.end, -1) for bar in made if bar.begin < bar.end]

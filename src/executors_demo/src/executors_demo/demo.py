@@ -62,7 +62,7 @@ Settings = TypeVar("Settings", bound=ExecutorParameters)
 
 
 class Demo(Generic[Settings]):
-    """A node whose calls an executor makes; a parameter says which, also while it runs.
+    """A node whose callbacks an executor calls; a parameter chooses it, also while it runs.
 
     :param node: what it makes everything through
     :param declaration: the class that declares its parameters
@@ -89,7 +89,7 @@ class Demo(Generic[Settings]):
         self._executor.add_node(node)
 
     def work(self, who: str, length: float, note: str = "") -> None:
-        """Do what takes its time, and say when it begins and ends.
+        """Work for some time, and log when that begins and ends.
 
         :param who: what is called; one word
         :param length: how long it takes, s
@@ -110,5 +110,5 @@ class Demo(Generic[Settings]):
 
 def _print(line: str) -> None:
     rospy.loginfo("%s", line)
-    with contextlib.suppress(OSError):  # nobody reads any more: nodekit says so
+    with contextlib.suppress(OSError):  # nobody reads any more: nodekit reports that
         sys.stdout.flush()  # or else "| tee" shows nothing for a while

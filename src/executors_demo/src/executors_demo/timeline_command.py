@@ -72,7 +72,7 @@ def _bars(log: str) -> List[Bar]:
         with open(log, errors="replace") as file:
             made = bars(read(file))
     if not made:
-        raise NoLines(f"{log}: no line in it says that a call begins or ends")
+        raise NoLines(f"{log}: no line that says that a call begins or ends")
     return made
 
 

@@ -26,7 +26,7 @@ class System:
     :param now: the time
 
     :ivar goal: how far up they are to be; None until their states are known
-    :ivar problem: why they are not where they were told to be; empty where they are, or will be
+    :ivar problem: why they are not at the goal; empty where they are, or will be
     """
 
     def __init__(self, names: Sequence[str], autostart: bool, now: float) -> None:
@@ -100,7 +100,7 @@ class System:
         """
         pause, self._checked_at = now - self._checked_at, now
         for member in self.members:
-            if pause > PAUSE_S:  # nobody has listened meanwhile
+            if pause > PAUSE_S:  # no heartbeat could be received meanwhile
                 member.heard_at = min(now, member.heard_at + pause)
             if member.is_heard and now - member.heard_at > heartbeat_timeout:
                 self.mark_lost(member, f"no heartbeat for {heartbeat_timeout:g} s", now)

@@ -3,7 +3,7 @@
 from typing import Optional
 
 
-# What a motor says of itself on the topic motor_state.
+# The states that a motor publishes on motor_state.
 #: Not yet enabled since it started.
 WAITING = "waiting"
 ENABLED = "enabled"
@@ -46,7 +46,7 @@ class EnableSequence:
         self._accepted = success
 
     def heard(self, state: str) -> None:
-        """Record what the motor says of itself.
+        """Record a state that the motor has published.
 
         :param state: WAITING, ENABLED or DISABLED
         """

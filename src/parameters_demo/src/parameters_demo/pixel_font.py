@@ -1,4 +1,4 @@
-"""Letters of 5 by 7 pixels, so that a picture can say something without a library for it."""
+"""Letters of 5 by 7 pixels, so that a picture can have text without a library for it."""
 
 import functools
 

@@ -20,8 +20,8 @@ class LatenessMonitor:
     The lag may change slowly, as when a bag is played at half its speed; it is compared with that
     of the samples just before. A signal whose time stands still or restarts has a new lag.
 
-    A simulated clock may jump, and the signal's time with it. What the signal says of the jump may
-    come before what the clock says: then the lag falls, and soon rises to just what it was before.
+    A simulated clock may jump, and the signal's time with it. The signal may show the
+    jump before the clock does: then the lag falls, and soon rises to just what it was before.
     That is not lateness either.
     """
 
@@ -42,7 +42,7 @@ class LatenessMonitor:
         """Take in samples that came together.
 
         :param now: when they came, on a clock that runs as the signal does, s; 0 is what a
-            simulated clock says until its first message
+            simulated clock shows until its first message
         :param samples: the samples, the oldest first; each has its time in s as ``time_x``
         :returns: whether samples have begun or ceased to be late
         """
@@ -50,7 +50,7 @@ class LatenessMonitor:
         if not math.isfinite(first + latest):
             return False  # not a signal
         if now == 0.0:
-            return False  # a simulated clock that has not told its time yet: no lag to go by
+            return False  # a simulated clock before its first message: no lag to go by
         lateness = now - first - self._lag if first > self._time else 0.0
         if lateness >= LATE_S and self._clock_has_followed(now, first):
             lateness = 0.0

@@ -1,4 +1,4 @@
-"""Intervals of phase: what one sample of a sine says of its phase, and several together.
+"""Intervals of phase: what one sample of a sine, and several together, say of its phase.
 
 An interval is a pair (centre, half width) in rad. Phases that differ by whole turns are the same.
 """

@@ -1,7 +1,7 @@
 """Track the phase of a sampled sine, to give the quadrature (cosine) that belongs to each sample.
 
-A message tells amplitude, angular frequency, time and value of a sample. From them follows how far
-the phase went since the previous sample and what the sine was, each with its largest error, as the
+A message has the amplitude, angular frequency, time and value of a sample. They give how far the
+phase went since the previous sample and what the sine was, each with its largest error, as the
 fields are rounded to float32; :mod:`basic_comms.conditioning.phase_estimate` does the rest.
 """
 

@@ -45,7 +45,7 @@ class Prbs:
 
     The period is ``2**order - 1`` chips, one more of which are 1 than -1.
 
-    Chip k is a sum over GF(2) of some of the first ``order`` chips. Which ones is told by the
+    Chip k is a sum over GF(2) of some of the first ``order`` chips. Which ones, is given by the
     residue of x**k modulo the register's polynomial, kept as an integer whose bit i stands for
     x**i. Times x is one step of the register; a power of x by repeated squaring goes anywhere.
 

@@ -1,1 +1,1 @@
-"""What tells a robot how to move: the laws, wired to ROS."""
+"""The laws, wired to ROS: what commands a robot."""

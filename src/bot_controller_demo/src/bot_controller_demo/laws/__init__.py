@@ -1,1 +1,1 @@
-"""From where a robot is to how it is to move: plain computation, which knows no ROS."""
+"""Poses, velocities, and the laws from the ones to the others; they know no ROS."""

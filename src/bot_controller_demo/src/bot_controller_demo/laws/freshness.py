@@ -17,7 +17,7 @@ class Freshness:
     def record_message(self, stamp: float, now: float) -> None:
         """Record a message.
 
-        :param stamp: when it was made, s; 0 where it does not say
+        :param stamp: when it was made, s; 0 if it has no stamp
         :param now: when it has arrived, s by the same clock
         """
         self._stamp, self._arrived_at = stamp or now, now

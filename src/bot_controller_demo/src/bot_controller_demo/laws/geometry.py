@@ -22,7 +22,7 @@ class Goal(NamedTuple):
 
     :param x: position, m
     :param y: position, m
-    :param theta: heading, rad; None where any will do
+    :param theta: heading, rad; None where it does not matter
     """
 
     x: float
@@ -38,9 +38,9 @@ class Errors(NamedTuple):
     """What separates a robot from its goal.
 
     :param distance: m
-    :param direction: how far the goal is to the left of where the robot looks, rad
-    :param heading: how far the robot has to turn to the left to look as it is to at the goal, rad;
-        0 where any heading will do
+    :param direction: angle from the heading of the robot to the goal, counter-clockwise, rad
+    :param heading: angle from the heading of the robot to that at the goal, counter-clockwise,
+        rad; 0 where the heading does not matter
     """
 
     distance: float

@@ -1,4 +1,4 @@
-"""The control laws: from what separates a robot from its goal to how it is to move.
+"""The control laws: from the errors of a robot to its velocity.
 
 Both are proportional: the larger the error, the faster.
 """
@@ -31,10 +31,10 @@ _COURSE_BLENDS_FROM_M = 0.5
 
 
 def settling(errors: Errors, gains: Gains) -> Velocity:
-    """Drive as far as the robot looks towards its goal; the last heading comes afterwards.
+    """Drive as far as the robot faces its goal; the last heading comes afterwards.
 
     v = K d cos(a)^2, and 0 where the goal is behind; w = K a. The cosine takes the speed away while
-    the robot looks aside: squared, it keeps the path below 1.07 times the straight one with the
+    the robot faces aside: squared, it keeps the path below 1.07 times the straight one with the
     course's gains, at any distance (1.12 without the square). The distance never grows.
 
     :param errors: what separates the robot from its goal

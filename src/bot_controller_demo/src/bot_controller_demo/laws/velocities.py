@@ -1,4 +1,4 @@
-"""What a robot with two wheels is told to do, and what each model can."""
+"""Commands to a robot with two wheels, and the limits of each model."""
 
 from typing import Dict, NamedTuple
 

@@ -1,7 +1,7 @@
 """What the keys of a teleoperation mean, and for how long.
 
-A terminal tells when a key goes down, and again and again while it is held, for the first time
-after about half a second. It never tells that a key was released: that is known from silence.
+A terminal reports a key when it goes down, and repeatedly while it is held, for the first time
+after about half a second. It never reports that a key was released: that is known from silence.
 """
 
 import math
@@ -64,7 +64,7 @@ class TimeOuts(NamedTuple):
 
 
 class HeldKey:
-    """Which key is held, told from presses.
+    """Which key is held, as seen from presses.
 
     Two presses of a key within the shorter time-out are taken for the terminal's repetition. Two
     quick ones by hand are further apart, and each is a new press.

@@ -19,7 +19,7 @@ from diff_drive_sim.simulation.robot import Robot
 #: As turtlebot3_fake names them.
 ODOM, BASE, SCAN = "odom", "base_footprint", "base_scan"
 LEFT_JOINT, RIGHT_JOINT = "wheel_left_joint", "wheel_right_joint"
-#: Variance of what is exact, which filters can divide by, and of what wheels tell nothing of.
+#: Variance of what is exact, which filters can divide by, and of what wheels do not measure.
 EXACT_VARIANCE, UNKNOWN_VARIANCE = 1e-9, 1e6
 #: Where x, y and the heading stand in a covariance of 6 x 6.
 _PLACES = (0, 1, 5, 7, 11, 35)
@@ -30,7 +30,7 @@ _LASER_Z = 0.18
 
 
 class RobotMessages:
-    """All that is told of one robot.
+    """All messages of one robot.
 
     :param prefix: what stands before the names of its frames
     :param laser_x: how far ahead of the axle its laser is, m
@@ -54,7 +54,7 @@ class RobotMessages:
         return TFMessage([self.base, self.laser] if with_laser else [self.base])
 
     def fill(self, robot: Robot, stamp: Any) -> None:
-        """Have the messages, but for the scan, tell of a moment.
+        """Fill the messages, except the scan, for a moment.
 
         :param robot: at that moment
         :param stamp: the moment, a time of ROS

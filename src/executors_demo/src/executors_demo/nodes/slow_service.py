@@ -17,7 +17,7 @@ class SlowServiceParameters(ExecutorParameters):
 
 
 class SlowService(Demo[SlowServiceParameters]):
-    """A slow service that hinders nobody.
+    """A slow service that delays nothing else.
 
     The timer and the service are in groups of their own, so the timer goes on. The service's group
     is reentrant, so several calls are answered at the same time, as many as there are threads;

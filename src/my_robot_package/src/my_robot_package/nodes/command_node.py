@@ -40,7 +40,7 @@ class CommandNode:
         self.on_change(node.parameters(CommandNodeParameters, on_change=self.on_change).values)
 
     def on_change(self, new: CommandNodeParameters, *old: CommandNodeParameters) -> None:
-        """Send what the parameters say."""
+        """Send the command of the parameters."""
         self.send_command(new.command_type, new.target_position, new.velocity)
 
     def send_command(

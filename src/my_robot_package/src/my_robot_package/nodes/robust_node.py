@@ -20,7 +20,7 @@ class RobustNodeParameters(ParameterSet):
 
 
 class SetupFailed(Exception):
-    """What was tried again and again, and failed each time; the text says why."""
+    """A set-up that failed at each attempt; the text says why."""
 
 
 def set_up(attempt: Callable[[], None], recover: Callable[[Exception], None], attempts: int) -> int:

@@ -22,7 +22,7 @@ class LidarDemoParameters(ParameterSet):
 class LidarDemo:
     """Publishes scans of a room in which somebody walks around.
 
-    The model tells how far the lidar sees, how wide and how fine.
+    The model decides how far the lidar sees, how wide and how fine.
 
     :ROS Publishers:
         - ``lidar/points`` (sensor_msgs/LaserScan): in the frame ``NAME_frame``

@@ -54,8 +54,8 @@ class ParameterTypes:
 
     def _on_limits(self, limits: Any) -> None:
         if isinstance(limits, dict):
-            told = ", ".join(f"{key} up to {value}" for key, value in sorted(limits.items()))
-            rospy.loginfo("Limits: %s", told)
+            shown = ", ".join(f"{key} up to {value}" for key, value in sorted(limits.items()))
+            rospy.loginfo("Limits: %s", shown)
 
 
 def main() -> None:

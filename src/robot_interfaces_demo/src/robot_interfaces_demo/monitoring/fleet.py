@@ -145,7 +145,7 @@ class Fleet:
         """Return whether there is room for one more, after a lost one has made it if need be."""
         if self._found < self._settings.max_robots:
             return True
-        if not self._is_full:  # until the next look, as nobody is lost by then
+        if not self._is_full:  # until the next check, as no robot is lost by then
             lost = next(filter(self._is_dispensable, self._robots.values()), None)
             self._is_full = lost is None
             if lost is not None:

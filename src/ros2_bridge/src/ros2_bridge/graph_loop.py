@@ -41,7 +41,7 @@ class GraphLoop:
     def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
         self._node, self._parameters = node, parameters
         self._master = MasterClient(node.name)
-        # Of its own: it remembers the latest answers.
+        # Of its own: it remembers the latest replies.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)

@@ -22,8 +22,8 @@ from ros2_bridge.rules.settings import Quality
 from ros2_bridge.rules.skipped import SkipLog
 
 _EVENTS = "/parameter_events"
-#: How long a node is given to describe its parameters, s, until it is taken for one that does not:
-#: of those, everything is taken, even while one that would refuse it is still starting.
+#: How long a node is given to describe its parameters, s. Then it counts as one that does not, and
+#: every value is accepted for it; before, it may be one that would refuse some, and is starting.
 _DESCRIBE_S = 5.0
 _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 
@@ -115,7 +115,7 @@ class NodeBridge:
         self._update_to_ros1(listing - ros1.nodes() if parameters else set(), most, is_restarted)
 
     def _other(self, name: str) -> str:
-        """Return the name in ROS 2."""
+        """Return the name in ROS 2 of what has a name in ROS 1."""
         return self._names.in_ros2(name) or name
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:

@@ -11,7 +11,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from nodekit import CallError, Node
 from nodekit.master import MasterClient
 from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2.ros2_client import NoResponse, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, parameter_services, wanted
 from ros2_bridge.rules.pairs import PairBridge
@@ -74,12 +74,12 @@ class ServiceToRos2:
             send(deserialize_message(cdr, self.kind.cls.Response))
 
     def _fail(self, send: Callable[[Any], None], why: str) -> None:
-        answer = self.kind.cls.Response()
-        fields = answer.get_fields_and_field_types()
+        response = self.kind.cls.Response()
+        fields = response.get_fields_and_field_types()
         reason = [name for name in _WHY if fields.get(name) == "string"]
         if fields.get("success") == "boolean" and reason:
-            setattr(answer, reason[0], why)
-            send(answer)
+            setattr(response, reason[0], why)
+            send(response)
         else:
             rospy.logwarn_throttle(1.0, f"a caller in ROS 2 gets no response: {why}")
 
@@ -116,10 +116,10 @@ class ServiceToRos1:
         try:
             cdr = self.kind.request.to_cdr(request._buff)
             asked = deserialize_message(cdr, self.kind.cls.Request)
-            answer = self._client.call(asked, self._timeout())
+            response = self._client.call(asked, self._timeout())
             raw = self.kind.raw._response_class()
-            raw._buff = self.kind.response.to_ros1(serialize_message(answer))
-        except (NoAnswer, ConversionError) as error:
+            raw._buff = self.kind.response.to_ros1(serialize_message(response))
+        except (NoResponse, ConversionError) as error:
             raise rospy.ServiceException(str(error)) from None
         return raw
 
@@ -196,7 +196,7 @@ class ServiceBridge(PairBridge[_Pair]):
         return self._owners.get(self._ros1.services.get(way.name, ""), self._side.node)
 
     def _type(self, way: Way) -> Optional[str]:
-        """Return ROS 1's name of a service's type, None where its server has not told it yet."""
+        """Return ROS 1's name of a service's type, None where it is not known yet."""
         if way.to_ros2:
             return self._types1.of(way.name)
         return self._types.ros1_name(self._ros2[way.name][0])

@@ -65,7 +65,7 @@ def descriptor(name: str, entry: Mapping[str, Any]) -> ParameterDescriptor:
 
 
 def event(node: str, stamp: Any, *parts: Dict[str, ParameterValue]) -> ParameterEvent:
-    """Return what tells others of a change.
+    """Return the message about a change.
 
     :param parts: what is new, what has changed, what has gone
     """

@@ -25,7 +25,7 @@ from ros2_bridge.parameters.parameter_values import (
     ros1_key,
     unfit,
 )
-from ros2_bridge.ros2.ros2_client import NoAnswer, Ros2Client
+from ros2_bridge.ros2.ros2_client import NoResponse, Ros2Client
 from ros2_bridge.ros2.ros2_side import Ros2
 from ros2_bridge.rules.skipped import SkipLog
 
@@ -99,7 +99,7 @@ class ParametersToRos1:
         while not self._is_closed:
             try:
                 self._work.get()()
-            except (NoAnswer, MasterUnreachable) as error:
+            except (NoResponse, MasterUnreachable) as error:
                 self._is_written = False  # the server may lack something
                 rospy.logwarn_throttle(10.0, f"parameters of {self._name} in ROS 2: {error}")
             except Exception:  # of a node that sends malformed responses
@@ -184,7 +184,7 @@ class ParametersToRos1:
         request = SetParameters.Request(parameters=[Parameter(name=name, value=message)])
         try:
             results = self._set.call(request, _TIMEOUT_S).results
-        except NoAnswer as error:
+        except NoResponse as error:
             return str(error)
         if len(results) != 1:
             return f"the node sent {len(results)} results for one parameter"

@@ -1,7 +1,7 @@
 """The names of ROS 2's nodes in ROS 1's list of nodes.
 
 The master lists whoever has registered something. Each node of ROS 2 is registered as a subscriber
-of /parameter_events, which it has there too; what the master then tells it has no use. If they were
+of /parameter_events, which it is in ROS 2 too; the master's notifications are ignored. If they were
 registered as publishers, subscribers would connect to the bridge twice.
 
 They do not have the bridge's own address: the master ends whoever is at the address of a name that
@@ -71,7 +71,7 @@ class NamesInRos1:
 
 
 class _Address(rosgraph.xmlrpc.XmlRpcHandler):
-    """Answers for all these nodes what a node of ROS 1 may be asked.
+    """Answers for all these nodes the requests that a node of ROS 1 gets.
 
     :ivar is_taken: set once the master has ended one of them, as another has its name
     """

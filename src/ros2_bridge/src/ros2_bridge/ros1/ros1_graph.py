@@ -10,7 +10,7 @@ class Ros1Graph(NamedTuple):
     """The graph of ROS 1 at one moment, without the bridge itself.
 
     :param publishers, subscribers: names of nodes by topic
-    :param types: of the topics that are published, by topic; ``*`` where no publisher tells it
+    :param types: of the topics that are published, by topic; ``*`` where no publisher names it
     :param services: name of the node by service
     :param master_pid: process id of the master: another one has forgotten everything
     """
@@ -28,12 +28,12 @@ class Ros1Graph(NamedTuple):
 
 
 def read_graph(client: MasterClient, own: Set[str]) -> Ros1Graph:
-    """Ask the master, all in one request: while nothing changes, its answer need not be parsed.
+    """Ask the master, all in one request: while nothing changes, its reply need not be parsed.
 
     It is not asked for the types of all topics: those it remembers for ever, also of topics that
     are gone.
 
-    :param client: asks it, and little else: it remembers two answers
+    :param client: asks it, and little else: it remembers two replies
     :param own: names of nodes that are the bridge's
     :raises MasterUnreachable: if it does not answer
     """

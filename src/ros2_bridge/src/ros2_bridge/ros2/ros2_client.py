@@ -8,7 +8,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from ros2_bridge.ros2.ros2_side import Ros2
 
 
-class NoAnswer(Exception):
+class NoResponse(Exception):
     """A service of ROS 2 has not responded; the text says which, and why."""
 
 
@@ -27,40 +27,40 @@ class Ros2Client:
         self._client, self.close = side.client(cls, name, self._receive)
 
     def call(self, request: Any, timeout: float) -> Any:
-        """Call the service and wait for the answer.
+        """Call the service and wait for the response.
 
         :param timeout: longest wait, s
-        :raises NoAnswer: if nobody offers it, or does not answer in time
+        :raises NoResponse: if nobody offers it, or nobody responds in time
         """
-        answers: List[Any] = []
+        responses: List[Any] = []
         came = threading.Event()
 
-        def receive(answer: Any) -> None:
-            answers.append(answer)
+        def receive(response: Any) -> None:
+            responses.append(response)
             came.set()
 
         try:
             if not self._client.service_is_ready():
-                raise NoAnswer(f"{self._name} is not offered in ROS 2")
-            with self._lock:  # or the answer could come before it is waited for
+                raise NoResponse(f"{self._name} is not offered in ROS 2")
+            with self._lock:  # or the response could come before it is waited for
                 number = self._client.handle.send_request(request)
                 self._waiting[number] = receive
         except _rclpy.InvalidHandle:
-            raise NoAnswer(
+            raise NoResponse(
                 f"{self._name} in ROS 2: the bridge has just closed its client"
             ) from None
         if not came.wait(timeout):
             with self._lock:
                 self._waiting.pop(number, None)
-            raise NoAnswer(f"{self._name} in ROS 2: no answer within {timeout:g} s")
-        return answers[0]
+            raise NoResponse(f"{self._name} in ROS 2: no answer within {timeout:g} s")
+        return responses[0]
 
     def _receive(self, most: int) -> None:
         for _ in range(most):
-            header, answer = self._client.handle.take_response(self._cls.Response)
+            header, response = self._client.handle.take_response(self._cls.Response)
             if header is None:
                 break
             with self._lock:
                 receive = self._waiting.pop(header.request_id.sequence_number, None)
             if receive is not None:
-                receive(answer)
+                receive(response)

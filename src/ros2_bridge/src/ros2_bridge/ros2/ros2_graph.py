@@ -33,7 +33,7 @@ class Topic(NamedTuple):
 class Ros2Graph:
     """Reads the graph, with everything by its name in ROS 1.
 
-    :param side: the bridge in ROS 2, which is left out of all answers
+    :param side: the bridge in ROS 2, which is left out of all that is returned
     :param names: what has another name in ROS 2
 
     :ivar nameless: what has no name in ROS 1, as it would have another's
@@ -81,8 +81,8 @@ class Ros2Graph:
         """Return the topics that others use.
 
         For each question about a topic ROS 2 goes through all endpoints that there are, so it is
-        not asked about each topic of ours, which may be thousands. Those that nodes use, the nodes
-        tell. Programs that use DDS without a node are found in turn.
+        not asked about each topic of ours, which may be thousands. It is asked which topics each
+        node uses. Programs that use DDS without a node are found in turn.
         """
         node, ours = self._side.node, self._side.topics()
         names = {name for name, _ in node.get_topic_names_and_types()} - ours
@@ -124,7 +124,7 @@ class Ros2Graph:
 
 
 def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
-    """Return names and types that rclpy tells of a node; nothing where it has just gone."""
+    """Return the names and types that rclpy has of a node; none where that has just gone."""
     namespace, _, base = node.rpartition("/")
     try:
         return list(ask(base, namespace or "/"))

@@ -63,8 +63,8 @@ class Ros2:
     def _find_participant(self) -> bytes:
         """Return what the names of all our endpoints begin with.
 
-        A topic that nobody else can have tells: under our node's name, another bridge may still be
-        seen that was killed.
+        They are read from a topic that nobody else can have: under our node's name, another bridge
+        may still be listed that was killed.
         """
         topic = f"_{uuid.uuid4().hex}"
         publisher = self.node.create_publisher(ParameterEvent, topic, 1)

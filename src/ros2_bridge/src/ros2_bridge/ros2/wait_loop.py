@@ -34,7 +34,7 @@ class Waitable(NamedTuple):
 
 
 class WaitLoop:
-    """Calls what takes messages, requests and answers, as soon as there are any.
+    """Calls what takes messages, requests and responses, as soon as there are any.
 
     :param context: rclpy's
     :param name: of the thread

@@ -73,7 +73,7 @@ class TopicBridge(PairBridge[_Pair]):
         return TopicToRos1(node, side, name, other, kind, qualities, self._ros2[name])
 
     def _type1(self, way: Way) -> Optional[str]:
-        """Return the type of a topic in ROS 1, None where no publisher tells it."""
+        """Return the type of a topic in ROS 1, None where no publisher names it."""
         found = self._types1.get(way.name)
         return None if found == "*" else found
 
@@ -82,7 +82,7 @@ class TopicBridge(PairBridge[_Pair]):
         return self._ros2[way.name].types if way.name in self._ros2 else set()
 
     def _kind(self, way: Way) -> Optional[MessageType]:
-        """Return the type of a topic, None where nobody tells it, or each ROS has it for itself.
+        """Return the type of a topic, None where it is not known yet, or each ROS has its own.
 
         :raises Unbridgeable: if it is not one for both sides
         """

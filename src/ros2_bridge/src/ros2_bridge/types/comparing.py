@@ -5,7 +5,7 @@ from typing import Callable, Mapping, Optional, Tuple
 
 from nodekit.message_definitions import SIZES, TIMES, Fields
 
-#: The fields of a ROS 2 type and the types of these, as rclpy tells them.
+#: Returns the fields of a ROS 2 type with their types, as rclpy names them.
 Describe = Callable[[str], Mapping[str, str]]
 
 #: rclpy's names of numbers. Sign and truth need not agree: the bytes do.
@@ -26,7 +26,7 @@ def difference(datatype: str, fields: Fields, other: str, describe: Describe) ->
     :param datatype: ROS 1's type
     :param fields: its definition
     :param other: ROS 2's type
-    :param describe: tells the fields of ROS 2's types
+    :param describe: returns the fields of ROS 2's types
     """
     ours = [(f.name, _ours(f.base), f.length if f.is_array else 0) for f in fields[datatype]]
     if datatype == "std_msgs/Header":

@@ -1,4 +1,4 @@
-"""Of which type the services of ROS 1 are: their servers tell, each when it is asked."""
+"""The types of ROS 1's services, which only their servers know."""
 
 import itertools
 import threading
@@ -16,7 +16,7 @@ _LOOKUPS = 20
 
 
 class ServiceTypes:
-    """Asks the servers, each in a thread of its own, so that one that hangs keeps nobody.
+    """Asks the servers, each in a thread of its own, so that one that hangs delays no other.
 
     :param client: asks the master
     """

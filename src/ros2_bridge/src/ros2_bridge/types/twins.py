@@ -80,7 +80,7 @@ def _definition(text: str, package: str, needs: Set[str]) -> str:
 
 
 def _line(line: str, package: str, needs: Set[str]) -> str:
-    if line.strip() == "---":  # between request and answer
+    if line.strip() == "---":  # between request and response
         return "---"
     constant = constant_in(line)
     if constant is not None:

@@ -9,7 +9,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool
 
 from bot_controller_demo.driving.commands import Commands
-from bot_controller_demo.driving.driving_parameters import DrivingParameters
+from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.laws.freshness import Freshness
 from bot_controller_demo.laws.geometry import Goal, Pose, heading_of
 from bot_controller_demo.laws.pursuit import ARRIVED, Pursuit

@@ -6,9 +6,9 @@ import rospy
 from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo.driving.driver import Driver
-from bot_controller_demo.driving.driving_parameters import DrivingParameters
 from bot_controller_demo.driving.go_to_server import GoToServer
 from bot_controller_demo.driving.goals import FARTHEST, GoalRefused, allowed, goal_of
+from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.laws.geometry import Goal
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest, SetGoalResponse
 from nodekit import FloatParameter, Node, run

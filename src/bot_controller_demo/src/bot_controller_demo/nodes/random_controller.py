@@ -4,7 +4,7 @@ import random
 from typing import Tuple
 
 from bot_controller_demo.driving.commands import Commands
-from bot_controller_demo.driving.driving_parameters import controller_type
+from bot_controller_demo.driving.parameters import controller_type
 from bot_controller_demo.laws.velocities import Velocity
 from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
 

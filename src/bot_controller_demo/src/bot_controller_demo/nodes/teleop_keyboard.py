@@ -7,7 +7,7 @@ import time
 import rospy
 
 from bot_controller_demo.driving.commands import Commands
-from bot_controller_demo.driving.driving_parameters import controller_type
+from bot_controller_demo.driving.parameters import controller_type
 from bot_controller_demo.laws.velocities import MODELS, Limits, Velocity, clamp
 from bot_controller_demo.teleop.keys import HELP, SCALES, Teleoperation, TimeOuts, split
 from bot_controller_demo.teleop.terminal import KeyTerminal

@@ -5,8 +5,8 @@ from typing import List
 import rospy
 
 from bot_controller_demo.driving.driver import Driver
-from bot_controller_demo.driving.driving_parameters import DrivingParameters
 from bot_controller_demo.driving.goals import FARTHEST
+from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.laws.geometry import Goal
 from bot_controller_demo.laws.pursuit import ARRIVED
 from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run

@@ -8,14 +8,14 @@ import { colourOf, startTheme } from "./state/colours.js";
 import { Connection } from "./base/connection.js";
 import { Cursors } from "./measure/cursors.js";
 import { byId, setPressed } from "./base/dom.js";
-import { Fleet } from "./robots/fleet.js";
+import { showFleet } from "./robots/fleet.js";
 import { startGestures } from "./plot/gestures.js";
 import { Graph } from "./graph/graph.js";
 import { Hover } from "./measure/hover.js";
 import { startKeys } from "./base/keys.js";
 import { keyList } from "./page/key_list.js";
 import { Legend } from "./choose/legend.js";
-import { Managed } from "./controls/managed.js";
+import { startManaged } from "./controls/managed.js";
 import { Panels } from "./controls/panels.js";
 import { startMeasures } from "./measure/measures.js";
 import { Playback } from "./page/playback.js";
@@ -60,9 +60,8 @@ const requests = new Requests(state, plot, connection, setup);
 const charts = startCharts(state, requests, colour);
 const send = (message) => connection.send(message);
 const panels = new Panels(state, send);
-const managed = new Managed(state, send);
+const showManaged = startManaged(state, send);
 const robots = new RobotView(state, send);
-const fleet = new Fleet();
 const playback = new Playback(state, sweep, send, () => robots.trails.clear());
 
 const handlers = {
@@ -89,7 +88,7 @@ const handlers = {
     sweep.onTrigger(message);
   },
   panels: (message) => panels.show(message.panels),
-  managed: (message) => managed.show(message),
+  managed: showManaged,
   statuses: (message) => panels.onStatuses(message),
   value: (message) => panels.onValue(message),
   refused: (message) => panels.onRefused(message),
@@ -100,7 +99,7 @@ const handlers = {
   targets: (message) => robots.showTargets(message),
   steering: (message) => robots.wheel.onSteering(message),
   sent: (message) => robots.goals.onSent(message),
-  fleet: (message) => fleet.show(message),
+  fleet: showFleet,
   master: showMaster,
   playback: (message) => playback.onState(message),
   error: ({ text }) => notify(text),

@@ -5,7 +5,7 @@ import { byId, make, setPressed, setText } from "../base/dom.js";
 import { VALUES, shownFigures } from "../measure/measures.js";
 import { figure } from "../base/numbers.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
-import { TimestampChoice } from "./timestamp_source.js";
+import { timestampChoice } from "./timestamp_source.js";
 import { scaledText } from "../state/traces.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
@@ -97,7 +97,7 @@ export class Legend {
       click: () => state.set({ right: toggled(right, field) }),
     }, right.has(field) ? "right" : "left");
     setPressed(axis, right.has(field));
-    const timestamp = new TimestampChoice(state, field);
+    const timestamp = timestampChoice(state, field);
     const badge = make("span", { class: "badge", role: "status", hidden: true });
     const more = make("button", {
       type: "button",

@@ -54,36 +54,32 @@ export function setSource(state, name, source) {
   else state.set(changes);
 }
 
-/** Shows the timestamp source of a trace, and lets the user choose another one. */
-export class TimestampChoice {
-  /**
-   * @param {import("../state/state.js").State} state
-   * @param {string} name of the trace
-   */
-  constructor(state, name) {
-    this.state = state;
-    this.isFixed = isDifference(name); // its timestamps are those of its fields
-    this.chosen = this.isFixed ? "" : splitSource(name)[1];
-    this.auto = make("option", { value: "" }, "auto");
-    this.element = make("select", {
-      "aria-label": `timestamp source of ${name}`,
-      "data-control": `timestamp ${name}`,
-      title: "timestamp source",
-      disabled: this.isFixed,
-      change: () => setSource(state, name, this.element.value),
-    }, this.auto, ...options(this.chosen ? [this.chosen] : []));
-    this.element.value = this.chosen;
-  }
+/**
+ * Make the list of timestamp sources of a trace.
+ * @param {import("../state/state.js").State} state
+ * @param {string} name of the trace
+ * @returns {{element: HTMLSelectElement, show: function(string, string): void}} show takes the
+ *   topic of the trace, and the source in use
+ */
+export function timestampChoice(state, name) {
+  const isFixed = isDifference(name); // its timestamps are those of its fields
+  const chosen = isFixed ? "" : splitSource(name)[1];
+  const auto = make("option", { value: "" }, "auto");
+  const element = make("select", {
+    "aria-label": `timestamp source of ${name}`,
+    "data-control": `timestamp ${name}`,
+    title: "timestamp source",
+    disabled: isFixed,
+    change: () => setSource(state, name, element.value),
+  }, auto, ...options(chosen ? [chosen] : []));
+  element.value = chosen;
 
-  /**
-   * @param {string} topic of the trace
-   * @param {string} source in use
-   */
-  show(topic, source) {
-    if (!this.chosen) setText(this.auto, `auto (${source})`);
-    if (this.isFixed) return;
-    const listed = [...this.element.options].map((option) => option.value);
-    const missing = sourcesOf(this.state.values.available, topic).filter((one) => !listed.includes(one));
-    this.element.append(...options(missing));
+  function show(topic, source) {
+    if (!chosen) setText(auto, `auto (${source})`);
+    if (isFixed) return;
+    const listed = [...element.options].map(({ value }) => value);
+    const missing = sourcesOf(state.values.available, topic).filter((one) => !listed.includes(one));
+    element.append(...options(missing));
   }
+  return { element, show };
 }

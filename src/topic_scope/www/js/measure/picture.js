@@ -11,29 +11,16 @@ const SWATCH = 30; // width of the sample of a line, and the space behind it
 
 const TURNED = { "dygraph-ylabel": -1, "dygraph-y2label": 1 }; // titles, quarter turns
 
-/** Have all that is drawn drawn anew. */
-function redraw(drawn) {
-  // dygraphs does so only where its size is another one.
-  for (const { element, graph } of drawn.list || (drawn.graph ? [drawn] : [])) {
-    const { width } = element.style;
-    element.style.width = `${element.clientWidth - 1}px`;
-    graph.resize();
-    element.style.width = width;
-    graph.resize();
-  }
-  if (!drawn.list && !drawn.graph && drawn.shown) drawn.draw(drawn.shown);
-}
-
 /** Do something while all is drawn with more pixels than the screen has. */
 function sharply(drawn, ratio, act) {
   const own = Object.getOwnPropertyDescriptor(window, "devicePixelRatio");
   Object.defineProperty(window, "devicePixelRatio", { value: ratio, configurable: true });
   try {
-    redraw(drawn);
+    drawn.redraw();
     act();
   } finally {
     Object.defineProperty(window, "devicePixelRatio", own);
-    redraw(drawn);
+    drawn.redraw();
   }
 }
 
@@ -185,7 +172,7 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
 
 /**
  * Make a picture of the plot with its axes, cursors, legend, measurements and date.
- * @param {{element: HTMLElement, canvases: HTMLCanvasElement[]}} drawn a plot, or several
+ * @param {import("../plot/plots.js").Plots|import("../plot/chart.js").Chart} drawn
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
  *   labelOf: function(string): string}} style of fields

@@ -33,37 +33,33 @@ export function startAxes(state) {
     return input;
   }
 
-  function boundField(name, bound) {
-    const value = axisOf(state.values, name)[bound];
+  /** A field for a number; "act" takes what was typed, null for nothing. */
+  function numberField(label, value, act) {
     const input = make("input", {
       type: "text",
       inputmode: "decimal",
       placeholder: "auto",
-      "aria-label": `${called(name)}, ${bound === "low" ? "from" : "to"}`,
+      "aria-label": label,
       value: value === null ? "" : typed(value),
-      change: () => {
-        const number = readNumber(input.value);
-        if (Number.isNaN(number)) fill();
-        else state.setAxis(name, { [bound]: number });
-      },
+      change: () => act(readNumber(input.value)),
     });
     return input;
   }
 
-  function windowField() {
-    const input = make("input", {
-      type: "text",
-      inputmode: "decimal",
-      "aria-label": "length of the time axis, s",
-      value: typed(state.values.window),
-      change: () => {
-        const seconds = readNumber(input.value);
-        const window = Math.min(seconds, state.values.history);
-        if (seconds > 0) state.set({ window, baseWindow: window });
-        fill();
-      },
+  function boundField(name, bound) {
+    const label = `${called(name)}, ${bound === "low" ? "from" : "to"}`;
+    return numberField(label, axisOf(state.values, name)[bound], (number) => {
+      if (Number.isNaN(number)) fill();
+      else state.setAxis(name, { [bound]: number });
     });
-    return input;
+  }
+
+  function windowField() {
+    return numberField("length of the time axis, s", state.values.window, (seconds) => {
+      const window = Math.min(seconds, state.values.history);
+      if (seconds > 0) state.set({ window, baseWindow: window });
+      fill();
+    });
   }
 
   function clockField() {

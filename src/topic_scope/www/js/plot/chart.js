@@ -46,12 +46,17 @@ export class Chart {
     this.forget();
     element.addEventListener("pointermove", (event) => this.showPlace(event));
     element.addEventListener("pointerleave", () => { this.readout.hidden = true; });
-    new ResizeObserver(() => this.shown && this.draw(this.shown)).observe(element);
+    new ResizeObserver(() => this.redraw()).observe(element);
   }
 
   /** Begin anew with the ranges of the axes. */
   forget() {
     this.auto = { x: new AutoRange(), y: new AutoRange() };
+  }
+
+  /** Draw the same once more. */
+  redraw() {
+    if (this.shown) this.draw(this.shown);
   }
 
   /** As the plot has it, for a picture. */

@@ -8,7 +8,7 @@ import { axisName, axisOf, plotCount } from "../state/traces.js";
 
 /* global Dygraph */
 
-const PIXELS_PER_TICK = { x: 90, y: 46, y2: 46 };
+const PIXELS_PER_TICK = { x: 90, y: 46 };
 const LABEL_WIDTH = 58;
 const LETTER = 7; // pixels, of a label
 const TICK_PIXELS = 6; // that dygraphs leaves beside labels
@@ -42,9 +42,9 @@ export class Plot {
     this.shown = null; // what was drawn last
     const axis = (name) => ({
       ticker: (low, high, pixels) =>
-        (name === "y" && this.onlyRight ? [] : ticks(low, high, pixels / PIXELS_PER_TICK[name])),
+        (name === "y" && this.onlyRight ? [] : ticks(low, high, pixels / PIXELS_PER_TICK.y)),
       axisLabelWidth: LABEL_WIDTH,
-      drawGrid: name !== "y2",
+      drawGrid: name === "y",
     });
     this.graph = new Dygraph(this.element, [[0, null]], {
       labels: ["time", " "],
@@ -73,6 +73,16 @@ export class Plot {
   /** Fill the room that there is. */
   resize() {
     this.graph.resize();
+  }
+
+  /** Draw the same once more, which dygraphs does only where its size has changed. */
+  redraw() {
+    const { style, clientWidth } = this.element;
+    const { width } = style;
+    style.width = `${clientWidth - 1}px`;
+    this.resize();
+    style.width = width;
+    this.resize();
   }
 
   /** Go away. */

@@ -62,6 +62,11 @@ export class Plots {
     for (const listener of this.listeners) listener();
   }
 
+  /** Draw the same once more. */
+  redraw() {
+    for (const plot of this.list) plot.redraw();
+  }
+
   /** How wide the labels of both axes are for all plots to have the same edges, 0 for no axis. */
   widths() {
     const widest = (side, plots) => Math.max(0, ...plots.map((plot) => plot.widths[side]));

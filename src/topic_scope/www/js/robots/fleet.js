@@ -14,25 +14,20 @@ function tile({ topic, name, mode, readings, age }) {
   }).flat();
   return make("li", { class: "tile", "data-mode": text, "data-topic": topic, title: topic },
     make("h3", {}, name || topic), make("span", { class: "mode" }, text), make("dl", {}, ...rows),
-    age === null ? null : make("p", { class: "answer bad" }, `no data for ${Math.round(age)} s`));
+    age === null ? null : make("p", { class: "answer bad" }, `no data for ${age} s`));
 }
 
-/** Shows the tiles. */
-export class Fleet {
-  constructor() {
-    this.shown = "";
-  }
+let shown = "";
 
-  /**
-   * @param {{robots: Object[]}} message as the server sends it
-   */
-  show({ robots }) {
-    const rounded = robots.map(({ age, ...robot }) => (
-      { ...robot, age: age === null ? null : Math.round(age) }));
-    const text = JSON.stringify(rounded);
-    if (text === this.shown) return;
-    this.shown = text;
-    byId("fleet").replaceChildren(...rounded.map(tile));
-    byId("fleet-part").hidden = robots.length === 0;
-  }
+/**
+ * Show the tiles, anew only where they differ.
+ * @param {{robots: Object[]}} message as the server sends it
+ */
+export function showFleet({ robots }) {
+  const rounded = robots.map((robot) => ({ ...robot, age: robot.age && Math.round(robot.age) }));
+  const text = JSON.stringify(rounded);
+  if (text === shown) return;
+  shown = text;
+  byId("fleet").replaceChildren(...rounded.map(tile));
+  byId("fleet-part").hidden = robots.length === 0;
 }

@@ -47,7 +47,7 @@ export class Goals {
 
   sendTyped() {
     const [x, y, heading] = ["x", "y", "heading"].map((name) => readNumber(byId(`goal-${name}`).value));
-    if (![x, y].every((value) => value !== null && Number.isFinite(value)) || Number.isNaN(heading)) {
+    if (![x, y].every(Number.isFinite) || Number.isNaN(heading)) {
       setText(byId("goal-state"), "x, y and heading must be numbers, in m and degrees.");
       return;
     }

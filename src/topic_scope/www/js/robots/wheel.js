@@ -6,8 +6,8 @@ import { clamp, readNumber } from "../base/numbers.js";
 
 const EVERY_MS = 50; // between two commands; the server stops the robot after four that do not come
 const KEYS = { // key -> part of the speed and of the turn
-  ArrowUp: [1, 0], w: [1, 0], ArrowDown: [-1, 0], s: [-1, 0],
-  ArrowLeft: [0, 1], a: [0, 1], ArrowRight: [0, -1], d: [0, -1],
+  arrowup: [1, 0], w: [1, 0], arrowdown: [-1, 0], s: [-1, 0],
+  arrowleft: [0, 1], a: [0, 1], arrowright: [0, -1], d: [0, -1],
 };
 const PAD = [
   ["↖", "forward and left", 1, 1], ["↑", "forward", 1, 0], ["↗", "forward and right", 1, -1],
@@ -73,12 +73,11 @@ export class Wheel {
    */
   onKey(event) {
     if (!this.topic) return false;
-    if (event.key === "Escape") this.releaseWheel();
-    else if (event.key === " ") this.stop();
-    else if (KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key]) {
-      const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-      if (!event.repeat) this.hold(key.toLowerCase(), ...KEYS[key]);
-    } else return false;
+    const key = event.key.toLowerCase();
+    if (key === "escape") this.releaseWheel();
+    else if (key === " ") this.stop();
+    else if (!KEYS[key]) return false;
+    else if (!event.repeat) this.hold(key, ...KEYS[key]);
     return true;
   }
 
@@ -126,7 +125,7 @@ export class Wheel {
 
   limit(id) {
     const value = readNumber(byId(id).value);
-    return Number.isFinite(value) && value !== null ? clamp(value, 0, 100) : 0;
+    return Number.isFinite(value) ? clamp(value, 0, 100) : 0;
   }
 
   drive(speed, turn) {

@@ -1,12 +1,12 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
-import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { byId, make, setPressed, setText } from "../base/dom.js";
-import { VALUES, shownFigures } from "../measure/measures.js";
 import { figure } from "../base/numbers.js";
+import { colourOf, dashOf, sampleOf } from "../state/colours.js";
+import { scaledText } from "../state/traces.js";
+import { shownFigures, VALUES } from "../measure/measures.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
 import { timestampChoice } from "./timestamp_source.js";
-import { scaledText } from "../state/traces.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
 const CURSORS_EVERY_MS = 120;

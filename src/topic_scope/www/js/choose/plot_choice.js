@@ -1,7 +1,7 @@
 /** Which plot a trace is in: chosen in its row, or by dragging its name onto a plot. */
 
 import { byId, make, options } from "../base/dom.js";
-import { PLOTS, choose, chosenOf, plotCount } from "../state/traces.js";
+import { choose, chosenOf, plotCount, PLOTS } from "../state/traces.js";
 
 const FAR = 6; // pixels that a pointer moves before it drags
 

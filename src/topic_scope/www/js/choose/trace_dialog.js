@@ -2,7 +2,7 @@
 
 import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
-import { DASHES, DRAWN, LARGEST, choose, chosenOf, differenceOf, isDifference } from "../state/traces.js";
+import { choose, chosenOf, DASHES, differenceOf, DRAWN, isDifference, LARGEST } from "../state/traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
 const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };

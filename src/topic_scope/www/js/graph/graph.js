@@ -1,10 +1,10 @@
 /** The graph of nodes and topics, drawn anew when it changes. */
 
 import { byId, draw, setText } from "../base/dom.js";
-import { GraphZoom } from "./zoom.js";
-import { BACK, layOut } from "./layout.js";
 import { byName, namespaceOf } from "../base/names.js";
 import { figure } from "../base/numbers.js";
+import { BACK, layOut } from "./layout.js";
+import { GraphZoom } from "./zoom.js";
 
 const CHARACTER = 7.4; // width, pixels
 

@@ -2,8 +2,8 @@
 
 import { clockText } from "../base/clock.js";
 import { byId, make, setPressed, setText } from "../base/dom.js";
-import { Handle } from "../plot/handle.js";
 import { figure } from "../base/numbers.js";
+import { Handle } from "../plot/handle.js";
 
 /** Shows two lines that can be moved, and the time between them. */
 export class Cursors {

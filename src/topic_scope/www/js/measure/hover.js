@@ -1,9 +1,9 @@
 /** Tells the time and the values under the pointer. */
 
 import { clockText } from "../base/clock.js";
-import { sampleOf } from "../state/colours.js";
 import { make } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
+import { sampleOf } from "../state/colours.js";
 import { scaledText } from "../state/traces.js";
 
 const BESIDE = 12; // pixels from the pointer

@@ -1,9 +1,9 @@
 /** Two level cursors: lines across one of the plots, on one of its axes. */
 
 import { byId, make, setPressed, setText } from "../base/dom.js";
-import { Handle } from "../plot/handle.js";
 import { figure, rounded } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
+import { Handle } from "../plot/handle.js";
 
 /** Shows two lines that can be moved, and how far apart they are. */
 export class LevelCursors {

@@ -1,9 +1,9 @@
 /** The trigger: its controls, its line on the plot, and its status. */
 
 import { byId, make, options, setText } from "../base/dom.js";
+import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { Handle } from "../plot/handle.js";
-import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 
 /** What the dialog has: input, what of the trigger it is, its unit in that of the trigger, most. */
 const MORE = [

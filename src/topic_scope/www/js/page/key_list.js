@@ -1,8 +1,8 @@
 /** Which key does what. */
 
-import { KINDS } from "../plot/charts.js";
 import { byId } from "../base/dom.js";
 import { verticals } from "../state/traces.js";
+import { KINDS } from "../plot/charts.js";
 
 const CLOSER = 0.8;
 

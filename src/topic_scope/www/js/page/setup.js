@@ -1,10 +1,10 @@
 /** What a page is set up to show: kept in its address, in files, and given by the command line. */
 
-import { isChart } from "../plot/charts.js";
 import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
+import { isChart } from "../plot/charts.js";
 
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;

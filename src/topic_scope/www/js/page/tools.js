@@ -1,10 +1,10 @@
 /** The bar above the plot. */
 
-import { colourOf, dashOf } from "../state/colours.js";
 import { byId, download, options, setPressed } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
-import { picture } from "../measure/picture.js";
+import { colourOf, dashOf } from "../state/colours.js";
 import { labelOf } from "../state/traces.js";
+import { picture } from "../measure/picture.js";
 
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 

@@ -1,9 +1,9 @@
 /** The kinds of plot besides that over time: spectra, and one trace over another. */
 
-import { Chart } from "./chart.js";
-import { dashOf } from "../state/colours.js";
 import { byId, make, options } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
+import { dashOf } from "../state/colours.js";
+import { Chart } from "./chart.js";
 
 export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
 const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];

@@ -1,9 +1,9 @@
 /** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
 
 import { clockTicks, dateText, zoneText } from "../base/clock.js";
-import { dashOf } from "../state/colours.js";
 import { make, themeColour } from "../base/dom.js";
 import { AutoRange, ticks } from "../base/numbers.js";
+import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
 
 /* global Dygraph */

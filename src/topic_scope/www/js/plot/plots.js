@@ -1,8 +1,8 @@
 /** The plots, one below another, over one time axis; where there is one only, that. */
 
 import { clamp, rounded } from "../base/numbers.js";
-import { Plot } from "./plot.js";
 import { axisName, axisParts, chosenOf, plotCount } from "../state/traces.js";
+import { Plot } from "./plot.js";
 
 /** All plots. */
 export class Plots {

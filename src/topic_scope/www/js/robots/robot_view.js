@@ -1,12 +1,12 @@
 /** Robots in their world, seen from above. */
 
-import { paletteColour } from "../state/colours.js";
 import { byId, options, setText, themeColour } from "../base/dom.js";
 import { isForPage } from "../base/keys.js";
+import { paletteColour } from "../state/colours.js";
 import { Camera } from "./camera.js";
 import { Drawing, placesOf } from "./drawing.js";
 import { Goals } from "./goals.js";
-import { RobotList, nameOf } from "./list.js";
+import { nameOf, RobotList } from "./list.js";
 import { startPointer } from "./pointer.js";
 import { Trails } from "./trails.js";
 import { Wheel } from "./wheel.js";

@@ -1,6 +1,6 @@
 /** Colours and dashes of the traces, and light or dark. */
 
-import { DASHES, chosenOf } from "./traces.js";
+import { chosenOf, DASHES } from "./traces.js";
 
 const LIGHT = [
   "#0b66c3", "#c8553d", "#1f8a55", "#b07a00", "#7a4fc0",

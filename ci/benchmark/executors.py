@@ -8,11 +8,12 @@ import time
 from typing import Any, Dict, List
 
 from context import Bench, Figures
-from nodekit.groups.groups import Group, ReentrantGroup
-from nodekit.groups.ready_queue import CallQueue, ReadyQueue
-from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from peers import SCRIPTS, rclpy_environment
 from stacks import RCLPY
+
+from nodekit import MultiThreadedExecutor, SingleThreadedExecutor
+from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 
 CALLS = 50_000
 HOPS = 300

@@ -12,8 +12,6 @@ import sys
 import threading
 import time
 
-from nodekit.process.timer_slack import tighten
-
 #: as long as a signal_msg and a Float32 on the wire
 SAMPLE = struct.pack("<Iffdf", 20, 2.0, 6.28, 0.0, 0.0)
 ANSWER = struct.pack("<If", 4, 0.0)
@@ -38,7 +36,8 @@ def answer(samples: socket.socket, out: socket.socket) -> None:
 
 def main() -> None:
     """Run as the one or the other."""
-    tighten()
+    with open("/proc/self/timerslack_ns", "w") as slack:  # as nodekit's nodes: woken on time
+        slack.write("1")
     role, first, second = sys.argv[1:]
     out = socket.socket(fileno=int(second))
     if role == "generator":

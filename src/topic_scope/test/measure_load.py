@@ -25,7 +25,7 @@ def publish() -> None:
     import rospy
     from std_msgs.msg import Float32
 
-    from nodekit.messaging.publisher import Publisher
+    from nodekit import Publisher
 
     rospy.init_node("load")
     names = [rospy.resolve_name(f"load{index}") for index in range(TOPICS)]

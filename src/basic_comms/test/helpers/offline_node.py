@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Any, Callable, Dict, List
 
 from nodekit import Names, Node, Subscription
-from nodekit.node.opening import Opener
 
 
 class Published:
@@ -29,7 +28,7 @@ class OfflineNode(Node):
     """
 
     def __init__(self, **values: Any) -> None:
-        super().__init__(Names("/node", True), Opener())
+        super().__init__(Names("/node", True))
         self.settings = SimpleNamespace(values=None)
         #: What was published, by topic.
         self.published: Dict[str, List[Any]] = {}

@@ -19,12 +19,13 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from basic_comms.msg import signal_msg
-from nodekit.rospy_internals.accepting import MOST_WAITING
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
+#: Most connections that a node lets wait without a header.
+MOST_WAITING = 100
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet")
 GENERATOR, TOPIC = "/signal_generator", "/signal"
 RATE = 1000.0  # Hz

@@ -10,8 +10,8 @@ from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.nodes.fleet import FleetParameters
 from basic_comms.nodes.talker import TalkerParameters
 from basic_comms.signals.signal_parameters import SignalParameters
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.reconciler import Reconciler, Seen
+from nodekit import to_wire
+from nodekit.testing.offline_parameters import OfflineParameters
 
 SETS = [FleetParameters, ProcessParameters, SignalParameters, TalkerParameters]
 DECLARED = [(kind, name) for kind in SETS for name in kind.declared]
@@ -39,18 +39,16 @@ def is_finite(value):
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
 def test_any_value_is_taken_whole_or_refused_in_words(kind, name, raw):
-    reconciler = Reconciler(kind)
-    defaults = reconciler.values
-    outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 0.0)
-    if outcome.again:  # what breaks a rule is given some time
-        outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 1.0)
-    value = getattr(outcome.values, name)
+    parameters = OfflineParameters(kind)
+    defaults = parameters.values
+    refusals = parameters.set({name: raw})
+    value = getattr(parameters.values, name)
     assert is_finite(value)
     assert isinstance(value, type(getattr(defaults, name)))
-    others = {key: item for key, item in outcome.values.as_dict().items() if key != name}
+    others = {key: item for key, item in parameters.values.as_dict().items() if key != name}
     assert others == {key: item for key, item in defaults.as_dict().items() if key != name}
-    for error in outcome.refusals:
+    for error in refusals:
         assert name in error.names
         assert ": refused " in str(error) and " must " in str(error)
         assert value == getattr(defaults, name)
-        assert name in outcome.writes
+        assert parameters.server[name] == to_wire(value)

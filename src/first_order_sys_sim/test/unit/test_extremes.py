@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
 from nodekit import LARGEST_FLOAT32
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.reconciler import Reconciler, Seen
+from nodekit.testing.offline_parameters import OfflineParameters
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5) | st.just("euler")
@@ -24,26 +23,26 @@ INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 @pytest.mark.parametrize("name", SystemParameters.declared)
 @given(raw=YAML)
 def test_any_value_is_taken_whole_or_refused_in_words(name: str, raw: Any) -> None:
-    reconciler = Reconciler(SystemParameters)
-    defaults = reconciler.values
-    outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 0.0)
-    value = getattr(outcome.values, name)
+    parameters = OfflineParameters(SystemParameters)
+    defaults = parameters.values
+    refusals = parameters.set({name: raw})
+    value = getattr(parameters.values, name)
     assert isinstance(value, str) or math.isfinite(value)
-    for error in outcome.refusals:
+    for error in refusals:
         assert ": refused " in str(error) and ": must be " in str(error)
-        assert outcome.values == defaults
+        assert parameters.values == defaults
 
 
 @given(st.lists(st.tuples(st.floats(-1.0, 1.0), INPUTS, CHANGES), max_size=8))
 def test_output_is_finite_and_within_its_limit(steps: List[Tuple[float, float, Any]]) -> None:
-    reconciler = Reconciler(SystemParameters)
-    values = reconciler.values
+    parameters = OfflineParameters(SystemParameters)
+    values = parameters.values
     plant = SampledPlant(values.plant, values.system_sample_time)
     time = 0.0
     for interval, value, changes in steps:
         time += interval  # also backwards
-        reconciler.step(Seen({**on_wire(values), **changes}), time)
-        values = reconciler.values
+        parameters.set(changes)
+        values = parameters.values
         plant.change(time, values.plant, values.system_sample_time)
         plant.set_input(time, value)
         for moment in (time, time + 1e-3, time + 1.0):

@@ -11,8 +11,7 @@ from first_order_sys_sim.first_order_plant import FirstOrderPlant
 from motor_control.motor_parameters import MotorParameters
 from motor_control.nodes.set_point import SetPointParameters
 from nodekit import LARGEST_FLOAT32
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.reconciler import Reconciler, Seen
+from nodekit.testing.offline_parameters import OfflineParameters
 
 NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320, 1e308, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5)
@@ -30,27 +29,27 @@ DECLARED += [(SetPointParameters, "omega")]
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
 def test_any_value_is_taken_whole_or_refused_in_words(kind: Any, name: str, raw: Any) -> None:
-    reconciler = Reconciler(kind)
-    defaults = reconciler.values
-    outcome = reconciler.step(Seen({**on_wire(defaults), name: raw}), 0.0)
-    value = getattr(outcome.values, name)
+    parameters = OfflineParameters(kind)
+    defaults = parameters.values
+    refusals = parameters.set({name: raw})
+    value = getattr(parameters.values, name)
     assert isinstance(value, type(getattr(defaults, name)))
     assert not isinstance(value, float) or math.isfinite(value)
-    for error in outcome.refusals:
+    for error in refusals:
         assert ": refused " in str(error) and ": must be " in str(error)
-        assert outcome.values == defaults
+        assert parameters.values == defaults
 
 
 @given(st.lists(st.tuples(st.floats(-1.0, 1.0), INPUTS, CHANGES), max_size=8))
 def test_speed_is_finite_and_fits_into_a_float32(steps: List[Tuple[float, float, Any]]) -> None:
-    reconciler = Reconciler(MotorParameters)
-    values = reconciler.values
+    parameters = OfflineParameters(MotorParameters)
+    values = parameters.values
     plant = FirstOrderPlant(values.plant)
     time = 0.0
     for interval, value, changes in steps:
         time += interval  # also backwards
-        reconciler.step(Seen({**on_wire(values), **changes}), time)
-        values = reconciler.values
+        parameters.set(changes)
+        values = parameters.values
         plant.change(time, values.plant)
         plant.hold(time, value)
         for moment in (time, time + 1e-3, time + 1.0):

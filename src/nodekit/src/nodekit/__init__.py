@@ -36,6 +36,8 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.node import Node as Node
     from nodekit.node.parameter_client import ChangeRefused as ChangeRefused
     from nodekit.node.parameter_client import ParameterClient as ParameterClient
+    from nodekit.parameter_server.followed_parameter import FollowedParameter as FollowedParameter
+    from nodekit.parameter_server.followed_parameter import follow_parameter as follow_parameter
     from nodekit.parameter_server.live_parameters import LiveParameters as LiveParameters
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
@@ -89,6 +91,8 @@ _HOMES: Dict[str, str] = {
     "Node": "node.node",
     "ChangeRefused": "node.parameter_client",
     "ParameterClient": "node.parameter_client",
+    "follow_parameter": "parameter_server.followed_parameter",
+    "FollowedParameter": "parameter_server.followed_parameter",
     "LiveParameters": "parameter_server.live_parameters",
     "ParameterSet": "parameters.declaration",
     "read_once": "parameters.declaration",

@@ -1,13 +1,11 @@
 """Descriptions of dynamic_reconfigure as panels have them."""
 
 import pytest
-import yaml
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
 from nodekit import ParameterError
-from nodekit.parameter_server.reconfigure import config_of
 from topic_scope.controls.panels import Panel
-from topic_scope.controls.reconfigure import _words, described, values_in
+from topic_scope.controls.reconfigure import _words, config_of, described, values_in
 
 VALUES = {"gain": 2.5, "count": -7, "on": False, "mode": "fast"}
 MODES = "{'enum': [{'name': 'Slow', 'value': 'slow'}, {'name': 'Fast', 'value': 'fast'}]}"
@@ -30,7 +28,7 @@ def description(counts: str = "") -> ConfigDescription:
 
 def panel() -> Panel:
     entries = described(description(), config_of(VALUES))
-    return Panel("/foreign", yaml.safe_dump(entries), {})
+    return Panel("/foreign", entries, {})
 
 
 def test_all_kinds_are_there_with_their_values_and_ends() -> None:
@@ -64,7 +62,7 @@ def test_what_is_no_enum_has_no_words(text: str) -> None:
 
 def test_the_numbers_of_an_enum_have_their_words() -> None:
     entries = described(description(COUNTS), config_of(VALUES))
-    shown = Panel("/foreign", yaml.safe_dump(entries), {}).message()["parameters"]
+    shown = Panel("/foreign", entries, {}).message()["parameters"]
     labels = {entry["name"]: entry["labels"] for entry in shown}
     assert labels == {"gain": [], "count": [(1, "Few"), (9, "Many")], "on": [], "mode": []}
 
@@ -72,5 +70,4 @@ def test_the_numbers_of_an_enum_have_their_words() -> None:
 @pytest.mark.parametrize("pairs", [3, [3], [["a", "b"]], [[1, 2, 3]], None])
 def test_labels_that_make_no_sense_are_left_out(pairs: object) -> None:
     entry = {"name": "a", "type": "int", "default": 1, "value": 1, "labels": pairs}
-    text = yaml.safe_dump([entry])
-    assert Panel("/foreign", text, {}).message()["parameters"][0]["labels"] == []
+    assert Panel("/foreign", [entry], {}).message()["parameters"][0]["labels"] == []

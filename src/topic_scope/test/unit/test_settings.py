@@ -4,9 +4,8 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 import pytest
 
-from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, rule, to_wire
-from nodekit.parameters.reconciler import Reconciler
-from nodekit.parameters.schema import as_yaml, describe
+from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, describe, rule
+from nodekit.testing.offline_parameters import OfflineParameters
 from topic_scope.controls.panels import Panel
 from topic_scope.controls.settings import Changed, Settings
 from topic_scope.graph.background import Background
@@ -61,7 +60,7 @@ class World:
     """A node whose parameters are judged as any node's, and a page."""
 
     def __init__(self) -> None:
-        self.node = Reconciler(Gauge)
+        self.node = OfflineParameters(Gauge)
         self.is_silent = False
         #: What somebody else changes before the answer to a change arrives.
         self.overtaking: Dict[str, Any] = {}
@@ -69,7 +68,7 @@ class World:
         self.answers: List[Dict[str, Any]] = []
         self.told: List[Tuple[str, Any]] = []
         self.background = SlowBackground()
-        self.panel = Panel(NODE, as_yaml(describe(self.node.values)), {})
+        self.panel = Panel(NODE, describe(self.node.values), {})
         self.settings = Settings(self.background, self.change, self.tell, self.look_again)
 
     def change(self, node: str, values: Mapping[str, Any]) -> Changed:
@@ -78,11 +77,11 @@ class World:
             raise TimeoutError("no answer within 2 s")
         self.sent.append(values)
         try:
-            self.node.adopt(self.node.judge(values), 0.0)
+            self.node.change(values)
         except ParameterError as error:
             return Changed(False, str(error), self.values())
         answer = Changed(True, "", self.values())
-        self.node.adopt(self.node.judge(self.overtaking), 0.0)
+        self.node.change(self.overtaking)
         self.look_again(NODE)
         return answer
 
@@ -91,7 +90,7 @@ class World:
         self.tell(self.panel, self.panel.follow(self.values()))
 
     def values(self) -> Dict[str, Any]:
-        return {name: to_wire(value) for name, value in self.node.values.as_dict().items()}
+        return dict(self.node.server)
 
     def tell(self, panel: Panel, names: List[str]) -> None:
         self.told += [(name, panel.values[name]) for name in names]

@@ -36,20 +36,22 @@ class ParameterClient:
         :returns: of each, by name and in the order of declaration, what :func:`nodekit.describe`
             says: its ``value``, ``type``, ``unit``, ``range``, ``default``, ``help`` and more;
             :func:`nodekit.parameter_of` makes of it a parameter that judges values
-        :raises CallError: if the node does not answer, or with something else
+        :raises CallError: if the node does not answer
+        :raises DescriptionError: if it answers with something else
         """
         service = f"{self.node}/{DESCRIBE}"
         answer = call_service(service, Trigger, timeout=self._timeout).result()
         try:
             return {str(entry["name"]): entry for entry in description_in(answer.message)}
         except DescriptionError as error:
-            raise CallError(f"{service} sent a malformed reply: {error}") from None
+            raise DescriptionError(f"{service} sent a malformed reply: {error}") from None
 
     def get(self) -> Dict[str, Any]:
         """Ask for the values in force.
 
         :returns: the values by name
-        :raises CallError: as :meth:`describe`
+        :raises CallError: if the node does not answer
+        :raises DescriptionError: if it answers with something else
         """
         return {name: entry["value"] for name, entry in self.describe().items()}
 

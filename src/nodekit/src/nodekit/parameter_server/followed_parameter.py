@@ -4,7 +4,7 @@ import copy
 from typing import Any, Callable, Optional, Sequence
 
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
-from nodekit.parameter_server.watcher import Watcher
+from nodekit.parameter_server.watcher import Watcher, get_watcher
 from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
 from nodekit.parameters.reconciler import Seen
 
@@ -72,6 +72,20 @@ def open_all(followed: Sequence[FollowedParameter]) -> None:
     """
     if followed:
         followed[0]._watcher.open([one._watched for one in followed])
+
+
+def follow_parameter(key: str, callback: Callable[[Optional[Any]], object]) -> FollowedParameter:
+    """Follow a key from now on without a node's class, in a process that is a node.
+
+    :param key: global name of a parameter or a namespace
+    :param callback: called with each raw value, the present one first, None where there is none;
+        must not block: other changes wait for it
+    :returns: to be closed at the end
+    :raises MasterUnreachable: if the master does not answer
+    """
+    followed = FollowedParameter(key, get_watcher(), callback)
+    open_all([followed])
+    return followed
 
 
 def _value(raw: Any) -> Optional[Any]:

@@ -10,10 +10,8 @@ import rospy
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
-from nodekit import MasterUnreachable
+from nodekit import MasterUnreachable, follow_parameter
 from nodekit.master import MasterClient
-from nodekit.parameter_server.followed_parameter import FollowedParameter, open_all
-from nodekit.parameter_server.watcher import get_watcher
 from ros2_bridge.parameters import parameter_messages as messages
 from ros2_bridge.parameters.parameter_values import (
     DOUBLE,
@@ -47,25 +45,20 @@ class ParametersToRos1:
         self, side: Ros2, client: MasterClient, name: str, other: str, skipped: SkipLog
     ) -> None:
         self._name, self._master, self._skipped = name, client, skipped
-        self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
-        self._get = Ros2Client(side, GetParameters, f"{other}/get_parameters")
-        self._set = Ros2Client(side, SetParameters, f"{other}/set_parameters")
         #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_written = False
         #: What stands on the server now, until it is sent to the node.
         self._latest: Deque[Any] = collections.deque(maxlen=1)
-        self._followed = FollowedParameter(name, get_watcher(), self._send_soon)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
-        threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
         self.write_all()
-        try:
-            open_all([self._followed])
-        except BaseException:
-            self.close()
-            raise
+        self._followed = follow_parameter(name, self._send_soon)
+        self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
+        self._get = Ros2Client(side, GetParameters, f"{other}/get_parameters")
+        self._set = Ros2Client(side, SetParameters, f"{other}/set_parameters")
+        threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
 
     def write_all(self) -> None:
         """Write all that the node has to the server, as when that has just been restarted."""

@@ -2,7 +2,13 @@
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 
-from nodekit import CallError, ChangeRefused, MasterUnreachable, ParameterClient
+from nodekit import (
+    CallError,
+    ChangeRefused,
+    DescriptionError,
+    MasterUnreachable,
+    ParameterClient,
+)
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.parameter_values import BOOL, declared_kind, flat, kind_of, ros1_key
 
@@ -46,7 +52,7 @@ class Ros1Parameters:
         try:
             found = self._read()
             value = self._client.read([_SIM_TIME_IN_ROS1]).values[_SIM_TIME_IN_ROS1]
-        except (CallError, MasterUnreachable) as error:
+        except (CallError, DescriptionError, MasterUnreachable) as error:
             raise Unreadable(str(error)) from None
         found[_SIM_TIME] = Parameter(value is True, BOOL, None)
         return found

@@ -2,21 +2,21 @@
 
 import time
 from functools import partial
-from typing import Any, Callable, Collection, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Collection, Dict, Iterable, List, Mapping, Tuple
 
 import rospy
 import tornado.ioloop
-import yaml
-from std_srvs.srv import Trigger
 
-from nodekit import call_service
-from nodekit.parameter_server.followed_parameter import FollowedParameter, open_all
-from nodekit.parameter_server.services import CHANGE, DESCRIBE
-from nodekit.parameter_server.watcher import get_watcher
-from nodekit_msgs.srv import SetParameters
+from nodekit import (
+    ChangeRefused,
+    DescriptionError,
+    FollowedParameter,
+    ParameterClient,
+    follow_parameter,
+)
 from topic_scope.controls import reconfigure, services
 from topic_scope.controls.managed import Managed
-from topic_scope.controls.panels import DescriptionError, Panel
+from topic_scope.controls.panels import Panel
 from topic_scope.controls.settings import Answer, Changed, Settings, value_message
 from topic_scope.controls.statuses import PERIOD_S, Statuses, topics_of
 from topic_scope.graph.background import Background
@@ -27,11 +27,11 @@ from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
 PANELS = 64
 #: A node that did not answer is asked again after this time, s.
 RETRY_S = 5.0
-_END = "/" + DESCRIBE
+#: Nodes that describe their parameters have these services, which have no button.
+_INTERNAL = ("describe", "change")
+_END = "/" + _INTERNAL[0]
 #: The same of those that know dynamic_reconfigure alone.
 _FOREIGN = "/" + reconfigure.SERVICE
-#: Services that have no button.
-_INTERNAL = (DESCRIBE, CHANGE)
 
 
 class _NoPanel(Exception):
@@ -106,10 +106,10 @@ class Controls:
         if node in self._foreign and services.type_of(node + _FOREIGN) != reconfigure.TYPE:
             raise _NoPanel
         kinds = {name: services.kind_of(name) for name in own}
-        followed = FollowedParameter(
-            node, get_watcher(), lambda raw: self._deliver(partial(self._on_values, node, raw))
+        # First: no change after the description is missed.
+        followed = follow_parameter(
+            node, lambda raw: self._deliver(partial(self._on_values, node, raw))
         )
-        open_all([followed])  # first: no change after the description is missed
         try:
             offered = {name: kind for name, kind in kinds.items() if kind}
             return Panel(node, self._describe(node), offered), followed
@@ -180,10 +180,10 @@ class Controls:
         """
         self._managed.change(node, label, answer)
 
-    def _describe(self, node: str) -> str:
+    def _describe(self, node: str) -> Iterable[Mapping[str, Any]]:
         if node in self._foreign:
             return reconfigure.describe(node)
-        return str(call_service(node + _END, Trigger).result().message)
+        return ParameterClient(node).describe().values()
 
     def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
         """Have a node change parameters.
@@ -192,6 +192,7 @@ class Controls:
         """
         if node in self._foreign:
             return reconfigure.change(node, values)
-        text = yaml.safe_dump(dict(values))
-        answer = call_service(f"{node}/{CHANGE}", SetParameters, text).result()
-        return Changed(answer.success, answer.message, yaml.safe_load(answer.values))
+        try:
+            return Changed(True, "", ParameterClient(node).change(values))
+        except ChangeRefused as error:
+            return Changed(False, str(error), {})

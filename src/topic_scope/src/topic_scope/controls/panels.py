@@ -5,20 +5,24 @@ built from it again, so that a value is judged here as the node would, and is re
 words.
 """
 
-from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 import yaml
 
-from nodekit import BytesParameter, ListParameter, Parameter, ParameterError, parameter_of, to_wire
+from nodekit import (
+    BytesParameter,
+    DescriptionError,
+    ListParameter,
+    Parameter,
+    ParameterError,
+    parameter_of,
+    to_wire,
+)
 
 _KINDS = {"bool": "bool", "int": "int", "float": "float", "enum": "enum"}  # else: text
 _ENDS = ("minimum", "maximum", "above", "below")
 #: The loader of libyaml takes a tenth of the time of the one in Python.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-
-class DescriptionError(ValueError):
-    """A description that makes no sense."""
 
 
 class Entry(NamedTuple):
@@ -36,18 +40,20 @@ class Panel:
     """The parameters of one node, and the services that can be called with a button.
 
     :param node: namespace of the parameters
-    :param text: the answer of its service ``describe``
+    :param described: what :func:`nodekit.describe` says of each
     :param services: kind of each service, SetBool or Trigger, by name
-    :raises DescriptionError: if the answer makes no sense
+    :raises DescriptionError: if one of them describes no parameter
     """
 
-    def __init__(self, node: str, text: str, services: Mapping[str, str]) -> None:
+    def __init__(
+        self, node: str, described: Iterable[Mapping[str, Any]], services: Mapping[str, str]
+    ) -> None:
         self.node = node
         self.services = services
         self.entries: Dict[str, Entry] = {}
         self.values: Dict[str, Any] = {}
-        for described in _read(text):
-            name, entry, value = _entry(node, described)
+        for one in described:
+            name, entry, value = _entry(node, one)
             self.entries[name] = entry
             self.values[name] = value
 
@@ -106,16 +112,6 @@ class Panel:
                 self.values[name] = value
                 changed.append(name)
         return changed
-
-
-def _read(text: str) -> List[Dict[str, Any]]:
-    try:
-        described = yaml.load(text, _LOADER)
-    except yaml.YAMLError:
-        raise DescriptionError("the description is no YAML") from None
-    if not isinstance(described, list) or not all(isinstance(one, dict) for one in described):
-        raise DescriptionError("the description is no list of parameters")
-    return described
 
 
 def _labels(pairs: Any) -> List[Tuple[float, str]]:

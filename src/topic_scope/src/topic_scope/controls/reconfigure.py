@@ -10,17 +10,29 @@ import math
 from typing import Any, Dict, List, Mapping
 
 import rospy
-import yaml
 
 from nodekit import call_service
-from nodekit.parameter_server.reconfigure import config_of
 from topic_scope.controls.settings import Changed
 
 try:
-    from dynamic_reconfigure.msg import Config, ConfigDescription
+    from dynamic_reconfigure.msg import (
+        BoolParameter,
+        Config,
+        ConfigDescription,
+        DoubleParameter,
+        IntParameter,
+        StrParameter,
+    )
     from dynamic_reconfigure.srv import Reconfigure
 
     AVAILABLE = True
+    #: Where a message has the values of each type, and as what.
+    _PARTS = {
+        bool: ("bools", BoolParameter),
+        int: ("ints", IntParameter),
+        float: ("doubles", DoubleParameter),
+        str: ("strs", StrParameter),
+    }
 except ImportError:  # the package is optional
     AVAILABLE = False
 
@@ -33,11 +45,11 @@ _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
 _NO_END = {"int": 2**31 - 1, "float": 1e300}
 
 
-def describe(node: str) -> str:
+def describe(node: str) -> List[Dict[str, Any]]:
     """Ask a node for its parameters.
 
     :param node: namespace of the parameters
-    :returns: their description, as nodekit's ``~describe`` gives it
+    :returns: what :func:`nodekit.describe` would say of each
     :raises rospy.ROSException: if the node does not tell it
     """
     description, values = (
@@ -47,7 +59,7 @@ def describe(node: str) -> str:
             ("parameter_updates", Config),
         )
     )
-    return str(yaml.safe_dump(described(description, values), sort_keys=False))
+    return described(description, values)
 
 
 def change(node: str, values: Mapping[str, Any]) -> Changed:
@@ -66,8 +78,19 @@ def change(node: str, values: Mapping[str, Any]) -> Changed:
 
 def values_in(config: "Config") -> Dict[str, Any]:
     """Return the values in a message."""
-    parts = (config.bools, config.ints, config.doubles, config.strs)
-    return {item.name: item.value for part in parts for item in part}
+    return {item.name: item.value for part, _ in _PARTS.values() for item in getattr(config, part)}
+
+
+def config_of(values: Mapping[str, Any]) -> "Config":
+    """Return the message that has some values.
+
+    :param values: truth values, numbers and texts, by name
+    """
+    config = Config()
+    for name, value in values.items():
+        part, kind = _PARTS[type(value)]
+        getattr(config, part).append(kind(name, value))
+    return config
 
 
 def described(description: "ConfigDescription", values: "Config") -> List[Dict[str, Any]]:

@@ -65,6 +65,15 @@ TESTS: Dict[str, Sequence[str]] = {
     "basic_comms/prbs": ("noise", "signal_source"),
     "basic_comms/shapes": ("signal_source", "delay_line"),
     "basic_comms/signal_parameters": ("signal_parameters", "signal_source"),
+    "topic_scope/bag_messages": ("bag_file",),
+    "topic_scope/checks": ("requests", "scaling"),
+    "topic_scope/decoding": ("fields", "arrays"),
+    "topic_scope/definitions": ("fields",),
+    "topic_scope/derived": ("derived", "recorder"),
+    "topic_scope/markers": ("scene",),
+    "topic_scope/message_source": ("recorder",),
+    "topic_scope/traces": ("recorder", "differences"),
+    "topic_scope/view": ("decimation",),
 }
 
 #: Of cosmic-ray's many ways to replace an operator those that differ least from it: tests that

@@ -17,8 +17,8 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import RequestError, fields_of
 from topic_scope.protocol.requests import View
-from topic_scope.record.differences import DifferenceRecorder
 from topic_scope.record.message_source import Batch
+from topic_scope.record.recorder import Recorder
 
 TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
 NAME = "/a/data-/b/data"
@@ -36,8 +36,8 @@ class TimedSource(FakeSource):
         self.topics[topic].batches.append(Batch(header(Float64), list(times), data))
 
 
-def recording(source: TimedSource, *names: str) -> DifferenceRecorder:
-    made = DifferenceRecorder(source, Layouts(), 60.0)
+def recording(source: TimedSource, *names: str) -> Recorder:
+    made = Recorder(source, Layouts(), 60.0)
     made.set_topics(TYPES)
     made.want(names, source.time)
     return made

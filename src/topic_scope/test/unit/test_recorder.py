@@ -19,7 +19,7 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.record import recorder
 from topic_scope.record.message_source import Batch
 from topic_scope.record.recorder import Recorder
-from topic_scope.record.streams import Stream
+from topic_scope.record.traces import Stream
 
 TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "nowhere/Thing"}
 

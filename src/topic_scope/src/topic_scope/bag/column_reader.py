@@ -1,10 +1,10 @@
-"""Read a column out of the messages of a bag."""
+"""Read columns out of the messages of a bag, and write them to a CSV file."""
 
-from typing import Any, Iterator, List
+from typing import Any, Iterable, Iterator, List, TextIO
 
 import numpy
 
-from topic_scope.analysis.csv_rows import CsvColumn
+from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.bag.bag_columns import Column
 from topic_scope.bag.bag_messages import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in
@@ -126,3 +126,23 @@ def exact_seconds(nanoseconds: int) -> str:
     """Return a time in s, without rounding it."""
     seconds, rest = divmod(abs(nanoseconds), 10**9)
     return f"{'-' if nanoseconds < 0 else ''}{seconds}.{rest:09}"
+
+
+def write_csv(file: TextIO, readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> None:
+    """Write a row for each message: its time, s, and the numbers in it.
+
+    What is of another topic, or of an array that is too short for it, stays empty.
+
+    :param file: where to write
+    :param readers: read what is written, column by column
+    :param slices: the messages
+    :raises struct.error: if a message is cut off
+    """
+    file.write(header("time", *(reader.column.name for reader in readers)))
+    for found in slices:
+        of_topic = {one.topic: one for one in found}
+        columns = [
+            reader.cells(of_topic.get(reader.column.topic, Slice.empty(reader.column.topic)))
+            for reader in readers
+        ]
+        file.writelines(rows(columns, lambda time, _index: exact_seconds(time)))

@@ -10,10 +10,9 @@ from typing import Iterator, List, Optional
 from tqdm import tqdm
 
 from topic_scope.bag.bag_columns import choose_lines
-from topic_scope.bag.bag_csv import write_csv
 from topic_scope.bag.bag_file import BagError, BagFile
 from topic_scope.bag.bag_messages import Slice, first_messages, slices
-from topic_scope.bag.column_reader import ColumnReader
+from topic_scope.bag.column_reader import ColumnReader, write_csv
 from topic_scope.messages.fields import FieldError
 
 #: As many lines as :mod:`.bag_plot` has styles and colours for.

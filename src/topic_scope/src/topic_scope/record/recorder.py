@@ -11,10 +11,10 @@ from topic_scope.analysis.ring import Samples
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
+from topic_scope.messages.derived import terms
 from topic_scope.messages.layouts import Layouts
 from topic_scope.record.message_source import Batch, MessageSource
-from topic_scope.record.streams import Stream
-from topic_scope.record.traces import Recorded, Trace
+from topic_scope.record.traces import Difference, Recorded, Stream, Trace
 
 #: Most fields that are listed, and most topics that are listened to for their first message alone.
 LISTED, UNKNOWN = 5000, 50
@@ -62,6 +62,8 @@ class Recorder:
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
+        #: Up to when the differences that are looked at were known at the latest update, s.
+        self._known: Dict[str, float] = {}
         #: When the latest updates were, and the time of the earliest sample that each brought, s.
         self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
 
@@ -109,10 +111,16 @@ class Recorder:
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
 
-        :param name: of a field, of a part of a message or of a topic
+        :param name: of a field, of a part of a message or of a topic, or of a difference
         :returns: the name itself, as long as its topic is not known
         :raises FieldError: if its topic has no such field
         """
+        parts = terms(name)
+        if len(parts) == 1:
+            return self._expand_term(name)
+        return [fields.difference_of([self._expand_term(part) for part in parts])]
+
+    def _expand_term(self, name: str) -> List[str]:
         bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
         layout = self._layouts.installed(self._types[place[0]]) if place else None
@@ -132,10 +140,14 @@ class Recorder:
         :param names: names that :meth:`expand` has returned
         :param now: the time, s
         """
-        new = [name for name in names if name not in self._traces]
+        wanted = {part for name in names for part in terms(name)}
+        self._known = {
+            name: self._known.get(name, -math.inf) for name in names if len(terms(name)) > 1
+        }
+        new = wanted - self._traces.keys()
         for name in new:
             self._record(name)
-        for name in self._traces.keys() & set(names):
+        for name in self._traces.keys() & wanted:
             self._traces[name].used_at = now
         recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
         self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
@@ -153,14 +165,23 @@ class Recorder:
         self._latest.clear()
         for name in names:
             self._record(name)
+        self._known = dict.fromkeys(self._known, -math.inf)
 
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
         """Keep the samples of fields for as long as these spans are named.
 
-        :param spans: begin and end by name of the field, s
+        :param spans: start and end by name of the field, s
         """
+        pinned: Dict[str, Tuple[float, float]] = {}
+        for name, (start, end) in spans.items():
+            parts = terms(name)
+            for part in parts:
+                # What lies between two samples needs both.
+                more = self.longest_step(part) if len(parts) > 1 else 0.0
+                before = pinned.get(part, (start, end))
+                pinned[part] = min(start - more, before[0]), max(end + more, before[1])
         for name, trace in self._traces.items():
-            trace.pin(*spans.get(name, _NEVER))
+            trace.pin(*pinned.get(name, _NEVER))
 
     def _record(self, name: str) -> None:
         bare, function, timestamp = fields.parted(name)
@@ -195,6 +216,13 @@ class Recorder:
                 self._latest[topic] = (layout, latest)
                 for stream in streams.get(topic, []):
                     earliest = min(earliest, stream.add(layout, batch))
+        for name, known in self._known.items():
+            difference = self.trace(name)
+            age = difference.age(now) if difference is not None else None
+            if age is not None and now - age > known:
+                # What was there of the first trace is known only now.
+                earliest = min(earliest, known)
+                self._known[name] = now - age
         self._updates.append((now, earliest))
         return now
 
@@ -209,17 +237,24 @@ class Recorder:
         return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a field from one time to another, s."""
-        trace = self._traces.get(name)
+        """Return the samples of a field, or of a difference, from one time to another, s."""
+        trace = self.trace(name)
         return trace.samples(start, end) if trace else _NOTHING
 
     def longest_step(self, name: str) -> float:
         """Return how far apart samples of one line of a field may be, s."""
-        trace = self._traces.get(name)
+        trace = self._traces.get(terms(name)[0])
         return trace.longest_step if trace else math.inf
 
     def problem(self, name: str) -> Optional[str]:
         """Return why there is nothing of a field, in words; None where nothing is known."""
+        parts = terms(name)
+        if len(parts) == 1:
+            return self._problem_of_term(name)
+        told = [(part, self._problem_of_term(part)) for part in parts]
+        return next((f"{part}: {text}" for part, text in told if text), None)
+
+    def _problem_of_term(self, name: str) -> Optional[str]:
         place = fields.split(fields.parted(name)[0], self._types)
         if place is None:
             trace = self._traces.get(name)
@@ -234,8 +269,11 @@ class Recorder:
         return None
 
     def trace(self, name: str) -> Optional[Recorded]:
-        """Return what is recorded of a field, None where nothing is."""
-        return self._traces.get(name)
+        """Return what is recorded of a field, or of a difference; None where nothing is."""
+        first, *others = [self._traces.get(part) for part in terms(name)]
+        if not others or first is None:
+            return first
+        return Difference(first, others[0]) if others[0] is not None else None
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:

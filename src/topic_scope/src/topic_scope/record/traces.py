@@ -1,14 +1,16 @@
-"""The samples of one field, by the times of their messages."""
+"""The samples of fields, by the times of their messages, and the differences of two."""
 
 import math
-from typing import List, Optional, Protocol, Tuple
+from typing import List, Optional, Tuple, Union
 
 import numpy
 
 from topic_scope.analysis.ring import Ring, Samples
+from topic_scope.analysis.xy import paired
 from topic_scope.messages import derived, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
+from topic_scope.record.message_source import Batch
 
 #: More than any rounding of a time since the epoch, s.
 _MORE_S = 1e-5
@@ -16,47 +18,98 @@ _MORE_S = 1e-5
 _USUAL = 200
 
 
-class Timed(Protocol):
-    """What the samples of a topic go by; see :class:`.streams.Stream`."""
+class Stream:
+    """Traces of one topic that go by one time.
 
-    topic: str
+    :param topic: the topic
+    :param timestamp: name of the time; see :func:`.timestamp_source.path_of`
 
-    @property
-    def timestamp(self) -> str:
-        ...
+    :ivar traces: those that are recorded
+    """
 
-    @property
-    def path(self) -> Optional[fields.Path]:
-        ...
+    def __init__(self, topic: str, timestamp: str) -> None:
+        self.topic = topic
+        self.traces: List["Trace"] = []
+        self._timestamp = timestamp
+        self._layout: Optional[Record] = None
+        self._path: Optional[fields.Path] = None
+        self._decoder: Optional[Decoder] = None
+        self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
+        self._time = timestamp_source.OwnClock(None)
 
     @property
     def offset(self) -> float:
-        ...
-
-
-class Recorded(Protocol):
-    """What can be asked of the samples of a field, or of what is made of several; see Trace."""
+        """What is to be added to the times in the rings to get the scope's, s."""
+        return self._time.offset
 
     @property
-    def stream(self) -> Timed:
-        ...
+    def path(self) -> Optional[fields.Path]:
+        """Where the time stands in the messages, None where that of receipt is in use."""
+        return self._path if self._time.is_said else None
 
     @property
-    def span(self) -> Optional[Tuple[float, float]]:
-        ...
+    def timestamp(self) -> str:
+        """The name of the time that is in use."""
+        return timestamp_source.name_of(self.path)
 
-    @property
-    def longest_step(self) -> float:
-        ...
+    def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
+        """Record one more field; see :class:`Trace`."""
+        trace = Trace(self, path, history, function)
+        if self._layout is not None:
+            trace.read_as(self._layout)
+        if self._latest is not None:  # there may be no other, where it is latched
+            trace.add(*self._latest)
+        self.traces.append(trace)
+        return trace
 
-    def samples(self, start: float, end: float) -> Samples:
-        ...
+    def add(self, layout: Record, batch: Batch) -> float:
+        """Take some messages.
 
-    def received(self, start: float, end: float) -> numpy.ndarray:
-        ...
+        :param layout: their layout
+        :param batch: the messages
+        :returns: the time of the earliest one, s; minus infinity where earlier samples have moved
+        """
+        if layout is not self._layout:
+            self._read_as(layout)
+        if self._decoder is None:
+            return self._add(batch, None)
+        own = self._decoder.decode(batch.messages)
+        # A part for each time that the clock was set back: of a bag much comes at once.
+        ends = ((own[1:] - own[:-1] < -timestamp_source.BACK_S).nonzero()[0] + 1).tolist()
+        if not ends:
+            return self._add(batch, own)
+        return min(
+            self._add(Batch(batch.header, batch.times[part], batch.messages[part]), own[part])
+            for part in map(slice, [0, *ends], [*ends, len(own)])
+        )
 
-    def age(self, now: float) -> Optional[float]:
-        ...
+    def _add(self, batch: Batch, own: Optional[numpy.ndarray]) -> float:
+        times = received = numpy.array(batch.times)
+        offset = self.offset
+        if own is not None:
+            times, back = self._time.convert(own, received)
+            if back:
+                for trace in self.traces:
+                    trace.move(back)
+        for trace in self.traces:
+            trace.add(batch.messages, times, received)
+        self._latest = (batch.messages[-1:], times[-1:], received[-1:])
+        return float(times.min()) + offset if offset == self.offset else -numpy.inf
+
+    def _read_as(self, layout: Record) -> None:
+        self._layout, self._latest = layout, None
+        try:
+            path = timestamp_source.path_of(self._timestamp, layout)
+        except fields.FieldError:  # the topic has got another type
+            path = None
+        if path != self._path:
+            for trace in self.traces:  # what is there goes by the scope's clock from now on
+                trace.move(self.offset)
+            self._time = timestamp_source.OwnClock(path)
+        self._path = path
+        self._decoder = None if path is None else decoder_of(layout, path)
+        for trace in self.traces:
+            trace.read_as(layout)
 
 
 class Trace:
@@ -72,7 +125,7 @@ class Trace:
     """
 
     def __init__(
-        self, stream: Timed, path: fields.Path, history: float, function: str = ""
+        self, stream: Stream, path: fields.Path, history: float, function: str = ""
     ) -> None:
         self._stream = stream
         self.path = path
@@ -89,7 +142,7 @@ class Trace:
         self._decoders: List[Decoder] = []
 
     @property
-    def stream(self) -> Timed:
+    def stream(self) -> Stream:
         """Where they come from."""
         return self._stream
 
@@ -177,6 +230,69 @@ class Trace:
         times = times + offset
         inside = slice(times.searchsorted(start), times.searchsorted(end, "right"))
         return tuple(row[inside] for row in (times, *others))
+
+
+class Difference:
+    """One trace less another one, to be asked as a trace is: ``/signal/signal_y-/other/data``.
+
+    It has a value at each sample of the first trace, less the second one on the straight line
+    between two of its samples; so it ends where either of both has ended so far, and follows when
+    more comes.
+
+    :param first: the one
+    :param second: the other one
+    """
+
+    def __init__(self, first: Trace, second: Trace) -> None:
+        self._first, self._second = first, second
+
+    @property
+    def stream(self) -> Stream:
+        """What gives the first trace its topic and its time."""
+        return self._first.stream
+
+    def samples(self, start: float, end: float) -> Samples:
+        """Return times and values of a time span, its ends included, s."""
+        times, values = self._first.samples(start, end)
+        known = times <= self._until
+        times, values = times[known], values[known]
+        longest = self._second.longest_step
+        others = self._second.samples(start - longest, end + longest)
+        less, _ = paired(others, (times, values), longest)
+        return times, values - less
+
+    def received(self, start: float, end: float) -> numpy.ndarray:
+        """Return when the samples of a time span were received, s: those of the first trace."""
+        times, _ = self._first.samples(start, end)
+        return self._first.received(start, end)[times <= self._until]
+
+    @property
+    def span(self) -> Optional[Tuple[float, float]]:
+        """The times of the first and the last sample, s; None where there is none."""
+        first, second = self._first.span, self._second.span
+        if first is None or second is None or first[0] > second[1]:
+            return None
+        return first[0], min(first[1], second[1])
+
+    @property
+    def longest_step(self) -> float:
+        """How far apart samples of one line may be, s."""
+        return self._first.longest_step
+
+    def age(self, now: float) -> Optional[float]:
+        """Return how long ago the last sample was taken, s; None where there is none."""
+        ages = self._first.age(now), self._second.age(now)
+        return None if None in ages else max(age for age in ages if age is not None)
+
+    @property
+    def _until(self) -> float:
+        """When the latest sample of the second trace was taken, s."""
+        age = self._second.age(0.0)
+        return -math.inf if age is None else -age
+
+
+#: What is recorded, or made of what is.
+Recorded = Union[Trace, Difference]
 
 
 def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:

@@ -18,8 +18,7 @@ from topic_scope.protocol.checks import TRACES, RequestError
 from topic_scope.protocol.options import Options
 from topic_scope.protocol.requests import Handler
 from topic_scope.protocol.scaling import scaling_of
-from topic_scope.record.differences import DifferenceRecorder
-from topic_scope.record.recorder import Choice
+from topic_scope.record.recorder import Choice, Recorder
 from topic_scope.web.origin import Origin
 from topic_scope.web.web import Socket
 
@@ -41,7 +40,7 @@ class Server:
 
     def __init__(self, options: Options, origin: Origin) -> None:
         self.sockets: List[Socket] = []
-        self._recorder = DifferenceRecorder(origin.source, origin.layouts, options.history)
+        self._recorder = Recorder(origin.source, origin.layouts, options.history)
         self._options, self._origin = options, origin
         self._knows_topics = False
         self._initial: List[str] = list(options.fields)

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
 
 from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_csv import write_csv
-from topic_scope.bag.column_reader import exact_seconds
+from topic_scope.bag.column_reader import exact_seconds, write_csv
 
 
 def rows(columns: List[Column], told: List[Told]) -> List[List[str]]:

@@ -21,15 +21,15 @@ class Contact:
     :param node: the manager
     :param system: what is known of all nodes
     :param member: what is known of this one
-    :param work: called after each change of what is known
+    :param on_change: called after each change of what is known
     """
 
     def __init__(
-        self, node: Node, system: System, member: Member, work: Callable[[], None]
+        self, node: Node, system: System, member: Member, on_change: Callable[[], None]
     ) -> None:
         self.member = member
         self._system = system
-        self._work = work
+        self._on_change = on_change
         self._heartbeat = node.subscribe(f"{member.name}/heartbeat", Header, self._on_heartbeat)
         node.subscribe(f"{member.name}/state", State, self._on_state)
         self._change = node.client(f"{member.name}/change_state", ChangeState)
@@ -71,16 +71,16 @@ class Contact:
         if self.member.under_way:
             state = 0 if _error_of(call) else call.result().current_state.id
             self._system.record_answer(self.member, state, why, time.monotonic())
-        self._work()
+        self._on_change()
 
     def _on_heartbeat(self, _: Header) -> None:
         self.check_connection()
         self._system.record_heartbeat(self.member, time.monotonic())
-        self._work()
+        self._on_change()
 
     def _on_state(self, message: State) -> None:
         self._system.record_state(self.member, message.id, time.monotonic())
-        self._work()
+        self._on_change()
 
 
 def _error_of(call: CallFuture) -> str:

@@ -54,7 +54,7 @@ class Driver:
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
         self._is_waiting = False
-        self._judged: Optional[DrivingParameters] = None
+        self._checked: Optional[DrivingParameters] = None
         node.subscribe("odom", Odometry, self._on_odometry)
 
     def head_for(self, goal: Goal) -> None:
@@ -145,9 +145,9 @@ class Driver:
 
     def _warn_of_circling(self, settings: DrivingParameters) -> None:
         """Warn, once for each change of settings, of a law that may circle its goal."""
-        if settings is self._judged:
+        if settings is self._checked:
             return
-        self._judged = settings
+        self._checked = settings
         tuning = settings.tuning
         if tuning.law == "course" and may_circle(tuning.gains, tuning.linear_tolerance):
             rospy.logwarn(

@@ -30,8 +30,7 @@ class DiffDrive:
 
     :ROS Subscribers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped with ``controller_type`` gazebo);
-          one that is not finite, or of the other type, is ignored with a
-          warning
+          one that is not finite, or of the other type, is ignored, with a warning
 
     :ROS Publishers:
         - ``odom`` (nav_msgs/Odometry): where the robot believes itself to be

@@ -111,7 +111,7 @@ class LifecycleManager:
             raise self._refused(ALONE, claimed)
         self._system = System(names, values.autostart, time.monotonic())
         self._contacts = {
-            member: Contact(node, self._system, member, self.work)
+            member: Contact(node, self._system, member, self.update)
             for member in self._system.members
         }
         self._answer: "Future[Tuple[bool, str]]" = Future()  # to the latest command
@@ -147,9 +147,9 @@ class LifecycleManager:
         values = self._settings.values
         now = time.monotonic()
         self._system.check_timeouts(values.heartbeat_timeout, values.respawn_window, now)
-        self.work()
+        self.update()
 
-    def work(self) -> None:
+    def update(self) -> None:
         """Send the requests that are due, and report what has changed."""
         if not self._is_alone:
             return
@@ -202,7 +202,7 @@ class LifecycleManager:
             if not self._answer.done():
                 self._answer.set_result((False, "superseded by another command"))
             answer = self._answer = Future()
-            self.work()
+            self.update()
         return answer
 
     def _refused(self, allowed: str, reason: str = "") -> ParameterError:

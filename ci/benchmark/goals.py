@@ -33,7 +33,7 @@ class Goal(NamedTuple):
     at_most: bool
     unit: str
     #: returns the figure in words and the value; raises LookupError where not measured
-    look: Callable[[Results], Tuple[str, float]]
+    read: Callable[[Results], Tuple[str, float]]
 
     @property
     def text(self) -> str:
@@ -46,7 +46,7 @@ class Goal(NamedTuple):
         :returns: None where something was not measured
         """
         try:
-            figure, value = self.look(results)
+            figure, value = self.read(results)
         except LookupError:
             return None
         passed = value <= self.limit if self.at_most else value >= self.limit
@@ -67,7 +67,7 @@ def _against(
     subject: str,
     peer: str,
 ) -> Goal:
-    def look(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, float]:
         ours = results.median(measurement, subject, figure)
         theirs = results.median(measurement, peer, figure)
         return (
@@ -75,7 +75,7 @@ def _against(
             results.ratio(measurement, subject, peer, figure),
         )
 
-    return Goal(measurement, f"{what}, against {peer}", limit, True, " x", look)
+    return Goal(measurement, f"{what}, against {peer}", limit, True, " x", read)
 
 
 def _times_better(
@@ -83,7 +83,7 @@ def _times_better(
 ) -> Goal:
     """Of a figure of which ``better`` has many times as much as ``worse``."""
 
-    def look(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, float]:
         more = results.median(measurement, better, figure)
         less = results.median(measurement, worse, figure)
         ours, theirs = (more, less) if better == OURS else (less, more)
@@ -93,7 +93,7 @@ def _times_better(
         )
 
     peer = worse if better == OURS else better
-    return Goal(measurement, f"{what}, against {peer}", limit, False, " x", look)
+    return Goal(measurement, f"{what}, against {peer}", limit, False, " x", read)
 
 
 def _itself(
@@ -105,11 +105,11 @@ def _itself(
     subject: str = OURS,
     at_most: bool = True,
 ) -> Goal:
-    def look(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, float]:
         value = results.median(measurement, subject, figure)
         return number(value) + unit, value
 
-    return Goal(measurement, what, limit, at_most, unit, look)
+    return Goal(measurement, what, limit, at_most, unit, read)
 
 
 def _worst_memory(results: Results) -> Tuple[str, float]:
@@ -130,12 +130,12 @@ def _drift(results: Results) -> Tuple[str, float]:
 def _bridged(way: str) -> Callable[[Results], Tuple[str, float]]:
     """Compare a message through the bridge with one hop of each ROS."""
 
-    def look(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, float]:
         ours = results.median("bridge", way, "p50_us")
         hops = sum(results.median("bridge", ros, "p50_us") for ros in (bridging.ROSPY, RCLPY))
         return f"{number(ours)} against {number(hops)} us", ours / hops
 
-    return look
+    return read
 
 
 def _bridge(way: str, to: str, cpu: float) -> List[Goal]:

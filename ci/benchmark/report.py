@@ -5,17 +5,7 @@ import pathlib
 from typing import Dict, List
 
 from goals import GOALS, Goal, number
-from results import Results
-
-
-def table(rows: List[List[str]]) -> str:
-    """Return rows as a table whose first row is the head, in Markdown."""
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    lines = [
-        f"| {' | '.join(cell.ljust(width) for cell, width in zip(row, widths))} |" for row in rows
-    ]
-    lines.insert(1, f"|{'|'.join('-' * (width + 2) for width in widths)}|")
-    return "\n".join(lines)
+from results import Results, table
 
 
 def tables(

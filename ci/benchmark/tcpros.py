@@ -29,8 +29,14 @@ CLOSING_LIMIT = 0.5
 HEADER_LIMIT = 1 << 20
 #: what comes of peers that hang up, answer nonsense, or speak of what nobody knows
 FAULTS_OF_PEERS = (
-    *(OSError, ValueError, TypeError, LookupError, struct.error),
-    *(http.client.HTTPException, xmlrpc.client.Error, xml.parsers.expat.ExpatError),
+    OSError,
+    ValueError,
+    TypeError,
+    LookupError,
+    struct.error,
+    http.client.HTTPException,
+    xmlrpc.client.Error,
+    xml.parsers.expat.ExpatError,
 )
 
 

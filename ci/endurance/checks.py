@@ -4,6 +4,8 @@ import json
 import pathlib
 from typing import Any, Dict, List, NamedTuple
 
+from results import table as rows_as_table
+
 
 class Check(NamedTuple):
     """One figure and its bound."""
@@ -30,7 +32,7 @@ def none_of(what: str, found: List[str]) -> Check:
     return Check(what, "0", figure, not found)
 
 
-def told(what: str, figure: str) -> Check:
+def reported(what: str, figure: str) -> Check:
     """Report a figure that has no bound."""
     return Check(what, "", figure, True)
 
@@ -49,12 +51,7 @@ def table(results: Dict[str, List[Check]]) -> str:
         for check in checks:
             verdict = "" if not check.bound else "pass" if check.passed else "SHORT"
             rows.append([name, check.what, check.bound, check.figure, verdict])
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    lines = [
-        f"| {' | '.join(cell.ljust(width) for cell, width in zip(row, widths))} |" for row in rows
-    ]
-    lines.insert(1, f"|{'|'.join('-' * (width + 2) for width in widths)}|")
-    return "\n".join(lines)
+    return rows_as_table(rows)
 
 
 def write_json(

@@ -12,24 +12,24 @@ class DiaryNode(ManagedNode):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        self.note("started")
+        self.write_down("started")
 
-    def note(self, what: str) -> None:
+    def write_down(self, what: str) -> None:
         """Write a line, in one go: others write there too."""
         with open(os.environ["DIARY"], "ab", buffering=0) as diary:
             diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 
     def on_configure(self, made: Maker) -> None:
-        self.note("configured")
+        self.write_down("configured")
 
     def on_activate(self, made: Maker) -> None:
-        self.note("activated")
+        self.write_down("activated")
 
     def on_deactivate(self) -> None:
-        self.note("deactivated")
+        self.write_down("deactivated")
 
     def on_cleanup(self) -> None:
-        self.note("cleaned_up")
+        self.write_down("cleaned_up")
 
 
 if __name__ == "__main__":

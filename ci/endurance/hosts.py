@@ -8,6 +8,7 @@ import subprocess
 from typing import Callable, Dict, List, Optional
 
 from steps import end_leftovers
+from surroundings import logs
 
 #: how long a process may take to end when asked to, s
 PATIENCE_S = 10.0
@@ -20,10 +21,12 @@ class Hosts:
     """The hosts near and far, and the processes on them; all end together.
 
     :param directory: for logs and files; a fresh one
+    :param outage: how long the cable is to be pulled, s
     """
 
-    def __init__(self, directory: pathlib.Path) -> None:
+    def __init__(self, directory: pathlib.Path, outage: float) -> None:
         self.directory = directory
+        self.outage = outage
         self._running: List["subprocess.Popen[bytes]"] = []
         #: called at the end
         self.undo: List[Callable[[], None]] = []
@@ -36,10 +39,8 @@ class Hosts:
                 ip("netns", "add", name)
                 ip("-n", name, "link", "set", "lo", "up")
             near, far = self._names["near"], self._names["far"]
-            ip(
-                *("-n", near, "link", "add", DEVICE, "type", "veth"),
-                *("peer", "name", DEVICE, "netns", far),
-            )
+            cable = f"link add {DEVICE} type veth peer name {DEVICE} netns {far}"
+            ip("-n", near, *cable.split())
             for host, name in self._names.items():
                 ip("-n", name, "address", "add", ADDRESSES[host] + "/30", "dev", DEVICE)
             self.set_cable(True)
@@ -135,12 +136,7 @@ class Hosts:
 
     def logs(self) -> str:
         """Return all that was logged."""
-        texts = [
-            path.read_text(errors="replace")
-            for path in sorted(self.directory.rglob("*.log"))
-            if not path.is_symlink() and "latest" not in path.parts
-        ]
-        return "\n".join(texts)
+        return "\n".join(logs(self.directory))
 
 
 def ip(*arguments: str) -> None:

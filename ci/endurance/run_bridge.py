@@ -11,7 +11,7 @@ import time
 from typing import Any, Callable, Dict, List
 
 from bridging import BRIDGE, DOMAIN, LIMIT, TO_ROS1, TO_ROS2, bridge, ends
-from checks import Check, at_most, none_of, told
+from checks import Check, at_most, none_of, reported
 from observers import wait_until
 from peers import RCLPY, SCRIPTS, make_rclpy, rclpy_environment
 from streams import Arrivals
@@ -58,10 +58,10 @@ def sent(soak: Soak, way: str, pid: int) -> List[Check]:
     seen = sampler.samples["bridge"]
     memory = [one.memory for one in seen]
     return [
-        told(f"{way}: messages", str(len(took))),
+        reported(f"{way}: messages", str(len(took))),
         at_most("lost", heard["lost"], 0),
-        told("took", f"{took[len(took) // 2]:.0f} us, at most {took[-1] / 1000.0:.1f} ms"),
-        told(
+        reported("took", f"{took[len(took) // 2]:.0f} us, at most {took[-1] / 1000.0:.1f} ms"),
+        reported(
             "memory of the bridge",
             f"{memory[0] / 1024.0:.1f} MB, then {memory[-1] / 1024.0:.1f} MB",
         ),

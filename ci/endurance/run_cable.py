@@ -9,7 +9,7 @@ from typing import Dict, List
 import record
 import ssh_server
 from analysis import Sample
-from checks import Check, at_least, at_most, told
+from checks import Check, at_least, at_most, reported
 from hosts import ADDRESSES, Hosts
 from observers import wait_until
 from outage import Outage, counted_losses, outage, reported_lateness
@@ -25,11 +25,8 @@ STEADY = 5.0
 OBSERVE = pathlib.Path(__file__).with_name("observe.py")
 
 
-def run(hosts: Hosts, seconds: float) -> List[Check]:
-    """Pull the cable at a rate at which nothing need be lost, and at one at which much must be.
-
-    :param seconds: for how long it is out, s
-    """
+def run(hosts: Hosts) -> List[Check]:
+    """Pull the cable at a rate at which nothing need be lost, and at one at which much must be."""
     ssh_server.start(hosts)
     launch = hosts.start(
         "near",
@@ -40,7 +37,7 @@ def run(hosts: Hosts, seconds: float) -> List[Check]:
     checks = []
     for rate in RATES:
         hosts.run("near", ["rosparam", "set", "/signal_generator/rate", f"{rate:g}"])
-        checks += pull(hosts, rate, seconds)
+        checks += pull(hosts, rate, hosts.outage)
     hosts.stop(launch)
     checks.append(at_most("exit status of roslaunch", abs(launch.returncode), 0))
     remaining = hosts.run("far", ["ss", "-Hltn", "sport != 22"]).splitlines()
@@ -113,13 +110,13 @@ def report(
     return [
         at_most(head + "/signal crosses again after", round(back - plugged, 1), BACK_WITHIN, "s"),
         at_most("/proc_signal is back after", round(answered - plugged, 1), BACK_WITHIN, "s"),
-        told("made meanwhile and before and after", f"{crossing.made} samples"),
+        reported("made meanwhile and before and after", f"{crossing.made} samples"),
         # At the first rate all of it fits into the socket's buffers.
         at_most("lost of them", crossing.lost, 0 if rate == RATES[0] else crossing.made),
-        told("lost, by the publishers' own count", counts),
+        reported("lost, by the publishers' own count", counts),
         at_most("lost without being counted", unaccounted, 0),
         at_least("process: samples are late by", lateness, 0.9 * seconds, "s"),
-        told("the latest sample was late by", f"{crossing.lateness:.1f} s"),
+        reported("the latest sample was late by", f"{crossing.lateness:.1f} s"),
         at_most("lost on the generator's own host", local.lost, 0),
-        told("longest silence there", f"{1000.0 * local.silence:.0f} ms"),
+        reported("longest silence there", f"{1000.0 * local.silence:.0f} ms"),
     ]

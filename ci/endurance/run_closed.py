@@ -7,7 +7,7 @@ import sys
 from typing import Dict, List, Set
 
 import ssh_server
-from checks import Check, none_of, told
+from checks import Check, none_of, reported
 from hosts import ADDRESSES, Hosts
 from observers import wait_until
 from peers import WORKSPACE
@@ -18,7 +18,7 @@ LAUNCH = ["roslaunch", "basic_comms", "cw1.launch"]
 _USER = re.compile(r'users:\(\("([^"]+)"')
 
 
-def run(hosts: Hosts, _seconds: float) -> List[Check]:
+def run(hosts: Hosts) -> List[Check]:
     """Try the main job from the other host, with each of the means of docs/security.md."""
     ssh_server.start(hosts)
     return bound_to_localhost(hosts) + in_a_network_of_its_own(hosts)
@@ -35,8 +35,8 @@ def bound_to_localhost(hosts: Hosts) -> List[Check]:
     words = [str(WORKSPACE / "ci" / "exec"), "rostopic", "echo", "-n", "1", "/proc_signal"]
     through_ssh = heard(hosts, "near", ssh_server.command(hosts, *words))
     checks = [
-        told("listening there", ", ".join(sorted(set(listening(hosts).values())))),
-        told("of them reachable from here", ", ".join(sorted(set(open_before.values())))),
+        reported("listening there", ", ".join(sorted(set(listening(hosts).values())))),
+        reported("of them reachable from here", ", ".join(sorted(set(open_before.values())))),
         none_of("reachable and neither sshd nor rosout", others(open_before, {"sshd", "rosout"})),
         none_of("reachable behind the firewall and not sshd", others(open_behind, {"sshd"})),
         none_of("rostopic echo through ssh fails", through_ssh),

@@ -8,7 +8,7 @@ import subprocess
 import time
 from typing import List, NamedTuple, Optional
 
-from checks import Check, at_most, none_of, told
+from checks import Check, at_most, none_of, reported
 from graph_state import NOTHING, address, of_node
 from surroundings import Soak
 from tcpros import Node
@@ -113,7 +113,7 @@ def report(ends: List[End]) -> List[Check]:
     seconds = sorted(end.seconds for end in ends)
     what = f"{len(ends)} times Ctrl-C: ended within"
     return [
-        told("median until the end", f"{seconds[len(seconds) // 2]:.2f} s"),
+        reported("median until the end", f"{seconds[len(seconds) // 2]:.2f} s"),
         at_most(what, round(seconds[-1], 2), ENDS_WITHIN, "s"),
         none_of(
             "exit status other than 0",
@@ -123,7 +123,7 @@ def report(ends: List[End]) -> List[Check]:
             "tracebacks",
             [f"{end.what}: {last_line(end.output)}" for end in traces if end in ours],
         ),
-        told("the interpreter's own, before a node's first line", str(len(early))),
+        reported("the interpreter's own, before a node's first line", str(len(early))),
         none_of("zombies and children", [end.what for end in ends if end.children]),
         none_of(
             "leftover registrations",

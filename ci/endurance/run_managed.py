@@ -7,7 +7,7 @@ import subprocess
 import time
 from typing import Dict, List, NamedTuple, Optional
 
-from checks import Check, at_most, none_of, told
+from checks import Check, at_most, none_of, reported
 from diary import Entry, Story, entries
 from observers import wait_until
 from peers import WORKSPACE
@@ -57,7 +57,7 @@ class System:
         """Start a node."""
         self.nodes[name] = self._session.start([str(NODE), f"__name:={name[1:]}"])
 
-    def note(self, name: str, what: str) -> float:
+    def write_down(self, name: str, what: str) -> float:
         """Write down what is done to a node; return when."""
         now = time.monotonic()
         with self._diary.open("ab", buffering=0) as diary:
@@ -82,7 +82,7 @@ class System:
     def lose(self, name: str, chance: random.Random) -> Loss:
         """Kill or stop a node, have it come back, and wait until all are active."""
         process, is_kill = self.nodes[name], chance.random() < 0.5
-        lost = self.note(name, "killed" if is_kill else "stopped")
+        lost = self.write_down(name, "killed" if is_kill else "stopped")
         process.send_signal(signal.SIGKILL if is_kill else signal.SIGSTOP)
         time.sleep(chance.uniform(0.0, LONGEST_PAUSE if is_kill else LONGEST_STOP))
         if is_kill:
@@ -90,7 +90,7 @@ class System:
             wait_until(lambda: self._has("started", lost), 30.0, "start of " + name)
             back = next(each.moment for each in self.entries(lost) if each.what == "started")
         else:
-            back = self.note(name, "continued")
+            back = self.write_down(name, "continued")
             process.send_signal(signal.SIGCONT)
         time.sleep(0.2)  # one that was stopped shortly may be found silent yet
         self.wait_until_active()
@@ -122,9 +122,9 @@ def report(losses: List[Loss], story: Story) -> List[Check]:
     resumed = sorted(loss.resumed for loss in losses)
     worst = max(losses, key=lambda loss: loss.resumed).what
     checks = [
-        told("nodes killed", str(len(killed))),
-        told("nodes stopped", str(len(losses) - len(killed))),
-        told("active again after the return, median", f"{resumed[len(resumed) // 2]:.2f} s"),
+        reported("nodes killed", str(len(killed))),
+        reported("nodes stopped", str(len(losses) - len(killed))),
+        reported("active again after the return, median", f"{resumed[len(resumed) // 2]:.2f} s"),
         at_most(f"the longest ({worst})", round(resumed[-1], 3), ACTIVE_WITHIN, "s"),
     ]
     for kind, of_kind in (

@@ -13,8 +13,7 @@ import time
 from typing import List, Sequence, Tuple
 
 import rosbag
-
-from checks import Check, at_least, at_most, told
+from checks import Check, at_least, at_most, reported
 from control import Control, silences
 from streams import Continuity, unanswered
 from surroundings import Soak
@@ -47,7 +46,9 @@ def run(soak: Soak) -> List[Check]:
         answers = Watch(node, "/proc_signal", ANSWER)
         generator = soak.start(
             "signal_generator.py",
-            *(f"_rate:={RATE:g}", f"_frequency:={FREQUENCY:g}", f"_amplitude:={AMPLITUDE:g}"),
+            f"_rate:={RATE:g}",
+            f"_frequency:={FREQUENCY:g}",
+            f"_amplitude:={AMPLITUDE:g}",
         )
         session.wait_for("/signal_generator")
         time.sleep(min(WARM_UP, 0.2 * soak.seconds))
@@ -65,9 +66,9 @@ def run(soak: Soak) -> List[Check]:
         time.sleep(1.0)  # for the recorder to take in what is under way
         checks = [
             at_least("samples a second", signal.arrivals.count / lasted, 0.999 * RATE, "1/s"),
-            told("silences of /signal", silences(signal.arrivals)),
-            told("silences of /proc_signal", silences(answers.arrivals)),
-            told("pauses of a loop that only sleeps", control.stop()),
+            reported("silences of /signal", silences(signal.arrivals)),
+            reported("silences of /proc_signal", silences(answers.arrivals)),
+            reported("pauses of a loop that only sleeps", control.stop()),
         ]
         assert signal.continuity is not None
         checks.append(at_most("missing at an observer", signal.continuity.missing, 0))
@@ -75,7 +76,7 @@ def run(soak: Soak) -> List[Check]:
     checks += recorded(bag)
     for name in pids:
         checks += grown(name, sampler.samples[name])
-    checks.append(told("growth of the recorder", memory(sampler.samples["record"])))
+    checks.append(reported("growth of the recorder", memory(sampler.samples["record"])))
     checks.append(at_most("growth of all logs", log_growth, LOG_GROWTH, "bytes/s"))
     bag.unlink()
     return checks
@@ -92,9 +93,9 @@ def recorded(bag: pathlib.Path) -> List[Check]:
     for time_x in times:
         continuity.add(time_x)
     checks = [
-        told("samples in the bag", str(len(times))),
+        reported("samples in the bag", str(len(times))),
         at_most("missing in the bag", continuity.missing + continuity.repeated, 0),
-        told("in so many places", f"{continuity.holes}, at most {continuity.largest_hole}"),
+        reported("in so many places", f"{continuity.holes}, at most {continuity.largest_hole}"),
     ]
     if all(check.passed for check in checks):
         # Where samples are missing, the answers cannot be laid on them.
@@ -118,7 +119,7 @@ def read(bag: pathlib.Path) -> Tuple[Sequence[float], Sequence[float]]:
 def grown(name: str, seen: List[Usage]) -> List[Check]:
     """Check that a node's memory, threads and descriptors have stayed what they were."""
     return [
-        told("memory of " + name, memory(seen)),
+        reported("memory of " + name, memory(seen)),
         at_most(
             "growth of its memory", round(100.0 * growth([one.memory for one in seen]), 2), 1.0, "%"
         ),

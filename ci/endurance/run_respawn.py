@@ -7,7 +7,7 @@ import time
 import xmlrpc.client
 from typing import Any, Dict, List, NamedTuple, Tuple
 
-from checks import Check, at_most, none_of, told
+from checks import Check, at_most, none_of, reported
 from graph_state import Registrations, address, of_node
 from observers import wait_until
 from streams import Arrivals
@@ -134,7 +134,7 @@ def report(
     for name, of_name in returns.items():
         starts = sorted(one.start for one in of_name)
         checks.append(
-            told(
+            reported(
                 f"{name} killed {len(of_name)} times: back after",
                 f"{starts[len(starts) // 2]:.2f} s, at most {starts[-1]:.2f} s",
             )

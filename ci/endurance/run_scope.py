@@ -9,7 +9,7 @@ import urllib.request
 from statistics import median
 from typing import Any, Callable, List, NamedTuple, Tuple
 
-from checks import Check, at_least, at_most, told
+from checks import Check, at_least, at_most, reported
 from cost import cpu_time
 from observers import wait_until
 from peers import WORKSPACE
@@ -30,7 +30,7 @@ WARM_UP = 120.0
 STALL = 2.0
 #: how often the page is looked at, and how often at least a second it draws
 LOOKS, FRAMES = 30, 1.0
-#: how often a look cleans up: the page goes on meanwhile, and the least counts
+#: how often one reading cleans up: the page goes on meanwhile, and the least counts
 TRIES = 5
 #: what the scope may take, MB
 MEMORY = 120.0
@@ -38,7 +38,7 @@ MEMORY = 120.0
 GROWTH, PAGE_GROWTH = 1.0, 5.0
 
 
-class Look(NamedTuple):
+class PageState(NamedTuple):
     """What the page holds at a moment, when all that it needs no more is gone."""
 
     #: JavaScript's objects, bytes
@@ -62,7 +62,7 @@ def run(soak: Soak) -> List[Check]:
     url = f"http://localhost:{port}"
     wait_until(lambda: is_served(url), 30.0, "page of the scope")
     browser = Browser()
-    looks = []
+    states = []
     try:
         browser.open(url)
         warm_up(scope)
@@ -70,7 +70,7 @@ def run(soak: Soak) -> List[Check]:
         with Sampler({"scope": scope.pid}) as sampler:
             for number in range(1, LOOKS + 1):
                 time.sleep(max(0.0, began + soak.seconds * number / LOOKS - time.monotonic()))
-                looks.append(look(browser))
+                states.append(read_page(browser))
         share = 100.0 * (cpu_time([scope.pid]) - used) / (time.monotonic() - began)
         rates = browser.text("#legend [data-cell=rate]").split()
     finally:
@@ -79,22 +79,24 @@ def run(soak: Soak) -> List[Check]:
     seen = sampler.samples["scope"]
     memory = [one.memory for one in seen]
     return [
-        told("processor of the scope", f"{share:.0f} % of a core"),
+        reported("processor of the scope", f"{share:.0f} % of a core"),
         at_most("its memory at most", round(max(memory) / 1000.0, 1), MEMORY, "MB"),
-        told("in tenths of the time", ", ".join(f"{one / 1000.0:.1f}" for one in tenths(memory))),
+        reported(
+            "in tenths of the time", ", ".join(f"{one / 1000.0:.1f}" for one in tenths(memory))
+        ),
         at_most("growth of its memory", growth(memory), GROWTH, "%"),
         at_most("its new threads", added([one.threads for one in seen]), 0),
         at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
         at_least("traces with samples in the end", len(rates), len(FIELDS)),
-        told("their rates", ", ".join(sorted(set(rates)))),
-        at_least("least frames a second", min(one.frames for one in looks), FRAMES),
-        told("heap of the page, MB", ", ".join(f"{one.heap / 1e6:.1f}" for one in looks)),
+        reported("their rates", ", ".join(sorted(set(rates)))),
+        at_least("least frames a second", min(one.frames for one in states), FRAMES),
+        reported("heap of the page, MB", ", ".join(f"{one.heap / 1e6:.1f}" for one in states)),
         *(
             at_most(f"growth of {name}", growth(values, min), PAGE_GROWTH, "%")
             for name, values in (
-                ("the heap", [one.heap for one in looks]),
-                ("the page's elements", [one.elements for one in looks]),
-                ("its listeners", [one.listeners for one in looks]),
+                ("the heap", [one.heap for one in states]),
+                ("the page's elements", [one.elements for one in states]),
+                ("its listeners", [one.listeners for one in states]),
             )
         ),
     ]
@@ -111,8 +113,8 @@ def warm_up(scope: "subprocess.Popen[bytes]") -> None:
     time.sleep(WARM_UP / 2.0)
 
 
-def look(browser: Any) -> Look:
-    """Look at the page."""
+def read_page(browser: Any) -> PageState:
+    """Return what the page holds now."""
     driver = browser.driver
     frames = int(browser.text("#foot-frames").split()[0])
     seen: List[Tuple[int, int, int]] = []
@@ -122,7 +124,7 @@ def look(browser: Any) -> Look:
         counts = driver.execute_cdp_cmd("Memory.getDOMCounters", {})
         seen.append((int(heap), counts["nodes"], counts["jsEventListeners"]))
     heaps, elements, listeners = zip(*seen)
-    return Look(min(heaps), min(elements), min(listeners), frames)
+    return PageState(min(heaps), min(elements), min(listeners), frames)
 
 
 def growth(values: List[int], typical: Callable[[List[int]], float] = median) -> float:

@@ -5,7 +5,7 @@ import signal
 import time
 from typing import List
 
-from checks import Check, at_least, at_most, told
+from checks import Check, at_least, at_most, reported
 from control import Control, silences
 from surroundings import Soak
 from usage import Usage, settled_usage
@@ -47,7 +47,7 @@ def run(soak: Soak) -> List[Check]:
     session.stop(sleeper, generator, process)
     for name in pids:
         during_mb = f"{during[name].memory / 1024.0:.1f} MB"
-        checks += [told(f"memory of {name} meanwhile", during_mb)]
+        checks += [reported(f"memory of {name} meanwhile", during_mb)]
         checks += returned(name, before[name], after[name])
     return checks
 
@@ -62,8 +62,8 @@ def undisturbed(watches: List[Watch], control: Control) -> List[Check]:
         longest = round(1e3 * watch.arrivals.longest_gap, 1)
         what = f"longest silence of {watch.topic} for a good one"
         checks.append(at_most(what, longest, 1e3 * UNDISTURBED, "ms"))
-        checks.append(told("its silences", silences(watch.arrivals)))
-    checks.append(told("pauses of a loop that only sleeps", control.stop()))
+        checks.append(reported("its silences", silences(watch.arrivals)))
+    checks.append(reported("pauses of a loop that only sleeps", control.stop()))
     continuity = watches[0].continuity
     assert continuity is not None
     checks.append(at_most("missing for a good one", continuity.missing, 0))
@@ -75,7 +75,7 @@ def returned(name: str, before: Usage, after: Usage) -> List[Check]:
     figure = f"{before.memory / 1024.0:.1f} MB, {after.memory / 1024.0:.1f} MB"
     grown = 100.0 * (after.memory / before.memory - 1.0)
     return [
-        told(f"memory of {name} before and after", figure),
+        reported(f"memory of {name} before and after", figure),
         at_most("growth of its memory", round(grown, 2), 1.0, "%"),
         at_most("its new threads", after.threads - before.threads, 0),
         at_most("its new descriptors", after.descriptors - before.descriptors, 0),

@@ -59,8 +59,6 @@ def command(hosts: Hosts, *words: str) -> List[str]:
     OpenSSH's client looks for the home directory in the user database, not in the environment.
     """
     home = hosts.directory / "near" / ".ssh"
-    return [
-        *("ssh", "-F", "none", "-i", str(home / "id_ed25519")),
-        *("-o", f"UserKnownHostsFile={home / 'known_hosts'}", "-o", "BatchMode=yes"),
-        *("root@" + ADDRESSES["far"], *words),
-    ]
+    options = ["-F", "none", "-i", str(home / "id_ed25519"), "-o", "BatchMode=yes"]
+    options += ["-o", f"UserKnownHostsFile={home / 'known_hosts'}"]
+    return ["ssh", *options, "root@" + ADDRESSES["far"], *words]

@@ -4,8 +4,8 @@ import pathlib
 import subprocess
 from typing import List, NamedTuple
 
-from processes import Session
 from peers import WORKSPACE
+from processes import Session
 
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "basic_comms"
 
@@ -31,4 +31,8 @@ class Soak(NamedTuple):
 
 def logs(directory: pathlib.Path) -> List[str]:
     """Return the text of all logs below a directory."""
-    return [path.read_text(errors="replace") for path in sorted(directory.rglob("*.log"))]
+    return [
+        path.read_text(errors="replace")
+        for path in sorted(directory.rglob("*.log"))
+        if not path.is_symlink() and "latest" not in path.parts
+    ]

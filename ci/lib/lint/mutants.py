@@ -78,12 +78,11 @@ TESTS: Dict[str, Sequence[str]] = {
 
 #: Of cosmic-ray's many ways to replace an operator those that differ least from it: tests that
 #: notice a "-" in place of a "+" notice a "**" as well.
-REPLACED = (
-    *("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "FloorDiv_Div", "Mod_FloorDiv", "Pow_Mul"),
-    *("LShift_RShift", "RShift_LShift", "BitOr_BitAnd", "BitAnd_BitOr", "BitXor_BitAnd"),
-    *("Eq_NotEq", "NotEq_Eq", "Is_IsNot", "IsNot_Is", "Lt_LtE", "Lt_GtE", "LtE_Lt", "LtE_Gt"),
-    *("Gt_GtE", "Gt_LtE", "GtE_Gt", "GtE_Lt", "Delete_USub", "Delete_Not", "Delete_Invert"),
-)
+REPLACED = """
+    Add_Sub Sub_Add Mul_Div Div_Mul FloorDiv_Div Mod_FloorDiv Pow_Mul LShift_RShift
+    RShift_LShift BitOr_BitAnd BitAnd_BitOr BitXor_BitAnd Eq_NotEq NotEq_Eq Is_IsNot IsNot_Is
+    Lt_LtE Lt_GtE LtE_Lt LtE_Gt Gt_GtE Gt_LtE GtE_Gt GtE_Lt Delete_USub Delete_Not Delete_Invert
+""".split()
 CONFIGURATION = """
 [cosmic-ray]
 module-path = {module}

@@ -164,9 +164,15 @@ def own_address() -> str:
 def greeting(port: int) -> Dict[str, Any]:
     """Return what the oscilloscope welcomes a page with, once it has found the master."""
     lines = [
-        *("GET /ws HTTP/1.1", f"Host: localhost:{port}", f"Origin: http://localhost:{port}"),
-        *("Connection: Upgrade", "Upgrade: websocket", "Sec-WebSocket-Version: 13"),
-        *("Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==", "", ""),
+        "GET /ws HTTP/1.1",
+        f"Host: localhost:{port}",
+        f"Origin: http://localhost:{port}",
+        "Connection: Upgrade",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+        "",
+        "",
     ]
     with socket.create_connection(("127.0.0.1", port), PATIENCE) as link:
         link.sendall("\r\n".join(lines).encode())

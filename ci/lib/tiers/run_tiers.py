@@ -11,7 +11,7 @@ import time
 from typing import List, Optional
 
 import tiers
-from steps import Outcome, Runner, Step
+from steps import Runner, Step, StepResult
 
 # More than most machines' cores: most integration tests wait most of the time.
 AT_A_TIME = 3
@@ -21,7 +21,7 @@ LOOK_S = 1.0
 LINES_SHOWN = 200
 
 
-def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
+def run_steps(steps: List[Step], directory: pathlib.Path) -> List[StepResult]:
     """Run steps in their order, and report each when it ends.
 
     A step that has to be after another one takes its place behind all when that has ended; if that
@@ -29,15 +29,17 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
 
     :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs any more
     """
-    outcomes: List[Outcome] = []
+    results: List[StepResult] = []
     runner = Runner()
     # An exception raised by a signal could leave a lock of the pool locked for ever. This
     # queue's put() may be called from a handler.
-    ended: "queue.SimpleQueue[Optional[concurrent.futures.Future[Outcome]]]" = queue.SimpleQueue()
+    ended: "queue.SimpleQueue[Optional[concurrent.futures.Future[StepResult]]]" = (
+        queue.SimpleQueue()
+    )
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.put(None))
     waiting = [step for step in steps if step.after]
-    running: "List[concurrent.futures.Future[Outcome]]" = []
+    running: "List[concurrent.futures.Future[StepResult]]" = []
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
 
         def begin(step: Step) -> None:
@@ -49,7 +51,7 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
             for step in steps:
                 if not step.after:
                     begin(step)
-            while len(outcomes) < len(steps):
+            while len(results) < len(steps):
                 try:
                     # Not for ever: one that comes just before this begins to wait wakes nobody.
                     first = ended.get(timeout=LOOK_S)
@@ -57,22 +59,22 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[Outcome]:
                     continue
                 if first is None:
                     raise KeyboardInterrupt
-                outcome = first.result()
-                outcomes.append(outcome)
-                report(outcome)
-                for step in [one for one in waiting if follows(one, outcome.step)]:
-                    if outcome.good:
+                result = first.result()
+                results.append(result)
+                report(result)
+                for step in [one for one in waiting if follows(one, result.step)]:
+                    if result.good:
                         begin(step)
                     else:
                         why = f"not run: {step.after} has failed"
-                        outcomes.append(Outcome(step, 0, 1, 0, 0.0, why))
-                        report(outcomes[-1])
+                        results.append(StepResult(step, 0, 1, 0, 0.0, why))
+                        report(results[-1])
         except BaseException:
             for future in running:
                 future.cancel()
             runner.interrupt()
             raise
-    return outcomes
+    return results
 
 
 def follows(step: Step, other: Step) -> bool:
@@ -80,19 +82,19 @@ def follows(step: Step, other: Step) -> bool:
     return (step.tier, step.after) == (other.tier, other.name)
 
 
-def report(outcome: Outcome) -> None:
+def report(result: StepResult) -> None:
     """Print a line about a step, and the end of its output if it failed."""
     print(
-        f"{'ok' if outcome.good else 'FAILED':6} "
-        f"{outcome.step.tier}/{outcome.step.name}: "
-        f"{numbers(outcome.passed, outcome.failed, outcome.skipped)}, "
-        f"{outcome.seconds:.1f} s",
+        f"{'ok' if result.good else 'FAILED':6} "
+        f"{result.step.tier}/{result.step.name}: "
+        f"{numbers(result.passed, result.failed, result.skipped)}, "
+        f"{result.seconds:.1f} s",
         flush=True,
     )
-    for failure in outcome.failures:
+    for failure in result.failures:
         print(f"  failed: {failure}", flush=True)
-    if not outcome.good:
-        lines = outcome.log.splitlines()
+    if not result.good:
+        lines = result.log.splitlines()
         for line in lines[-LINES_SHOWN:]:
             print("    " + line, flush=True)
 
@@ -101,7 +103,7 @@ def numbers(passed: int, failed: int, skipped: int) -> str:
     return f"{passed} passed, {failed} failed, {skipped} skipped"
 
 
-def summarise(names: List[str], outcomes: List[Outcome], seconds: float) -> bool:
+def summarise(names: List[str], results: List[StepResult], seconds: float) -> bool:
     """Print the table and the closing line.
 
     :returns: whether everything is well
@@ -110,14 +112,14 @@ def summarise(names: List[str], outcomes: List[Outcome], seconds: float) -> bool
     print("\n" + row % ("tier", "passed", "failed", "skipped", "seconds"))
     total = [0, 0, 0]
     for name in names:
-        mine = [outcome for outcome in outcomes if outcome.step.tier == name]
+        mine = [result for result in results if result.step.tier == name]
         tally = [
-            sum(outcome.passed for outcome in mine),
+            sum(result.passed for result in mine),
             # A tier without a test proves nothing.
-            sum(outcome.failed for outcome in mine) if mine else 1,
-            sum(outcome.skipped for outcome in mine),
+            sum(result.failed for result in mine) if mine else 1,
+            sum(result.skipped for result in mine),
         ]
-        seconds_of_tier = f"{sum(outcome.seconds for outcome in mine):.1f}"
+        seconds_of_tier = f"{sum(result.seconds for result in mine):.1f}"
         print(row % (name, *tally, seconds_of_tier) + ("" if mine else "  no test ran"))
         total = [one + other for one, other in zip(total, tally)]
     print(f"{seconds:.0f} s in all, {AT_A_TIME} steps at a time\n")
@@ -131,13 +133,13 @@ def main(names: List[str]) -> int:
     began = time.monotonic()
     directory = pathlib.Path(tempfile.mkdtemp(prefix="ci-test-"))
     try:
-        outcomes = run_steps(tiers.steps_of(names), directory)
+        results = run_steps(tiers.steps_of(names), directory)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 128 + signal.SIGINT
     finally:
         shutil.rmtree(str(directory), ignore_errors=True)
-    return 0 if summarise(names, outcomes, time.monotonic() - began) else 1
+    return 0 if summarise(names, results, time.monotonic() - began) else 1
 
 
 if __name__ == "__main__":

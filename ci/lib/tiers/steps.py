@@ -34,7 +34,7 @@ class Step:
 
 
 @dataclasses.dataclass(frozen=True)
-class Outcome:
+class StepResult:
     """What came of a step."""
 
     step: Step
@@ -57,7 +57,7 @@ class Runner:
         self._running: Set["subprocess.Popen[bytes]"] = set()
         self._interrupted = False
 
-    def run(self, step: Step, directory: pathlib.Path) -> Outcome:
+    def run(self, step: Step, directory: pathlib.Path) -> StepResult:
         """Run a step to its end or to its time limit."""
         results, scratch, log = directory / "results", directory / "tmp", directory / "log"
         results.mkdir(parents=True)
@@ -96,7 +96,7 @@ class Runner:
 
 def judge(
     step: Step, status: int, results: pathlib.Path, seconds: float, log: pathlib.Path
-) -> Outcome:
+) -> StepResult:
     """Count a step's tests; what ends badly or tests nothing has at least one failure."""
     passed, failures, skipped = count(results) if step.writes_junit else (int(status == 0), [], 0)
     failed = len(failures)
@@ -107,7 +107,7 @@ def judge(
     if passed + failed + skipped == 0:
         failed = 1
         text += "\nno test ran\n"
-    return Outcome(step, passed, failed, skipped, seconds, text, failures)
+    return StepResult(step, passed, failed, skipped, seconds, text, failures)
 
 
 def environment(directory: pathlib.Path) -> Dict[str, str]:

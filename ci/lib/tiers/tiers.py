@@ -64,10 +64,9 @@ def lint() -> List[Step]:
     }
     for package in packages():
         if (package / "launch").is_dir():
-            commands["roslaunch-check " + package.name] = [
-                *("rosrun", "roslaunch", "roslaunch-check", "-t", "-i"),
-                *("-o", "{results}/launch.xml", str(package / "launch")),
-            ]
+            check = ["rosrun", "roslaunch", "roslaunch-check", "-t", "-i"]
+            check += ["-o", "{results}/launch.xml", str(package / "launch")]
+            commands["roslaunch-check " + package.name] = check
     steps = [Step("lint", name, command) for name, command in commands.items()]
     return [*steps, pytest_step("lint", "what lint refuses", CI / "tests" / "lint")]
 
@@ -109,21 +108,14 @@ def pytest_step(tier: str, name: str, place: pathlib.Path) -> Step:
 
 
 def integration() -> List[Step]:
-    steps = [
-        Step(
-            "integration",
-            f"{package.name}/{test.stem}",
-            [
-                *("rostest", "--pkgdir", str(package), "--package", package.name),
-                *("--results-base-dir", "{results}", "--results-filename", test.stem + ".xml"),
-                str(test),
-            ],
-            writes_junit=True,
-            time_limit=declared_time(test) + 60.0,
-        )
-        for package in packages()
-        for test in sorted((package / "test" / "integration").glob("*.test"))
-    ]
+    steps = []
+    for package in packages():
+        for test in sorted((package / "test" / "integration").glob("*.test")):
+            command = ["rostest", "--pkgdir", str(package), "--package", package.name]
+            command += ["--results-base-dir", "{results}"]
+            command += ["--results-filename", test.stem + ".xml", str(test)]
+            name, limit = f"{package.name}/{test.stem}", declared_time(test) + 60.0
+            steps.append(Step("integration", name, command, limit, writes_junit=True))
     # The longest first, so that none of them runs alone at the end.
     return sorted(steps, key=lambda step: step.time_limit, reverse=True)
 

@@ -10,6 +10,7 @@ import subprocess
 from typing import Sequence
 
 import pytest
+
 from conftest import Workspace
 
 ROSBASH = (
@@ -89,7 +90,10 @@ def test_another_python_is_kept_away(built: Workspace, tmp_path: pathlib.Path) -
     (tmp_path / "mine.py").write_text("")
     code = "import mine, genpy, os, tiny.msg; print(os.environ.get('VIRTUAL_ENV'))"
     result = built.run(
-        *("env", "python3", "-c", code),
+        "env",
+        "python3",
+        "-c",
+        code,
         PATH=f"{shims}:{os.environ['PATH']}",
         VIRTUAL_ENV=str(tmp_path / "venv"),
         PYTHONHOME=str(tmp_path / "venv"),

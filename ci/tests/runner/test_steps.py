@@ -8,7 +8,7 @@ import threading
 
 import pytest
 import run_tiers
-from steps import Outcome, Runner, Step
+from steps import Runner, Step, StepResult
 
 PASSED = "<testcase name='a'/>"
 FAILED = "<testcase name='b'><failure>\n1 is not 2\nat line 3</failure></testcase>"
@@ -16,12 +16,12 @@ BROKEN = "<testcase name='c'><error message='no such file'/></testcase>"
 SKIPPED = "<testcase name='d'><skipped/></testcase>"
 
 
-def run(directory: pathlib.Path, *command: str, **options: float) -> Outcome:
+def run(directory: pathlib.Path, *command: str, **options: float) -> StepResult:
     step = Step("tier", "step", list(command), **options)  # type: ignore[arg-type]
     return Runner().run(step, directory / "step")
 
 
-def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> Outcome:
+def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> StepResult:
     """Run a step that writes JUnit files, whose names are given with _ for -."""
     script = "; ".join(
         'echo "<testsuite>%s</testsuite>" > {results}/%s.xml' % (cases, name.replace("_", "-"))
@@ -30,8 +30,8 @@ def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> Outco
     return run(directory, "sh", "-c", f"{script or ':'}; exit {status}", writes_junit=True)
 
 
-def tally(outcome: Outcome) -> tuple:
-    return outcome.passed, outcome.failed, outcome.skipped, outcome.good
+def tally(result: StepResult) -> tuple:
+    return result.passed, result.failed, result.skipped, result.good
 
 
 def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
@@ -42,9 +42,9 @@ def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
 
 
 def test_cases_are_counted_by_their_end(tmp_path: pathlib.Path) -> None:
-    outcome = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
-    assert tally(outcome) == (3, 2, 1, False)
-    assert outcome.failures == ["b: 1 is not 2", "c: no such file"]
+    result = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
+    assert tally(result) == (3, 2, 1, False)
+    assert result.failures == ["b: 1 is not 2", "c: no such file"]
 
 
 def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:
@@ -53,9 +53,9 @@ def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:
 
 @pytest.mark.parametrize("files", [{}, {"empty": ""}])
 def test_no_case_is_a_failure(tmp_path: pathlib.Path, files: dict) -> None:
-    outcome = run_writing(tmp_path, **files)
-    assert tally(outcome) == (0, 1, 0, False)
-    assert "no test ran" in outcome.log
+    result = run_writing(tmp_path, **files)
+    assert tally(result) == (0, 1, 0, False)
+    assert "no test ran" in result.log
 
 
 def test_a_bad_end_is_a_failure_though_all_cases_passed(tmp_path: pathlib.Path) -> None:
@@ -70,18 +70,18 @@ def test_half_a_file_is_a_failure(tmp_path: pathlib.Path) -> None:
 def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
     tmp_path: pathlib.Path,
 ) -> None:
-    outcome = run_writing(tmp_path, rosunit_one=PASSED, rostest_file=PASSED + FAILED)
-    assert tally(outcome) == (1, 1, 0, False)
+    result = run_writing(tmp_path, rosunit_one=PASSED, rostest_file=PASSED + FAILED)
+    assert tally(result) == (1, 1, 0, False)
     # A test node with no test in it.
     assert not run_writing(tmp_path / "none", rosunit_one="", rostest_file=PASSED).good
 
 
 def test_time_limit_ends_what_escaped_too(tmp_path: pathlib.Path) -> None:
     command = "setsid sleep 300 & echo $!; exec sleep 300"
-    outcome = run(tmp_path, "sh", "-c", command, time_limit=0.5)
-    assert tally(outcome) == (0, 1, 0, False)
-    assert "more than" in outcome.log
-    escaped = int(outcome.log.split()[0])
+    result = run(tmp_path, "sh", "-c", command, time_limit=0.5)
+    assert tally(result) == (0, 1, 0, False)
+    assert "more than" in result.log
+    escaped = int(result.log.split()[0])
     with pytest.raises(ProcessLookupError):
         wait_until_gone(escaped)
 
@@ -106,11 +106,11 @@ def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
 
 
 def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
-    good = Outcome(Step("unit", "a", []), passed=3, failed=0, skipped=0, seconds=1.0, log="")
+    good = StepResult(Step("unit", "a", []), passed=3, failed=0, skipped=0, seconds=1.0, log="")
     assert run_tiers.summarise(["unit"], [good, good], 2.0)
     assert capsys.readouterr().out.splitlines()[-1] == "6 passed, 0 failed, 0 skipped"
 
-    bad = Outcome(Step("unit", "b", []), passed=1, failed=0, skipped=1, seconds=1.0, log="")
+    bad = StepResult(Step("unit", "b", []), passed=1, failed=0, skipped=1, seconds=1.0, log="")
     assert not run_tiers.summarise(["unit"], [good, bad], 2.0)
     assert capsys.readouterr().out.splitlines()[-1] == "4 passed, 0 failed, 1 skipped"
 

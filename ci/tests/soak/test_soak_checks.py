@@ -29,7 +29,7 @@ def test_all_kept_needs_every_check_of_every_run() -> None:
 
 
 def test_table_names_what_falls_short() -> None:
-    of_run = [checks.at_most("gap", 3.0, 2.0, "ms"), checks.told("load", "1.5")]
+    of_run = [checks.at_most("gap", 3.0, 2.0, "ms"), checks.reported("load", "1.5")]
     text = checks.table({"stalled": of_run})
     assert "| stalled | gap  | <= 2 ms | 3 ms   | SHORT |" in text
     assert "| stalled | load |         | 1.5    |       |" in text

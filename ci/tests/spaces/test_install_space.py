@@ -8,6 +8,7 @@ import time
 from typing import Callable, Dict, List
 
 import pytest
+
 from conftest import PACKAGES, SOURCES
 
 # Only what hangs takes as long: a look at the eleven launch files of a package has taken more
@@ -26,10 +27,16 @@ def install_space(
     spaces = tmp_path_factory.mktemp("spaces")
     subprocess.check_call(
         [
-            *("catkin_make", "--source", str(SOURCES), "--build", str(spaces / "build")),
+            "catkin_make",
+            "--source",
+            str(SOURCES),
+            "--build",
+            str(spaces / "build"),
             f"-DCATKIN_DEVEL_PREFIX={spaces / 'devel'}",
             f"-DCMAKE_INSTALL_PREFIX={spaces / 'install'}",
-            *("-DCATKIN_ENABLE_TESTING=OFF", "-DPYTHON_EXECUTABLE=/usr/bin/python3", "install"),
+            "-DCATKIN_ENABLE_TESTING=OFF",
+            "-DPYTHON_EXECUTABLE=/usr/bin/python3",
+            "install",
         ],
         cwd=str(spaces),
         env=underlay,

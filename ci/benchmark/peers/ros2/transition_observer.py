@@ -9,9 +9,10 @@ from typing import Any, Callable, Dict, List
 
 import rclpy
 import transitions
-from lifecycle_msgs import msg, srv
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+
+from lifecycle_msgs import msg, srv
 
 #: Longest wait for an answer, s.
 LIMIT = 10.0
@@ -77,10 +78,10 @@ class Asking:
         events: List[Any] = []
         topic = f"/{name}/transition_event"
 
-        def note(event: Any) -> None:
+        def keep_event(event: Any) -> None:
             events.append([_pair(event.start_state), _pair(event.goal_state)])
 
-        hearing = self.node.create_subscription(msg.TransitionEvent, topic, note, 100)
+        hearing = self.node.create_subscription(msg.TransitionEvent, topic, keep_event, 100)
         kinds = {
             "change_state": srv.ChangeState,
             "get_state": srv.GetState,

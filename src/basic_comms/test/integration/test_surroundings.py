@@ -97,7 +97,7 @@ class Surroundings(unittest.TestCase):
             for ear in ears:
                 self.hear(ear, 10)
             for errors in self.end(*nodes):
-                self.assertEqual(errors.count("lines of the log are lost"), 1)
+                self.assertEqual(errors.count("log lines are lost"), 1)
 
     def test_log_directory_that_cannot_be_written(self) -> None:
         for place in ({"ROS_LOG_DIR": "/proc"}, {"ROS_LOG_DIR": None, "ROS_HOME": "/proc"}):

@@ -110,7 +110,7 @@ class World:
             self.asked[place] = Asked(label, self.now + ANSWER_S)
             if self.fakes[place] is None:
                 del self.asked[place]
-                self.system.record_answer(member, 0, "nobody offers it", self.now)
+                self.system.record_answer(member, 0, "no node offers it", self.now)
             elif label != GET_STATE:
                 self.steps.append(f"{place} {label}")
                 self._may(place, label)

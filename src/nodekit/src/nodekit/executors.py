@@ -40,7 +40,7 @@ class _Executor:
 
     def __init__(self, threads: int) -> None:
         if threads < 1:
-            raise ValueError(f"threads: refused {threads!r}: must be a whole number from 1 on")
+            raise ValueError(f"threads: refused {threads!r}: must be a whole number of at least 1")
         self._ready = ReadyQueue()
         self._reports: Dict[Node, Lifetime] = {}
         number = next(_numbers)

@@ -109,7 +109,7 @@ def _parse(text: bytes) -> Any:
     except xmlrpc.client.Fault:
         raise
     except Exception as error:  # of any kind: the parser takes for granted what it reads
-        raise xmlrpc.client.ResponseError(f"no XML-RPC ({error})") from None
+        raise xmlrpc.client.ResponseError(f"not XML-RPC ({error})") from None
 
 
 class MasterClient:
@@ -187,7 +187,7 @@ class MasterClient:
         try:
             yield
         except (TypeError, ValueError):
-            raise self._unreachable(f"no answer of a master: {answer!r:.80}") from None
+            raise self._unreachable(f"not a reply of a master: {answer!r:.80}") from None
 
     def _unreachable(self, why: object) -> MasterUnreachable:
         return MasterUnreachable(f"{self._uri}: {why}")

@@ -22,7 +22,7 @@ _CONSTANT = re.compile(r"([a-z]\w*)\s+([A-Za-z]\w*)\s*=(.*)", re.ASCII)
 
 
 class DefinitionError(ValueError):
-    """A definition that makes no sense."""
+    """A malformed definition."""
 
 
 class Field(NamedTuple):
@@ -62,14 +62,14 @@ def field_in(line: str, package: str) -> Optional[Field]:
 
     :param line: of a definition
     :param package: whose definition it is
-    :raises DefinitionError: if it makes no sense
+    :raises DefinitionError: if it is malformed
     """
     code = line.partition("#")[0].strip()
     if not code or constant_in(line):
         return None
     match = _FIELD.match(code)
     if match is None:
-        raise DefinitionError(f"{line.strip()!r} is no field of a message")
+        raise DefinitionError(f"{line.strip()!r} is not a field of a message")
     base, brackets, length, name = match.groups()
     if base in ("Header", "roslib/Header"):
         base = "std_msgs/Header"
@@ -87,7 +87,7 @@ def parse(datatype: str, text: str) -> Fields:
 
     :param datatype: its type, such as ``std_msgs/Header``
     :param text: as ``rosmsg show --raw`` has it, or a connection's header
-    :raises DefinitionError: if it makes no sense
+    :raises DefinitionError: if it is malformed
     """
     found = {name: fields_of(name, body) for name, body in parts_of(datatype, text).items()}
     _refuse_unknown(datatype, found, [])
@@ -115,7 +115,7 @@ def fields_of(datatype: str, text: str) -> Tuple[Field, ...]:
 
     :param datatype: its type
     :param text: its own text only
-    :raises DefinitionError: if it makes no sense
+    :raises DefinitionError: if it is malformed
     """
     package = datatype.partition("/")[0]
     lines: List[Optional[Field]] = [field_in(line, package) for line in text.splitlines()]

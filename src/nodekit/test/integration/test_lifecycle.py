@@ -825,7 +825,7 @@ class Command(Managed):
         self.assertEqual((status, "/driver: inactive [2]" in out.splitlines()), (0, True), out)
         status, out, err = self.typed("get", self.space + "/drive")
         self.assertEqual((status, out), (1, ""))
-        self.assertIn("lifecycle: /drive is no managed node; there is /driver", err)
+        self.assertIn("lifecycle: /drive is not a managed node; there is /driver", err)
         with mock.patch.object(lifecycle, "MasterClient", side_effect=KeyboardInterrupt):
             self.assertEqual(self.typed("get", node), (130, "", ""))
 

@@ -30,7 +30,7 @@ def test_member_has_a_name_a_namespace_and_a_class(text: str, base: str, namespa
         ("nodekit.timing.timetable", "must be MODULE:CLASS"),
         ("nodekit.timing.nothing:Timetable", "No module named 'nodekit.timing.nothing'"),
         ("nodekit.timing.timetable:Nothing", "has no attribute 'Nothing'"),
-        ("nodekit.timing.timetable:math", "math is no class"),
+        ("nodekit.timing.timetable:math", "math is not a class"),
         ("a-b=" + CLASS, "node name 'a-b'"),
         ("robot1/=" + CLASS, "node name ''"),
         (":Timetable", "node name ''"),

@@ -26,7 +26,7 @@ def test_illegal_names_are_told_with_what_a_name_may_be(name):
     with pytest.raises(IllegalName) as error:
         judged(name, "topic")
     assert str(error.value) == (
-        f"topic '{name}': must be letters (a-z, A-Z), digits and underscores, parted by "
+        f"topic '{name}': must be letters (a-z, A-Z), digits and underscores, separated by "
         "single slashes"
     )
 

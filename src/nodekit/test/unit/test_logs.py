@@ -38,7 +38,7 @@ def test_full_disk_below_the_console_is_noticed_once(full, capsys):
     logger = logger_with(roslogging.RosStreamHandler(stdout=full))
     for _ in range(10):
         logger.info("a line")
-    assert capsys.readouterr().err.count("lines of the log are lost") == 1
+    assert capsys.readouterr().err.count("log lines are lost") == 1
 
 
 def test_full_disk_below_both_streams_is_survived(full, monkeypatch):
@@ -53,7 +53,7 @@ def test_full_disk_below_the_file_prints_no_traceback(full, capsys):
     for _ in range(10):
         logger.info("a line")
     errors = capsys.readouterr().err
-    assert errors.count("lines of the log are lost") == 1
+    assert errors.count("log lines are lost") == 1
     assert "Traceback" not in errors
 
 

@@ -45,7 +45,7 @@ def test_field_of_a_line(line: str, field: Optional[Field]) -> None:
 
 @pytest.mark.parametrize("line", ["float32", "float32 a b", "float32[x] y", "2d x", "a-b x", "=3"])
 def test_a_line_that_makes_no_sense_is_refused(line: str) -> None:
-    with pytest.raises(DefinitionError, match="is no field of a message"):
+    with pytest.raises(DefinitionError, match="is not a field of a message"):
         field_in(line, "pkg")
 
 

@@ -49,8 +49,8 @@ def test_names_that_are_allowed(name: str) -> None:
         ("", "must be small letters"),
         *((name, "must be small letters") for name in ("a", "1a", "Robot", "my-robot", "a b")),
         *((name, "must be small letters") for name in ("a__b", "ab_", "_ab", "a/b", "ab\n", "ä1")),
-        *((name, "Python has another use") for name in ("class", "json", "sys", "yaml")),
-        ("package_name", "Python has another use"),
+        *((name, "already used by Python") for name in ("class", "json", "sys", "yaml")),
+        ("package_name", "already used by Python"),
         ("my_old_package", "there is one in /somewhere/my_old_package"),
     ],
 )
@@ -102,7 +102,7 @@ def test_nothing_stays_of_what_could_not_be_written(
 
 
 def test_the_workspace_is_the_one_around_wherever_one_stands_in_it(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(new.Refused, match="is in no workspace"):
+    with pytest.raises(new.Refused, match="is not in a workspace"):
         new.source_folder(tmp_path)
     (tmp_path / "src").mkdir()
     package = new.make("first_robot", tmp_path / "src", TEMPLATE)

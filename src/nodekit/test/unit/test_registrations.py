@@ -110,10 +110,10 @@ def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Ri
     rig.master.owners = {"/a": OWN}
     assert rig.look() == []
     rig.master.owners = {"/a": OTHER}
-    text = "taken over by another node, which is called in place of this one: service /a (/other)"
+    text = "taken over by another node, which is now called instead: service /a (/other)"
     assert [rig.look(), rig.look()] == [[text], []]
     rig.master.owners = {}
-    assert rig.look() == ["offered by nobody, registered again: service /a"]
+    assert rig.look() == ["no longer offered by any node, registered again: service /a"]
     assert rig.master.owners == {"/a": OWN}
     assert rig.look() == []
     rig.master.owners = {"/a": OTHER}

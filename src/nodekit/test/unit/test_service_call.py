@@ -99,8 +99,8 @@ def test_a_look_sends_no_request() -> None:
     [
         (GREETING + b"\0" + block(b"a is no number"), "a is no number"),
         (block(block(b"error=no such service")), "no such service"),
-        (struct.pack("<I", 1 << 30), "a header of 1073741824 bytes: no ROS service"),
-        (struct.pack("<I", (64 << 10) + 1), "a header of 65537 bytes: no ROS service"),
+        (struct.pack("<I", 1 << 30), "a header of 1073741824 bytes: not a ROS service"),
+        (struct.pack("<I", (64 << 10) + 1), "a header of 65537 bytes: not a ROS service"),
     ],
 )
 def test_refusal_is_told(answer: bytes, reason: str) -> None:

@@ -40,7 +40,7 @@ def set_up(attempt: Callable[[], None], recover: Callable[[Exception], None], at
             if number == attempts:
                 raise SetupFailed(f"failed {attempts} times, the last time: {error}") from error
             recover(error)
-    raise ValueError(f"attempts: refused {attempts}: must be a whole number from 1 on")
+    raise ValueError(f"attempts: refused {attempts}: must be a whole number of at least 1")
 
 
 class RobustNode:

@@ -13,8 +13,8 @@ def main() -> None:
     """Run nodes in one process until it is shut down."""
     parser = argparse.ArgumentParser(
         prog="host",
-        description="Run nodes of any packages in one process. What one publishes and another"
-        " hears needs no connection then, and no process has to be woken up for it.",
+        description="Run nodes of any packages in one process. Messages between"
+        " them need no connection, and no other process has to be woken up.",
     )
     parser.add_argument(
         "members",
@@ -22,7 +22,7 @@ def main() -> None:
         nargs="+",
         type=member,
         help="MODULE:CLASS, such as basic_comms.nodes.talker:Talker; its name is the module's"
-        " last, talker, unless another one and = stand in front: robot1/talker=...",
+        " last, talker, unless another one and = precede it: robot1/talker=...",
     )
     host("host", parser.parse_args(rospy.myargv()[1:]).members)
 
@@ -46,5 +46,5 @@ def member(text: str) -> Member:
     except (IllegalName, ImportError, AttributeError, TypeError, ValueError) as error:
         raise argparse.ArgumentTypeError(f"'{text}': {error}") from None
     if not callable(found):
-        raise argparse.ArgumentTypeError(f"'{text}': {cls} is no class")
+        raise argparse.ArgumentTypeError(f"'{text}': {cls} is not a class")
     return base, name[: len(name) - len(base)], found

@@ -21,7 +21,7 @@ TRANSITION_S = 60.0
 
 
 def main() -> None:
-    """Look at managed nodes, and change their states."""
+    """Show managed nodes, and change their states."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
     node = getattr(arguments, "node", None)
     node = node and rosgraph.names.make_global_ns(node).rstrip("/")
@@ -30,7 +30,7 @@ def main() -> None:
             master = MasterClient("/lifecycle")
             if node and master.lookup_service(f"{node}/{SERVICE}") is None:
                 hint = master.who_offers(SERVICE, node)
-                sys.exit(f"lifecycle: {node} is no managed node; {hint}")
+                sys.exit(f"lifecycle: {node} is not a managed node; {hint}")
             names = [node] if node else master.namespaces_offering(SERVICE)
             sys.exit(arguments.verb(names, arguments))
     except ValueError as error:  # a time-out that is none
@@ -39,7 +39,7 @@ def main() -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="lifecycle", description="Look at managed nodes, and change their states."
+        prog="lifecycle", description="Show managed nodes, and change their states."
     )
     verbs = parser.add_subparsers(metavar="VERB", dest="name", required=True)
     one = verbs.add_parser("nodes", help="list the managed nodes")
@@ -49,9 +49,9 @@ def _parser() -> argparse.ArgumentParser:
     one.set_defaults(verb=_get)
     one = verbs.add_parser("list", help="list the transitions that a node may make now")
     one.add_argument("node", metavar="NODE", help="its name")
-    one.add_argument("-a", "--all", action="store_true", help="list all that there are")
+    one.add_argument("-a", "--all", action="store_true", help="list all transitions")
     one.set_defaults(verb=_list)
-    one = verbs.add_parser("set", help="have a node make a transition")
+    one = verbs.add_parser("set", help="request a transition of a node")
     one.add_argument("node", metavar="NODE", help="its name")
     one.add_argument("transition", metavar="TRANSITION", help="its label, such as configure, or id")
     wait = "longest wait for its end, s (%(default)g)"

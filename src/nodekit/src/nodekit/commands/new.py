@@ -31,7 +31,7 @@ def main() -> None:
         " test: it builds, runs and passes its test as it is.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the package")
-    where = "where to make it; the src of the workspace that you are in by default"
+    where = "where to make it; by default the src of the current workspace"
     parser.add_argument("folder", metavar="FOLDER", nargs="?", help=where)
     arguments = parser.parse_args()
     packages = rospkg.RosPack()
@@ -55,7 +55,7 @@ def judge_name(name: str, packages: rospkg.RosPack) -> None:
     if _NAME.fullmatch(name) is None:
         raise Refused(f"package name '{name}': {_MUST_BE}")
     if name == PLACEHOLDER or keyword.iskeyword(name) or _is_taken_by_python(name):
-        raise Refused(f"package name '{name}': Python has another use for it")
+        raise Refused(f"package name '{name}': already used by Python")
     if name in packages.list():
         raise Refused(f"package name '{name}': there is one in {packages.get_path(name)}")
 
@@ -82,7 +82,7 @@ def source_folder(here: pathlib.Path) -> pathlib.Path:
     for folder in (here, *here.parents):
         if (folder / "src").is_dir() and not _package_around(folder):
             return folder / "src"
-    raise Refused(f"{here} is in no workspace: go to one that has a src, or name a FOLDER")
+    raise Refused(f"{here} is not in a workspace: go to one that has a src, or name a FOLDER")
 
 
 def _package_around(folder: pathlib.Path) -> Optional[pathlib.Path]:

@@ -68,7 +68,7 @@ class Publisher:
             return
         mismatch = publishers.publisher_mismatch()
         if mismatch:
-            rospy.logwarn_once("publishing with queues, as this rospy is not known: %s", mismatch)
+            rospy.logwarn_once("unsupported rospy version: publishing with queues: %s", mismatch)
         name, data_class = self.resolved_name, self.data_class
         topic: Optional[publishers.OutgoingTopic] = None
         with made.topic_lock():

@@ -35,7 +35,7 @@ class Subscription:
             return
         mismatch = subscribers.subscriber_mismatch()
         if mismatch:
-            rospy.logwarn_once("receiving one by one, as this rospy is not known: %s", mismatch)
+            rospy.logwarn_once("unsupported rospy version: receiving one by one: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
         with made.topic_lock():
             self._is_late = latched.is_heard(name)

@@ -88,7 +88,7 @@ class _Server:
         try:
             return self._class._response_class().deserialize(self._send(call, header, request))
         except genpy.DeserializationError as error:
-            raise CallError(f"{self.name} answers what makes no sense: {error}") from None
+            raise CallError(f"{self.name} sent a malformed reply: {error}") from None
 
     def probe(self, call: ServiceCall) -> Dict[str, str]:
         """Return what it says of itself, if it could answer.
@@ -114,7 +114,7 @@ class _Server:
         with MasterClient(rospy.get_name(), timeout=timeout) as master:
             found = master.lookup_service(self.name)
         if found is None:
-            raise ConnectionError("nobody offers it")
+            raise ConnectionError("no node offers it")
         try:
             host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
             host.encode("idna")  # as connecting to it does

@@ -14,7 +14,7 @@ _BASE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _GLOBAL = re.compile(r"/|(/[A-Za-z0-9_]+)+/?")
 _MUST_BE_BASE = "must be a letter (a-z, A-Z), then letters, digits and underscores"
 #: What :func:`is_legal_name` judges by, in words.
-LEGAL_NAME = "must be letters (a-z, A-Z), digits and underscores, parted by single slashes"
+LEGAL_NAME = "must be letters (a-z, A-Z), digits and underscores, separated by single slashes"
 
 
 class IllegalName(ValueError):

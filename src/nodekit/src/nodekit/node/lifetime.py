@@ -287,5 +287,5 @@ def _depth(queue_size: Optional[int]) -> int:
         return MOST_KEPT
     if isinstance(queue_size, int) and queue_size > 0:
         return queue_size
-    allowed = "must be a whole number from 1 on, or -1 for no limit of its own"
+    allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
     raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")

@@ -42,7 +42,7 @@ class Owner:
         """
         with self._lock:
             if self._closed:
-                raise Closed(f"{self} is closed and can make nothing")
+                raise Closed(f"{self} is closed and creates nothing more")
             self._made.append(thing)
         return thing
 

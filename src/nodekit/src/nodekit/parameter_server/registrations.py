@@ -81,10 +81,12 @@ class Registrations:
             elif name not in self._taken:
                 taken.append(name)
         if taken:
-            text = "taken over by another node, which is called in place of this one: service %s"
+            text = "taken over by another node, which is now called instead: service %s"
             rospy.logwarn(text, with_owners(taken, self._client.request))
             self._taken.update(taken)
         if free and not self.are_lost:
             registration.register_services(free, self._client.request)
             self._taken.difference_update(free)
-            rospy.loginfo("offered by nobody, registered again: service %s", ", ".join(free))
+            rospy.loginfo(
+                "no longer offered by any node, registered again: service %s", ", ".join(free)
+            )

@@ -59,7 +59,7 @@ def _change(live: LiveParameters[Any], text: str) -> Tuple[bool, str]:
     except MasterUnreachable as error:
         return False, f"the master does not answer ({error}): nothing is changed"
     except ValueError as error:
-        return False, f"no change of parameters: {error}"
+        return False, f"malformed request: {error}"
     return True, ""
 
 
@@ -71,14 +71,14 @@ def _settings(text: str) -> Dict[str, Any]:
     try:
         # With aliases, a short text can stand for a value without end.
         if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
-            raise ValueError("aliases (*name) are not taken")
+            raise ValueError("aliases (*name) are not supported")
         settings = yaml.safe_load(text)
     except (yaml.YAMLError, RecursionError, LookupError) as error:  # the last of a value's tag
-        raise ValueError(f"no YAML: {' '.join(str(error).split())}") from None
+        raise ValueError(f"invalid YAML: {' '.join(str(error).split())}") from None
     if settings is None:
         return {}
     if not isinstance(settings, dict):
-        raise ValueError(f"{format_value(settings)} is no mapping of names to values")
+        raise ValueError(f"{format_value(settings)} is not a mapping of names to values")
     return {str(name): value for name, value in settings.items()}
 
 

@@ -108,11 +108,11 @@ def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
     :param entry: one entry of what :func:`describe` returned, also by way of YAML
     :returns: a parameter that judges as the described one does, or by less where
         the entry is not ``exact``
-    :raises ValueError: if the entry makes no sense
+    :raises ValueError: if the entry is malformed
     """
     limits = {key: entry[key] for key in _NUMBERS if key in entry}
     if not all(map(_is_finite, limits.values())):
-        raise ValueError(f"limits that are no numbers: {limits}")
+        raise ValueError(f"limits that are not numbers: {limits}")
     try:
         if "choices" in entry:
             limits["choices"] = list(map(str, entry["choices"]))
@@ -122,7 +122,7 @@ def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
         unit, help_ = str(entry.get("unit") or ""), str(entry.get("help") or "")
         parameter = kind(entry.get("default", ()), unit=unit, help=help_, **limits)
     except (KeyError, TypeError) as error:
-        raise ValueError(f"no description of a parameter: {error}") from None
+        raise ValueError(f"not a description of a parameter: {error}") from None
     parameter.name = str(entry.get("name", ""))
     return parameter
 

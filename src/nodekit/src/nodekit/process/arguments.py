@@ -1,6 +1,6 @@
 """Judge what a node is given from outside, before rospy sees it.
 
-rospy answers what makes no sense with a traceback, or by waiting for ever.
+rospy answers malformed arguments with a traceback, or by waiting for ever.
 """
 
 import xmlrpc.client
@@ -20,7 +20,7 @@ _URI = "must be the address of a master, such as http://localhost:11311"
 
 
 class ArgumentError(ValueError):
-    """An argument or a variable that makes no sense; the text says which, and what it must be."""
+    """A malformed argument or variable; the text says which, and what it must be."""
 
 
 def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
@@ -30,7 +30,7 @@ def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
     :param environ: variables of the environment
     :param argv: arguments of the command line
     :raises IllegalName: if ROS does not allow the node's name or its namespace
-    :raises ArgumentError: if anything else makes no sense
+    :raises ArgumentError: if anything else is malformed
     """
     legal_names.judge_namespace(environ, argv)
     legal_names.judge_base_name(name)

@@ -62,7 +62,7 @@ def accepting_mismatch() -> str:
         code = getattr(method, "__code__", None)
         missing = names.difference(code.co_names if code is not None else ())
         if missing:
-            return f"{method} does without {', '.join(sorted(missing))}"
+            return f"{method} does not use {', '.join(sorted(missing))}"
     return ""
 
 
@@ -70,9 +70,7 @@ def mend_accepting() -> None:
     """Let no connection keep another one waiting; for servers that are started from now on."""
     mismatch = accepting_mismatch()
     if mismatch:
-        rospy.logwarn(
-            "a silent connection holds others up, as this rospy is not known: %s", mismatch
-        )
+        rospy.logwarn("unsupported rospy version: a silent connection delays others: %s", mismatch)
     else:
         TCPServer.run = lambda server: _Acceptor(server).run()
 
@@ -105,7 +103,7 @@ class _Pending:
                 except BlockingIOError:
                     return None
                 if not data:
-                    raise TransportInitError("it ended before it had said what it wants")
+                    raise TransportInitError("it ended before its header was complete")
                 self._data += data
             (size,) = _LENGTH.unpack_from(self._data)
             if size > LONGEST_HEADER:
@@ -223,7 +221,7 @@ class _Acceptor:
             if left is None or left > 0.0:
                 break
             waited = time.monotonic() - pending.since
-            self._hang_up(pending, f"it did not say within {waited:.1f} s what it wants")
+            self._hang_up(pending, f"it sent no complete header within {waited:.1f} s")
 
     def _hang_up(self, pending: _Pending, why: object) -> None:
         self._forget(pending)

@@ -74,13 +74,13 @@ def _escape_from_now_on(handler: logging.Handler) -> bool:
 
 
 def _notice(error: OSError) -> None:
-    """Say on stderr, now and then, that lines of the log are lost."""
+    """Say on stderr, now and then, that log lines are lost."""
     global _quiet_until
     now = time.monotonic()
     if now >= _quiet_until:
         _quiet_until = now + _NOTICE_PERIOD_S
         try:
-            sys.stderr.write(f"WARNING: lines of the log are lost: {error}\n")
+            sys.stderr.write(f"WARNING: log lines are lost: {error}\n")
         except OSError:
             pass  # which cannot be written either
 

@@ -159,7 +159,7 @@ class _Registrar(RegistrationListener):
             for start in range(0, len(calls), _TOGETHER):
                 self.request(calls[start : start + _TOGETHER])
         except ConnectionError as error:
-            rospy.logwarn("what was closed stays registered: %s", error)
+            rospy.logwarn("cannot unregister yet what was closed: %s", error)
 
     def connect(self, name: str, publishers: List[str]) -> None:
         """Connect to publishers of a topic, given by URI, but to those that need no connection."""
@@ -279,5 +279,5 @@ def _warn_of_others(services: Mapping[str, str], request: Request) -> None:
     owners: Dict[str, str] = {n: uri for n, (code, _, uri) in zip(services, answers) if code == 1}
     others = [name for name, uri in owners.items() if uri != services[name]]
     if others:
-        text = "already offered, from now on this node is called in place of the other: service %s"
+        text = "already offered; from now on this node is called instead: service %s"
         rospy.logwarn(text, with_owners(others, request))

@@ -125,7 +125,7 @@ class Graph:
         """
         wait_until(
             lambda: self.hearers(node, topic).issuperset(hearers),
-            lambda: f"{topic} of {node} is heard by {sorted(self.hearers(node, topic))}",
+            lambda: f"{topic} of {node} is received by {sorted(self.hearers(node, topic))}",
         )
 
     def wait_for_parameters(self, namespace: str, expected: Dict[str, Any]) -> None:
@@ -166,7 +166,7 @@ class Graph:
         wait_until(
             lambda: self.subscribers(topic) == expected,
             lambda: (
-                f"{topic} is subscribed by {sorted(self.subscribers(topic))}, not "
+                f"{topic} is subscribed to by {sorted(self.subscribers(topic))}, not "
                 f"{sorted(expected)}"
             ),
         )

@@ -44,7 +44,7 @@ class Ear:
         """
         return wait_until(
             lambda: [message for message in self.messages() if condition(message)][:1],
-            lambda: f"heard on {self._topic}: {self.messages()[-3:]}",
+            lambda: f"received on {self._topic}: {self.messages()[-3:]}",
             timeout,
         )[0]
 

@@ -130,7 +130,7 @@ def _defects_logged(link: Link) -> Iterator[None]:
     try:
         yield
     except Exception:
-        logging.getLogger(__name__).exception("%s: cannot be served", link.name)
+        logging.getLogger(__name__).exception("%s: delivery failed", link.name)
 
 
 _drain = _Drain()

@@ -113,7 +113,7 @@ class ServiceCall:
     def _read_header(self) -> Dict[str, str]:
         (size,) = _LENGTH.unpack(self._receive(_LENGTH.size))
         if size > _LONGEST_HEADER:
-            raise CallFailed(f"it announces a header of {size} bytes: no ROS service")
+            raise CallFailed(f"it announces a header of {size} bytes: not a ROS service")
         content, fields = self._receive(size), {}
         while content:
             (length,) = _LENGTH.unpack(content[: _LENGTH.size].ljust(_LENGTH.size, b"\0"))

@@ -102,7 +102,7 @@ def layout_of(message_class: Any) -> Record:
     """Return the layout of a message class, whether generated or made at run time.
 
     :param message_class: class of the messages
-    :raises DefinitionError: if its definition makes no sense
+    :raises DefinitionError: if its definition is malformed
     """
     return parse(message_class._type, message_class._full_text)
 
@@ -112,7 +112,7 @@ def parse(datatype: str, text: str) -> Record:
 
     :param datatype: name of the type, e.g. ``std_msgs/Float32``
     :param text: its definition, followed by those of the types that it uses
-    :raises DefinitionError: if it makes no sense
+    :raises DefinitionError: if it is malformed
     """
     return _Parser(parts_of(datatype, text)).record(datatype, 0)
 

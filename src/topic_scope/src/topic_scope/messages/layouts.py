@@ -34,7 +34,7 @@ class Layouts:
         """Return the layout of the messages of a connection.
 
         :param header: what the publisher has said of them
-        :returns: their layout, None if what it said makes no sense
+        :returns: their layout, None if its definition is malformed
         """
         key = (header.get("type", ""), header.get("md5sum", ""))
         if key not in self._received:

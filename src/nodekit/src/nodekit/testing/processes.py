@@ -24,7 +24,8 @@ def free_ports(count: int) -> List[int]:
         sockets = [probes.enter_context(socket.socket()) for _ in range(count)]
         for probe in sockets:
             probe.bind(("localhost", 0))
-        return [int(probe.getsockname()[1]) for probe in sockets]
+        ports = [int(probe.getsockname()[1]) for probe in sockets]
+    return ports
 
 
 def free_port() -> int:

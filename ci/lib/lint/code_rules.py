@@ -277,33 +277,36 @@ def is_in(name: str, places: object) -> bool:
     return any((name + ".").startswith(place + ".") for place in places)  # type: ignore
 
 
-def cycles(trees: Mapping[str, ast.AST]) -> Iterator[Tuple[str, str]]:
-    """Return a module and a sentence for each circle of modules that import each other."""
-    known = set(trees)
-    graph = {
+def import_graph(trees: Mapping[str, ast.AST]) -> Dict[str, Set[str]]:
+    """Return which of the other modules each module imports."""
+    return {
         name: {
             found
             for _, imported in imports(tree)
             for found in (imported, imported.rpartition(".")[0])
-            if found in known and found != name
+            if found in trees and found != name
         }
         for name, tree in trees.items()
     }
+
+
+def circles(graph: Mapping[str, Set[str]]) -> Iterator[str]:
+    """Return a sentence for each circle of modules that import each other.
+
+    :param graph: what each module imports
+    """
     done: Set[str] = set()
-    for start in sorted(graph):
-        path: List[str] = []
-        stack = [iter([start])]
-        while stack:
-            following = next(stack[-1], None)
-            if following is None:
-                stack.pop()
-                done.update(path[-1:])
-                path = path[:-1]
-            elif following in path:
-                yield start, "in a circle: " + " -> ".join(path[path.index(following) :])
-            elif following not in done:
-                path.append(following)
-                stack.append(iter(sorted(graph[following])))
+
+    def visit(module: str, path: List[str]) -> Iterator[str]:
+        if module in path:
+            yield "in a circle: " + " -> ".join(path[path.index(module) :] + [module])
+        elif module not in done:
+            for target in sorted(graph.get(module, ())):
+                yield from visit(target, path + [module])
+            done.add(module)
+
+    for module in sorted(graph):
+        yield from visit(module, [])
 
 
 def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int, str]]:
@@ -361,7 +364,7 @@ def main() -> int:
         if len(path.read_text("utf-8").splitlines()) > LONGEST:
             found.append(f"{name}: longer than {LONGEST} lines")
     trees.pop(FRONT_DOOR)  # nobody imports it from within
-    found += [f"{module}: {sentence}" for module, sentence in cycles(trees)]
+    found += circles(import_graph(trees))
     print("\n".join(found))
     return 1 if found else 0
 

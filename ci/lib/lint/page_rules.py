@@ -9,6 +9,8 @@ import re
 import sys
 from typing import Dict, Iterator, List, Set, Tuple
 
+from code_rules import LONGEST, circles
+
 SCRIPTS = pathlib.Path(__file__).resolve().parents[3] / "src" / "topic_scope" / "www" / "js"
 
 #: The rooms from the ground up: each imports only from itself and from those before it.
@@ -70,6 +72,8 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
         room, text = room_of(module), without_comments(whole)
         if room not in ROOMS and module not in (ENTRY, *NO_MODULES):
             yield f"{module}: it is in no room"
+        if len(whole.splitlines()) > LONGEST:
+            yield f"{module}: longer than {LONGEST} lines"
         graph[module] = set()
         for line, address, names in imports(text):
             target = os.path.normpath(os.path.join(room, address))
@@ -85,25 +89,6 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
             if os.path.normpath(os.path.join(room, address)) not in texts:
                 yield f"{module}: a comment names {address}, which does not exist"
     yield from circles(graph)
-
-
-def circles(graph: Dict[str, Set[str]]) -> Iterator[str]:
-    """Return a sentence for each circle of modules that import each other.
-
-    :param graph: what each module imports
-    """
-    done: Set[str] = set()
-
-    def visit(module: str, path: List[str]) -> Iterator[str]:
-        if module in path:
-            yield "in a circle: " + " -> ".join(path[path.index(module) :] + [module])
-        elif module not in done:
-            for target in sorted(graph.get(module, ())):
-                yield from visit(target, path + [module])
-            done.add(module)
-
-    for module in sorted(graph):
-        yield from visit(module, [])
 
 
 def main() -> int:

@@ -79,3 +79,8 @@ def test_an_import_that_is_not_used_is_found() -> None:
     text = 'import { byId as find, make } from "../base/dom.js";\nfind(1);\n'
     told = found({"base/dom.js": "export const [byId, make] = [];", "plot/a.js": text})
     assert told == ["plot/a.js:1: make is imported and not used"]
+
+
+def test_a_script_that_is_too_long_is_found() -> None:
+    assert found({"base/keys.js": "\n" * 400}) == []
+    assert found({"base/keys.js": "\n" * 401}) == ["base/keys.js: longer than 400 lines"]

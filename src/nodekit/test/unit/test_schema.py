@@ -22,7 +22,14 @@ from nodekit.parameters.declaration import (
     StringParameter,
     read_once,
 )
-from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
+from nodekit.parameters.schema import (
+    DescriptionError,
+    as_table,
+    as_yaml,
+    describe,
+    description_in,
+    parameter_of,
+)
 
 
 class FileParameter(StringParameter):
@@ -246,3 +253,22 @@ def test_a_table_has_a_row_for_each_parameter() -> None:
     assert marks.split() == "marks = [1.0] list 0 to 3 of (0.1, inf) marks".split()
     assert len({row.index("= ") for row in rows}) == 1
     assert as_table([]) == ""
+
+
+def test_a_description_is_read_as_it_was_sent() -> None:
+    class Gauge(ParameterSet):
+        level = FloatParameter(0.1, above=0.0, unit="V", help="ä")
+
+    description = describe(Gauge())
+    assert description_in(as_yaml(description)) == description
+    assert description_in("[]") == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "all is well", "a: 1", "[1]", "[{name: a}]", "[" * 5000]
+    + ["[!!python/object/new:os.system [id]]", "[{name: a, type: int}]"],
+)
+def test_what_describes_nothing_is_refused(text: str) -> None:
+    with pytest.raises(DescriptionError, match="the description"):
+        description_in(text)

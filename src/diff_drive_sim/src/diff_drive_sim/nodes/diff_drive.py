@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from diff_drive_sim.messages.command_topic import decoder, any_type_as
+from diff_drive_sim.messages.command_topic import any_type_as, decoder
 from diff_drive_sim.messages.robot_messages import ODOM, SCAN, RobotMessages
 from diff_drive_sim.messages.scanner import Scanner
 from diff_drive_sim.messages.world_markers import world_markers

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""ParameterClient against a node, and against those that do not answer."""
+
+import os
+import signal
+import time
+
+import rospy
+from helpers.parameter_node import GaugeParameters
+from helpers.parameter_rig import HELPERS, ParameterCase, ParameterNode
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit import (
+    CallError,
+    CallTimeout,
+    ChangeRefused,
+    DescriptionError,
+    ParameterClient,
+    ParameterError,
+    parameter_of,
+    to_wire,
+)
+from nodekit.testing.changing import change
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
+
+GAUGE = "/client/gauge"
+DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
+
+
+class WithANode(ParameterCase):
+    """One node whose parameters are read and changed."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.server = Server()
+        cls.node = ParameterNode(GAUGE)
+        rospy.wait_for_service(GAUGE + "/change", 30.0)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.node.end()
+
+    def setUp(self) -> None:
+        self.client = ParameterClient(GAUGE + "/")
+        self.client.change(DEFAULTS)
+
+    def test_describes_all_in_the_order_of_declaration(self) -> None:
+        described = self.client.describe()
+        self.assertEqual(list(described), list(GaugeParameters.declared))
+        level = described["level"]
+        self.assertEqual((level["value"], level["type"], level["unit"]), (1.0, "float", "V"))
+        self.assertEqual((level["help"], level["minimum"]), ("a level", 0.0))
+        with self.assertRaisesRegex(ParameterError, "level: refused -1: must be"):
+            parameter_of(level).coerce(-1)
+
+    def test_gets_the_values_in_force(self) -> None:
+        self.assertEqual(self.client.get(), DEFAULTS)
+
+    def test_changes_several_at_once_and_tells_all(self) -> None:
+        same = [3.0, 4.0]
+        in_force = self.client.change({"low": 20, "high": 30.0, "title": "ä: #", "marks": same})
+        expected = {**DEFAULTS, "low": 20.0, "high": 30.0, "title": "ä: #", "marks": same}
+        self.assertEqual(in_force, expected)
+        self.assertEqual(self.client.get(), expected)
+        self.node.wait_for(**expected)
+        self.assert_truth(self.node, self.server)
+
+    def test_takes_a_tuple_for_a_list(self) -> None:
+        self.assertEqual(self.client.change({"marks": (5.0,)})["marks"], [5.0])
+
+    def test_one_that_is_refused_changes_nothing(self) -> None:
+        with self.assertRaises(ChangeRefused) as caught:
+            self.client.change({"count": 5, "level": -1, "shape": "square"})
+        self.assertIn(f"{GAUGE}/level: refused -1: must be", str(caught.exception))
+        self.assertIn(f"{GAUGE}/shape: refused", str(caught.exception))
+        self.assertEqual(self.client.get(), DEFAULTS)
+        self.assert_truth(self.node, self.server)
+
+    def test_an_unknown_name_is_refused_with_a_hint(self) -> None:
+        with self.assertRaisesRegex(ChangeRefused, "levle.*did you mean level"):
+            self.client.change({"levle": 2})
+
+    def test_the_helper_of_tests_changes_and_refuses_as_well(self) -> None:
+        change(GAUGE, count=8)
+        self.assertEqual(self.client.get()["count"], 8)
+        with self.assertRaises(ChangeRefused):
+            change(GAUGE, count=-8)
+
+    def test_no_value_of_a_parameter_is_not_sent(self) -> None:
+        with self.assertRaisesRegex(ValueError, "not a value of a parameter"):
+            self.client.change({"count": object()})
+
+
+class Silence(ParameterCase):
+    """Nodes that do not answer, or with something else; each in a namespace of its own."""
+
+    def test_unknown_node(self) -> None:
+        client = ParameterClient("/client/nobody")
+        for ask in (client.describe, client.get, lambda: client.change({"a": 1})):
+            with self.assertRaisesRegex(CallError, "/client/nobody/.*: nobody offers it"):
+                ask()
+
+    def test_node_without_parameters_of_nodekit(self) -> None:
+        slow = self._slow_server("describe")
+        with self.assertRaisesRegex(CallError, "/client/slow/change .*nobody offers it"):
+            ParameterClient("/client/slow").change({"a": 1})
+        slow.end()
+
+    def test_node_that_does_not_answer_in_time(self) -> None:
+        self._slow_server("describe")
+        began = time.monotonic()
+        with self.assertRaisesRegex(CallTimeout, "no answer within 0.5 s"):
+            ParameterClient("/client/slow", timeout=0.5).describe()
+        self.assertLess(time.monotonic() - began, 2.0)
+
+    def test_node_that_is_stopped_does_not_answer_a_change(self) -> None:
+        node = self.start_node("/client/stopped")
+        rospy.wait_for_service("/client/stopped/change", 30.0)
+        node.popen.send_signal(signal.SIGSTOP)
+        self.addCleanup(node.popen.send_signal, signal.SIGCONT)
+        with self.assertRaises(CallTimeout):
+            ParameterClient("/client/stopped", timeout=0.5).change({"count": 4})
+
+    def test_node_that_vanishes_between(self) -> None:
+        node = self.start_node("/client/gone")
+        rospy.wait_for_service("/client/gone/change", 30.0)
+        client = ParameterClient("/client/gone")
+        self.assertEqual(client.get(), DEFAULTS)
+        node.popen.kill()
+        node.popen.wait()
+        with self.assertRaisesRegex(CallError, "/client/gone/change cannot be called"):
+            client.change({"count": 4})
+
+    def test_service_of_that_name_that_describes_nothing(self) -> None:
+        service = rospy.Service(
+            "/client/other/describe", Trigger, lambda _: TriggerResponse(True, "all is well")
+        )
+        self.addCleanup(service.shutdown)
+        with self.assertRaisesRegex(DescriptionError, "/client/other/describe sent a malformed"):
+            ParameterClient("/client/other").describe()
+
+    def _slow_server(self, name: str) -> Process:
+        server = Process(
+            os.path.join(HELPERS, "slow_server.py"),
+            [f"slow:=/client/slow/{name}", "__name:=slow"],
+            {"ROS_NAMESPACE": "/client"},
+        )
+        self.addCleanup(server.end)
+        wait_until(lambda: server.lines, lambda: f"start: {server.logged()}")
+        return server
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_parameter_client")
+    rosrun("nodekit", "parameter_client", "test_parameter_client")

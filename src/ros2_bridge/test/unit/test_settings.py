@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from nodekit import ParameterError
+from nodekit import ParameterError, describe
+from ros2_bridge.rules.pairing import Rules
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import BridgeParameters, Qualities, Quality
 from ros2_bridge.environment.start import find, variables
@@ -35,6 +36,7 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
         ({"/a": 5}, "a list of mappings"),
         ([{"topic": "/a", "depth": 0}], "qos of /a, depth: refused 0"),
         ([{"topic": "/a", "depth": True}], "1 to 100000"),
+        ([{"topic": "/a", "depth": 100_001}], "1 to 100000"),
         ([{"topic": "/a", "durability": "latched"}], "one of volatile, transient_local"),
         ([{"topic": "/a", "history": "all"}], "made of topic, depth, reliability and durability"),
     ],
@@ -42,6 +44,32 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
 def test_nonsense_is_refused(chosen: Any, words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         Qualities(10, chosen)
+
+
+@pytest.mark.parametrize("depth", [1, 100_000])
+def test_depths_that_can_be_chosen(depth: int) -> None:
+    qualities = Qualities(10, [{"topic": "/a", "depth": depth}])
+    assert qualities.of("/a") == Quality(depth)
+
+
+@pytest.mark.parametrize(
+    "name, default, limits",
+    [
+        ("depth", 1000, (1, 100_000, None)),
+        ("max_nodes", 100, (0, 1000, None)),
+        ("service_timeout", 5.0, (None, 3600.0, 0.0)),
+    ],
+)
+def test_defaults_and_ranges(name: str, default: float, limits: Any) -> None:
+    (entry,) = [one for one in describe(BridgeParameters()) if one["name"] == name]
+    assert entry["default"] == default
+    assert tuple(entry.get(key) for key in ("minimum", "maximum", "above")) == limits
+
+
+def test_everything_is_bridged_unless_the_user_says() -> None:
+    settings = BridgeParameters()
+    rules = settings.bridged(Renaming())
+    assert settings.parameters and rules == Rules(True, True, ("*",), (), rules.names)
 
 
 def test_what_is_read_at_the_start_says_so() -> None:

@@ -62,7 +62,7 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
     "definitions, words",
     [
         ({"msg/A.msg": "int32 trailing_\n"}, "pkg/msg/A.msg: trailing_ is not a legal name"),
-        ({"msg/A.msg": "int32\n"}, "'int32' is no field"),
+        ({"msg/A.msg": "int32\n"}, "'int32' is not a field"),
         ({"msg/my_type.msg": "", "msg/MyType.msg": ""}, "another type is pkg/MyType"),
     ],
 )

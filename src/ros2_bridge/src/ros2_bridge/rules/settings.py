@@ -139,7 +139,7 @@ class Qualities:
             latched = choice["durability"] == "transient_local"
         if "reliability" in choice:
             best_effort = choice["reliability"] == "best_effort"
-        depth = max(1, at_least) if at_least else self._depth
+        depth = at_least or self._depth
         return Quality(int(choice.get("depth", depth)), latched, best_effort)
 
 

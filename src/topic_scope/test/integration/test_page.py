@@ -685,7 +685,7 @@ class Page(PageTest):
         master.terminate()
         master.wait(30.0)
         self.wait_banner(
-            f"The ROS master at {uri} does not answer: traces go on, and nothing new is seen."
+            f"The ROS master at {uri} does not answer: traces continue, but nothing new is found."
         )
         self.browser.driver.get("about:blank")
         pages = [Client(self.scope.url) for _ in range(32)]

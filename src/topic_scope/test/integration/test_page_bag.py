@@ -143,7 +143,7 @@ class Bag(unittest.TestCase):
         return int(browser.run(code, "--" + name))
 
     def shown(self, page: Client) -> float:
-        """Return up to where it is shown, s since the begin."""
+        """Return up to where it is shown, s since the start."""
         page.wait_for("frame")
         return float(page.messages("frame")[-1]["now"]) - BEGIN
 

@@ -60,7 +60,7 @@ class Signals(ScopeTest):
         page.send("select", fields=["/wide"])
         self.assertEqual(
             page.wait_for("error")["text"],
-            "a page shows at most 32 traces: the others of 47 are left out",
+            "a page shows at most 32 traces: the rest of 47 are left out",
         )
         self.assertEqual(len(page.wait_for("selected")["fields"]), 32)
 

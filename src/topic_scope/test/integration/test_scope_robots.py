@@ -108,7 +108,7 @@ class Feed(RobotsTest):
         pose = message.pose
         self.assertEqual((message.header.frame_id, pose.position.x), ("odom", 1.5))
         self.assertAlmostEqual(pose.orientation.z, 0.9975, delta=1e-4)
-        for topic, why in (("/nobody", "nobody listens"), ("/aimed/cmd_vel", "takes a PoseSt")):
+        for topic, why in (("/nobody", "nobody subscribes"), ("/aimed/cmd_vel", "takes a PoseSt")):
             page.forget()
             page.send("goal", **{**goal, "topic": topic})
             self.assertIn(why, page.wait_for("error")["text"])

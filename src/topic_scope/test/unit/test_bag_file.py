@@ -215,7 +215,7 @@ def test_a_recording_that_was_cut_off_is_told_from_a_broken_one(tmp_path: Path) 
     whole = path.read_bytes()
     bag.close()
     path.write_bytes(whole)
-    said = "has no index, as its recording was cut off; make one: rosbag reindex "
+    said = "has no index because its recording was cut off; make one: rosbag reindex "
     assert refusal(path).endswith(f"{said}{path}")
 
 

@@ -22,4 +22,4 @@ def test_what_is_wrong_and_what_is_left_out_is_said(monkeypatch: "pytest.MonkeyP
     assert said == ["/b: there is no such topic yet"]
     said.clear()
     warn_of(recorder, ["/a", "/a", "/b"], 2)  # type: ignore[arg-type]
-    assert said == ["a page shows at most 2 traces: the others of 3 are left out"]
+    assert said == ["a page shows at most 2 traces: the rest of 3 are left out"]

@@ -107,9 +107,12 @@ def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        *[(None, "No such file"), ("{", "no set-up"), ("[1]", "no set-up")],
-        *[('{"fields": 3}', "list"), ('{"traces": []}', "no set-up")],
-        ('{"traces": {"/a": 2}}', "no set-up"),
+        (None, "No such file"),
+        ("{", "not a set-up"),
+        ("[1]", "not a set-up"),
+        ('{"fields": 3}', "list"),
+        ('{"traces": []}', "not a set-up"),
+        ('{"traces": {"/a": 2}}', "not a set-up"),
     ],
 )
 def test_what_is_no_setup_is_refused_in_words(
@@ -130,4 +133,4 @@ def test_more_fields_than_a_page_shows_are_refused(capsys: "pytest.CaptureFixtur
     assert len(parse(names[:32]).fields) == 32
     with pytest.raises(SystemExit):
         parse(names)
-    assert "a page shows at most 32 traces, and these are 33" in capsys.readouterr().err
+    assert "a page shows at most 32 traces, not 33" in capsys.readouterr().err

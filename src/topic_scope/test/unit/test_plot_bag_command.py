@@ -101,7 +101,7 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/a/data[3]", "-o", "out.csv", "--end", "1"], "data has 2 elements at most"),
         (["/a/layout/dim[0]/size", "-o", "out.png"], "layout/dim has 0 elements at most"),
         (["/a/data[x]", "-o", "out.csv"], "the elements of data have no names"),
-        (["/j/position[tail]", "-o", "out.csv"], "none of position is called tail"),
+        (["/j/position[tail]", "-o", "out.csv"], "no element of position is called tail"),
     ],
 )
 def test_refusals(
@@ -130,7 +130,7 @@ def test_more_lines_than_can_be_told_apart_are_refused(
     path = write_bag(tmp_path / "x.bag", [("/a", message, 0), ("/a", message, 10**9)])
     names = [f"/a/data[{index}]" for index in range(41)]
     error = failure(monkeypatch, capsys, path, *names, "-o", "out.png")
-    assert error.startswith("plot_bag: these are 41 lines, and 40 at most can be told apart")
+    assert error.startswith("plot_bag: 41 lines are too many: at most 40 can be told apart")
     call(monkeypatch, path, *names, "-o", "out.csv")
     call(monkeypatch, path, *names[:40], "-o", "out.png")
 
@@ -215,4 +215,4 @@ def test_a_difference_is_drawn_and_not_written(
     call(monkeypatch, bag, "/x/data-/y/data", "/x", "-o", "out.svg")
     assert "/x/data-/y/data" in Path("out.svg").read_text()
     said = failure(monkeypatch, capsys, bag, "/x/data-/y/data", "-o", "out.csv")
-    assert "/x/data-/y/data: a difference can be drawn only" in said and "name both fields" in said
+    assert "/x/data-/y/data: a difference can only be drawn" in said and "name both fields" in said

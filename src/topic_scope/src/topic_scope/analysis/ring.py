@@ -75,7 +75,7 @@ class Ring:
     def between(self, start: float, end: float) -> numpy.ndarray:
         """Return the samples of a time span, its ends included.
 
-        :param start: begin of the span, s
+        :param start: start of the span, s
         :param end: end of the span, s
         :returns: times, values and times of receipt; views that hold until samples are added
         """
@@ -89,7 +89,7 @@ class Ring:
     def pin(self, start: float, end: float) -> None:
         """Keep the samples of a time span, and no others, when their time is over.
 
-        :param start: begin of the span, s
+        :param start: start of the span, s
         :param end: end of the span, s; before its begin to keep nothing
         """
         self._pinned = self.between(start, end).copy()

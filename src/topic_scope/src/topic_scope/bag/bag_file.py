@@ -129,10 +129,10 @@ class BagFile:
     def _read_index(self) -> None:
         fields, length = self._record("file")
         if "encryptor" in fields and fields["encryptor"]:
-            raise BagError(f"{self.path} is encrypted: make a plain one: rosbag decrypt")
+            raise BagError(f"{self.path} is encrypted; this makes a plain one: rosbag decrypt")
         if _number(fields, "index_pos", _U64) == 0:
             raise BagError(
-                f"{self.path} has no index, as its recording was cut off; make one: "
+                f"{self.path} has no index because its recording was cut off; make one: "
                 f"rosbag reindex {self.path}"
             )
         self._file.seek(_number(fields, "index_pos", _U64))
@@ -210,7 +210,7 @@ class BagFile:
         :param error: what has shown that it is broken
         """
         reason = str(error) or type(error).__name__
-        text = "%s is broken (%s); what can be saved of it, this saves: rosbag reindex %s"
+        text = "%s is broken (%s); this saves what can be saved: rosbag reindex %s"
         return BagError(text % (self.path, reason, self.path))
 
     def _read_chunk(self, position: int, wanted: Collection[int]) -> List[Part]:
@@ -246,13 +246,13 @@ class BagFile:
             try:
                 import roslz4
             except ModuleNotFoundError:
-                text = f"{self.path} is packed by lz4: apt install python3-roslz4"
+                text = f"{self.path} is compressed by lz4: apt install python3-roslz4"
                 raise BagError(text) from None
             data = roslz4.decompress(data)
         elif how != "none":
-            raise ValueError(f"a chunk is packed by {how}")
+            raise ValueError(f"a chunk is compressed by {how}, which is unknown")
         if len(data) != size:
-            raise ValueError("a chunk has another size than it says")
+            raise ValueError("a chunk does not have the size that it states")
         return data
 
     def _record(self, kind: str = "") -> Record:
@@ -262,15 +262,15 @@ class BagFile:
         """
         fields = _fields(self._read(_U32.unpack(self._read(4))[0]))
         if kind and fields["op"] != bytes([_OPERATIONS[kind]]):
-            raise ValueError(f"where a {kind} should be there is something else")
+            raise ValueError(f"a record is not the {kind} that it should be")
         return Record(fields, _U32.unpack(self._read(4))[0])
 
     def _read(self, length: int) -> bytes:
         if length > self._size:  # before memory is taken for it
-            raise EOFError("it ends too early")
+            raise EOFError("the file ends too early")
         data = self._file.read(length)
         if len(data) != length:
-            raise EOFError("it ends too early")
+            raise EOFError("the file ends too early")
         return data
 
 

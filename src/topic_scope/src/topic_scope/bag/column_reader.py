@@ -116,7 +116,7 @@ class ColumnReader:
     def _explain(self, message: bytes) -> None:
         place, part = first_missing(self._layout, self.column.path, message)
         if isinstance(part, Key):
-            self._missing = f"none of {to_text(place)} is called {part}"
+            self._missing = f"no element of {to_text(place)} is called {part}"
         elif part is not None:
             self._longest = max(self._longest, lengths_in(self._layout, message)(place))
             self._missing = f"{to_text(place)} has {self._longest} elements at most"

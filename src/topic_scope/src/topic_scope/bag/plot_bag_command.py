@@ -109,12 +109,12 @@ def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
             if len(line) > 1:
                 name = "-".join(column.name for column in line)
                 raise FieldError(
-                    f"{name}: a difference can be drawn only, as a row of a .csv is of one "
-                    "message: name both fields"
+                    f"{name}: a difference can only be drawn: a row of a .csv is of one "
+                    "message, so name both fields"
                 )
     elif len(lines) > LINES:
         raise FieldError(
-            f"these are {len(lines)} lines, and {LINES} at most can be told apart: "
+            f"{len(lines)} lines are too many: at most {LINES} can be told apart; "
             "name fewer fields, or write a .csv"
         )
     messages = _in_range(bag, readers, arguments.start, arguments.end)

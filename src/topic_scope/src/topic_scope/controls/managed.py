@@ -63,7 +63,7 @@ class Managed:
         work = partial(_change, service, label)
         then = partial(self._on_changed, node, label, answer)
         if not self._background.run(("call", service), work, then):
-            raise ValueError(f"{node} has not done yet what it was asked for before")
+            raise ValueError(f"{node} has not finished an earlier request yet")
 
     def _on_changed(
         self, node: str, label: str, answer: Callable[[Dict[str, Any]], None], result: Any

@@ -73,7 +73,7 @@ def change(node: str, values: Mapping[str, Any]) -> Changed:
     known = values_in(answer.config)
     made = {name: known[name] for name in values if name in known}
     other = [f"{name} = {made[name]!r}" for name in made if made[name] != values[name]]
-    return Changed(not other, f"{node} made of it {', '.join(other)}", made)
+    return Changed(not other, f"{node} changed it to {', '.join(other)}", made)
 
 
 def values_in(config: "Config") -> Dict[str, Any]:

@@ -96,7 +96,7 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
     place, part = first_missing(layout, path, data)
     if isinstance(part, Key):
         names = ", ".join(names_in(layout, data, place)[:_SHOWN])
-        raise FieldError(f"none of {to_text(place)} is called {part} now, but {names or '-'}")
+        raise FieldError(f"no element of {to_text(place)} is called {part} now, but {names or '-'}")
     if part is not None:
         count = lengths_in(layout, data)(place)
         raise FieldError(f"{to_text(place)} has {count} elements now")

@@ -153,7 +153,7 @@ def _step_over_array(array: Array) -> Advance:
 def _step_to_element(array: Array, index: int) -> Advance:
     size = array.element.size
     if array.length is not None and index >= array.length:
-        raise FieldError(f"the array has {array.length} elements only")
+        raise FieldError(f"the array has only {array.length} elements")
     if array.length is not None and size is not None:
         return int(index * size)
     over_elements = _step_over_elements(array.element)

@@ -96,7 +96,9 @@ def expand_term(expression: str) -> List[str]:
     """
     match = _EXPRESSION.match(expression) if len(expression) <= _LONGEST else None
     if not match:
-        raise FieldError(f"{expression[:_LONGEST]!r} is no name of a field, such as /topic/field")
+        raise FieldError(
+            f"{expression[:_LONGEST]!r} is not the name of a field, such as /topic/field"
+        )
     if match.group(1) and match.group(1) not in FUNCTIONS:
         raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
     names, end = re.fullmatch(r"([^.@]*)(.*)", expression).groups()  # type: ignore[union-attr]
@@ -148,7 +150,7 @@ def to_path(text: str) -> Path:
     for part in text.split("/") if text else []:
         match = _PART.match(part)
         if not match:
-            raise FieldError(f"{part!r} is no name of a field")
+            raise FieldError(f"{part!r} is not the name of a field")
         path.append(match.group(1))
         elements = re.findall(r"[\w-]+", match.group(2))
         path += [int(one) if one.isdigit() else Key(one) for one in elements]
@@ -232,9 +234,9 @@ def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[Numer
 def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
     if isinstance(part, (int, Key)):
         if not isinstance(node, Array):
-            raise FieldError(f"{place} is no array")
+            raise FieldError(f"{place} is not an array")
         if isinstance(part, int) and node.length is not None and part >= node.length:
-            raise FieldError(f"{place} has {node.length} elements only")
+            raise FieldError(f"{place} has only {node.length} elements")
         return node.element
     fields = dict(node.fields) if isinstance(node, Record) else {}
     if part not in fields:

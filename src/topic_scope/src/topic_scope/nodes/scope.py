@@ -78,5 +78,5 @@ def _why_not(error: OSError, chosen: Options) -> str:
             f"--port {free} (in a launch file port:={free})"
         )
     if error.errno == errno.EACCES:
-        return f"port {chosen.port} is not for users: use --port {options.DEFAULT_PORT}"
-    return f"cannot serve at {chosen.address}, port {chosen.port}: {error.strerror}"
+        return f"port {chosen.port} needs root: use --port {options.DEFAULT_PORT}"
+    return f"cannot listen on {chosen.address}, port {chosen.port}: {error.strerror}"

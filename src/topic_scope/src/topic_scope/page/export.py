@@ -21,7 +21,7 @@ async def parts(
 
     :param recorder: has the samples
     :param names: names of the fields
-    :param start: begin of the time span, s
+    :param start: start of the time span, s
     :param end: end of the time span, s
     """
     recorder.update()

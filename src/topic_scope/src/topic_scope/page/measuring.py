@@ -38,7 +38,7 @@ def left_out(count: int, most: int) -> str:
     :param count: how many there are
     :param most: how many a page shows
     """
-    return f"a page shows at most {most} traces: the others of {count} are left out"
+    return f"a page shows at most {most} traces: the rest of {count} are left out"
 
 
 def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:

@@ -106,7 +106,7 @@ class Page:
     def took(self, start: float, end: float) -> None:
         """Take note of how long its last frame took: a page that wants much gets it less often.
 
-        :param start: begin of the work, s on the monotonic clock
+        :param start: start of the work, s on the monotonic clock
         :param end: its end, s
         """
         self._rests_until = start + (end - start) / _SHARE

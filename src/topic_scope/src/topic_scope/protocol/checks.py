@@ -24,7 +24,7 @@ def fields_of(names: Any) -> Tuple[str, ...]:
     :raises RequestError: if it is not such a list
     """
     if not isinstance(names, list):
-        raise RequestError("fields is a list of names")
+        raise RequestError("fields must be a list of names")
     check_count(len(names))
     fields: List[str] = []
     for name in names:
@@ -39,7 +39,7 @@ def check_count(count: int) -> None:
     :raises RequestError: if these are too many
     """
     if count > TRACES:
-        raise RequestError(f"a page shows at most {TRACES} traces, and these are {count}")
+        raise RequestError(f"a page shows at most {TRACES} traces, not {count}")
 
 
 def field_names(name: Any, kind: str) -> List[str]:
@@ -50,7 +50,7 @@ def field_names(name: Any, kind: str) -> List[str]:
     :raises RequestError: if it is not a name of a field
     """
     if not isinstance(name, str):
-        raise RequestError(f"{kind}: the name of a field is a text")
+        raise RequestError(f"{kind}: the name of a field must be a text")
     try:
         return expand(name)
     except FieldError as error:
@@ -64,7 +64,7 @@ def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
     """
     fields = field_names(request.get(key), kind)
     if len(fields) != 1:
-        raise RequestError(f"{kind}: {key} is one field")
+        raise RequestError(f"{kind}: {key} must be one field")
     return fields[0]
 
 
@@ -79,7 +79,7 @@ def time_of(text: str) -> float:
     except ValueError:
         time = math.nan
     if not TIMES[0] <= time <= TIMES[1]:
-        raise RequestError("a time is a number of seconds since the epoch")
+        raise RequestError("a time must be a number of seconds since the epoch")
     return time
 
 
@@ -90,7 +90,7 @@ def name_of(request: Dict[str, Any], kind: str, key: str) -> str:
     """
     name = request.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
-        raise RequestError(f"{kind}: {key} is a name")
+        raise RequestError(f"{kind}: {key} must be a name")
     return name
 
 
@@ -101,7 +101,7 @@ def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]
     """
     word = request.get(key)
     if not isinstance(word, str) or word not in words:
-        raise RequestError(f"{kind}: {key} is one of {', '.join(words)}")
+        raise RequestError(f"{kind}: {key} must be one of {', '.join(words)}")
     return word
 
 
@@ -112,7 +112,7 @@ def flag_of(request: Dict[str, Any], kind: str, key: str) -> bool:
     """
     flag = request.get(key)
     if not isinstance(flag, bool):
-        raise RequestError(f"{kind}: {key} is true or false")
+        raise RequestError(f"{kind}: {key} must be true or false")
     return flag
 
 
@@ -123,7 +123,7 @@ def number_of(request: Dict[str, Any], kind: str, key: str, low: float, high: fl
     """
     number = request.get(key)
     if isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise RequestError(f"{kind}: {key} is a number")
+        raise RequestError(f"{kind}: {key} must be a number")
     if not low <= number <= high or not math.isfinite(number):
-        raise RequestError(f"{kind}: {key} is a number from {low:g} to {high:g}")
+        raise RequestError(f"{kind}: {key} must be a number from {low:g} to {high:g}")
     return float(number)

@@ -144,21 +144,21 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="FIELD",
-        help="show these in a plot of their own, below the others; may be there several times",
+        help="show these in a plot of their own, below the others; may be repeated",
     )
     parser.add_argument(
-        "--port", type=_port, default=DEFAULT_PORT, help="where to serve the page (%(default)s)"
+        "--port", type=_port, default=DEFAULT_PORT, help="port to listen on (%(default)s)"
     )
     parser.add_argument(
         "--next-port",
         action="store_true",
-        help="where that port is taken, take the next one that is free",
+        help="if that port is taken, use the next free one",
     )
     parser.add_argument(
         "--address",
         default=DEFAULT_ADDRESS,
-        help="address to serve it at (%(default)s); any other than one of this machine alone lets"
-        " others watch, and nobody set or call anything",
+        help="address to listen on (%(default)s); with any but a loopback address, others on the"
+        " network can watch, and nobody can set or call anything",
     )
     parser.add_argument(
         "--history",
@@ -209,7 +209,7 @@ def _port(text: str) -> int:
 def _seconds(text: str) -> float:
     seconds = float(text)
     if not 0.1 <= seconds <= 3600.0:
-        raise argparse.ArgumentTypeError("a time here is a number of seconds from 0.1 to 3600")
+        raise argparse.ArgumentTypeError("must be a number of seconds from 0.1 to 3600")
     return seconds
 
 
@@ -223,5 +223,5 @@ def _setup(path: str) -> Dict[str, Any]:
     except OSError as error:
         raise argparse.ArgumentTypeError(f"{path}: {error.strerror}") from None
     except (ValueError, AttributeError, RecursionError) as error:
-        raise argparse.ArgumentTypeError(f"{path} is no set-up of a scope: {error}") from None
+        raise argparse.ArgumentTypeError(f"{path} is not a set-up of the scope: {error}") from None
     return dict(setup)

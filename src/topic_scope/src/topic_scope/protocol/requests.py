@@ -56,17 +56,17 @@ def dispatch(text: Union[str, bytes], handlers: Mapping[str, Handler], page: Any
         cannot be done
     """
     if not isinstance(text, str):
-        raise RequestError("a request is text")
+        raise RequestError("a request must be text")
     try:
         request = json.loads(text)
     except (ValueError, RecursionError):
-        raise RequestError("a request is a JSON object") from None
+        raise RequestError("a request must be a JSON object") from None
     if not isinstance(request, dict):
-        raise RequestError("a request is a JSON object")
+        raise RequestError("a request must be a JSON object")
     kind = request.get("type")
     handler = handlers.get(kind) if isinstance(kind, str) else None
     if handler is None:
-        raise RequestError("there is no request of this type; there are " + ", ".join(handlers))
+        raise RequestError("unknown type of request; known are " + ", ".join(handlers))
     handler.handle(page, handler.check(request))
 
 
@@ -152,7 +152,7 @@ class Measure(NamedTuple):
 
     :param shapes: whether times and ratios of steps and waves are wanted
     :param against: name of the field that phases are against; empty for none
-    :param start: begin of the span, s from the reference on; None for what is visible
+    :param start: start of the span, s from the reference on; None for what is visible
     :param end: its end, s from the reference on
     :param reference: s since the epoch; None to go with the time
     """
@@ -232,10 +232,10 @@ class Set(NamedTuple):
 def set_of(request: Dict[str, Any]) -> Set:
     """Return which parameter is to be set, and to what."""
     if "value" not in request:
-        raise RequestError("set: a value is needed")
+        raise RequestError("set: there is no value")
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
-        raise RequestError("set: a value is a number, a text or a truth value")
+        raise RequestError("set: the value must be a number, a text or a truth value")
     return Set(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
 
 

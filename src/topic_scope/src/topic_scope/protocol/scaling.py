@@ -71,7 +71,7 @@ def scaling_of(request: Dict[str, Any]) -> Scaling:
     """
     traces = request.get("traces")
     if not isinstance(traces, dict) or len(traces) > TRACES:
-        raise RequestError(f"scaling: traces is an object of at most {TRACES} fields")
+        raise RequestError(f"scaling: traces must be an object of at most {TRACES} fields")
     return Scaling(dict(_scale_of(name, wanted) for name, wanted in traces.items()))
 
 
@@ -79,7 +79,7 @@ def _scale_of(name: str, wanted: Any) -> Tuple[str, TraceScale]:
     field = field_in({"field": name}, "scaling")
     if not isinstance(wanted, dict) or not isinstance(wanted.get("steps", False), bool):
         raise RequestError(
-            "scaling: of a trace there are a gain, an offset, and steps, true or false"
+            "scaling: a trace has a gain, an offset, and steps, which is true or false"
         )
     gain, offset = (
         number_of({key: wanted.get(key, usual)}, "scaling", key, -_LARGEST, _LARGEST)

@@ -70,7 +70,7 @@ class Driving:
         ask = self._asked(topic, wheel.TYPES)
         then = partial(self._on_wheel, page, topic)
         if not self._background.run(("steer", topic), partial(_make, topic, ask), then):
-            raise ValueError(f"who listens to {topic} has not answered yet")
+            raise ValueError(f"the subscribers of {topic} have not answered yet")
         self._wanted[page] = topic
 
     def _on_wheel(self, page: Page, topic: str, made: Any) -> None:
@@ -104,8 +104,8 @@ class Driving:
             raise ValueError("this page drives no robot: take the wheel first")
         if not all([one.drive(velocity, request.sent) for one in wheels]):
             raise ValueError(
-                "a command came too late and was left out: the link is slow; "
-                "if it stays so, take the wheel again"
+                "a command came too late and was ignored: the link is slow; "
+                "if that goes on, take the wheel again"
             )
 
     def _stop_all(self) -> None:
@@ -128,13 +128,15 @@ class Driving:
     def _send(self, request: Goal, ask: Callable[[], Optional[str]]) -> None:
         topic = request.topic
         if ask() is None:
-            raise ValueError(f"nobody takes a PoseStamped on {topic}")
+            raise ValueError(f"no subscriber of {topic} takes a PoseStamped")
         if topic not in self._goals:
             self._goals[topic] = rospy.Publisher(topic, PoseStamped, queue_size=1)
         publisher, end = self._goals[topic], time.monotonic() + _CONNECTING_S
         while not publisher.get_num_connections():
             if time.monotonic() > end:
-                raise ValueError(f"nobody has connected to {topic} for {_CONNECTING_S:g} s")
+                raise ValueError(
+                    f"no subscriber of {topic} has connected within {_CONNECTING_S:g} s"
+                )
             time.sleep(0.01)
         message = PoseStamped()
         message.header.stamp, message.header.frame_id = rospy.Time.now(), request.frame
@@ -159,14 +161,14 @@ class Driving:
         """
         nodes = self._subscribers.get(topic)
         if not nodes:
-            raise ValueError(f"nobody listens to {topic}")
+            raise ValueError(f"nobody subscribes to {topic}")
         return partial(self._queries.subscribed_type, topic, nodes, known)
 
 
 def _make(topic: str, ask: Callable[[], Optional[str]]) -> Wheel:
     datatype = ask()
     if datatype is None:
-        raise ValueError(f"nobody takes a Twist or a TwistStamped on {topic}")
+        raise ValueError(f"no subscriber of {topic} takes a Twist or a TwistStamped")
     return Wheel(topic, datatype)
 
 

@@ -82,9 +82,8 @@ class RobotView:
             try:
                 self._scene.add_message(topic, datatype, reader.read(data), when)
             except (LookupError, TypeError, ValueError) as error:
-                text = (
-                    f"{topic} is left out of the robot view: {datatype} is not as known: {error!r}"
-                )
+                why = f"{datatype} has other fields than known: {error!r}"
+                text = f"{topic} is left out of the robot view: {why}"
                 rospy.logwarn_throttle(_LOG_PERIOD_S, text)
 
     def _is_known(self, header: Mapping[str, str]) -> bool:

@@ -47,7 +47,7 @@ class LiveGraph:
 
     def _on_silence(self, uri: str) -> None:
         self._set_trouble(
-            f"The ROS master at {uri} does not answer: traces go on, and nothing new is seen."
+            f"The ROS master at {uri} does not answer: traces continue, but nothing new is found."
         )
 
     def _set_trouble(self, text: str) -> None:

@@ -117,7 +117,7 @@ class Server:
         """Return the parts of a CSV file.
 
         :param names: names of the fields
-        :param start: begin of the time span, s
+        :param start: start of the time span, s
         :param end: end of the time span, s
         """
         return parts(self._recorder, self._expanded(names), start, end)

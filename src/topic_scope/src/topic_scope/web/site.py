@@ -121,5 +121,5 @@ class Site:
             with MasterClient("/scope", timeout=1.0) as master:
                 master.read([])
         except MasterUnreachable:
-            rospy.logwarn("the scope is at %s already", self._options.url)
+            rospy.logwarn("the scope is already at %s", self._options.url)
             self._loop.add_callback(self._waiting.miss)

@@ -79,6 +79,7 @@ class Publisherless(Ear):
         with pytest.raises(TransportTerminated):
             while True:
                 self.receive_some()
+        self.transport.close()  # as the end of rospy's loop does
 
 
 @pytest.fixture

@@ -1,25 +1,19 @@
 """What a call by an executor costs, with work always waiting, and how late one comes to it."""
 
 import json
-import statistics
 import subprocess
-import threading
-import time
-from typing import Any, Dict, List
+from typing import Dict
 
 from context import Bench, Figures
 from peers import SCRIPTS, rclpy_environment
 from stacks import RCLPY
 
-from nodekit import MultiThreadedExecutor, SingleThreadedExecutor
-from nodekit.groups.groups import Group, ReentrantGroup
-from nodekit.groups.ready_queue import CallQueue, ReadyQueue
+from nodekit import Group, MultiThreadedExecutor, Names, Node, SingleThreadedExecutor
+from nodekit.testing.costs import delay, processor_time
 
-CALLS = 50_000
-HOPS = 300
 #: threads of the executors with several
 THREADS = 2
-#: longest time for all calls, s
+#: longest time for those of ROS 2, s
 LIMIT = 120.0
 
 
@@ -31,50 +25,13 @@ def call(bench: Bench, subject: str) -> Figures:
 def _ours() -> Figures:
     figures: Dict[str, float] = {}
     single, multi = SingleThreadedExecutor(), MultiThreadedExecutor(THREADS)
-    figures["single_us"] = _cpu_of_a_call(single._ready, Group())
-    figures["multi_us"] = _cpu_of_a_call(multi._ready, ReentrantGroup())
-    figures["hop_us"] = _hop(SingleThreadedExecutor()._ready)
-    for executor in (single, multi):
+    idle, node = SingleThreadedExecutor(), Node(Names("/executors", is_hosted=True))
+    figures["single_us"] = processor_time(single, Group())
+    figures["multi_us"] = processor_time(multi, node.group(exclusive=False))
+    figures["hop_us"] = delay(idle)
+    for executor in (single, multi, idle):
         executor.shutdown()
     return figures
-
-
-def _cpu_of_a_call(ready: ReadyQueue, group: Group) -> float:
-    """Return the processor time of a call from its arrival to its end, us; all arrive before."""
-    filled, done = threading.Event(), threading.Event()
-    left = [CALLS]
-
-    def run(things: List[Any]) -> None:
-        filled.wait(LIMIT)
-        if things[0] == CALLS - 1:
-            done.set()
-
-    calls = CallQueue(ready, group, CALLS, run, lambda thing: left.clear())
-    began = time.process_time()
-    for number in range(CALLS):
-        calls.put(number)
-    filled.set()
-    if not done.wait(LIMIT) or not left:
-        raise RuntimeError("calls were lost")
-    return (time.process_time() - began) / CALLS * 1e6
-
-
-def _hop(ready: ReadyQueue) -> float:
-    """Return the median time from an arrival to its call while the threads are idle, us."""
-    delays: List[float] = []
-    called = threading.Event()
-
-    def run(things: List[float]) -> None:
-        delays.append(time.perf_counter() - things[0])
-        called.set()
-
-    calls = CallQueue(ready, Group(), 1, run, lambda thing: None)
-    for _ in range(HOPS):
-        called.clear()
-        calls.put(time.perf_counter())
-        called.wait(LIMIT)
-        time.sleep(0.001)
-    return statistics.median(delays) * 1e6
 
 
 def _rclpy(bench: Bench) -> Figures:

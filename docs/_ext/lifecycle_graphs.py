@@ -9,7 +9,7 @@ from docutils import nodes
 from sphinx.ext.graphviz import graphviz
 from sphinx.util.docutils import SphinxDirective
 
-from nodekit.managed import table
+from nodekit import lifecycle_states as table
 
 #: Colour of the line for each outcome of a callback.
 COLOURS = {

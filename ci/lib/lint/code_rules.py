@@ -46,6 +46,7 @@ ROOMS: Dict[str, List[str]] = {
     "nodekit": [
         "entry_point",
         "message_definitions",
+        "lifecycle_states",
         "parameters",
         "transport",
         "master",
@@ -146,13 +147,13 @@ INDEPENDENT: Dict[str, List[Set[str]]] = {
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
     "nodekit.message_definitions",
+    "nodekit.lifecycle_states",
     "nodekit.parameters",
     "nodekit.transport",
     "nodekit.timing.timetable",
     "nodekit.groups",
     "nodekit.messaging.finite",
     "nodekit.messaging.seldom",
-    "nodekit.managed.table",
     "nodekit.managed.machine",
     "basic_comms.signals",
     "basic_comms.conditioning",

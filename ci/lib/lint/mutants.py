@@ -35,7 +35,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "nodekit/machine": ("lifecycle",),
     "nodekit/number_kinds": ("parameter_kinds", "schema"),
     "nodekit/refusals": ("parameters", "reconciler"),
-    "nodekit/table": ("lifecycle",),
+    "nodekit/lifecycle_states": ("lifecycle",),
     "first_order_sys_sim/first_order_plant": ("plant", "extremes"),
     "first_order_sys_sim/sampled_plant": ("plant", "extremes"),
     "motor_control/motor_parameters": ("parameters",),

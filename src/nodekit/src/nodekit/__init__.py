@@ -12,8 +12,8 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
     from nodekit.groups.groups import Group as Group
+    from nodekit.lifecycle_states import Outcome as Outcome
     from nodekit.managed.managed_node import ManagedNode as ManagedNode
-    from nodekit.managed.table import Outcome as Outcome
     from nodekit.master import MasterUnreachable as MasterUnreachable
     from nodekit.messaging.finite import LARGEST_FLOAT32 as LARGEST_FLOAT32
     from nodekit.messaging.finite import to_float32 as to_float32
@@ -67,8 +67,8 @@ _HOMES: Dict[str, str] = {
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
     "Group": "groups.groups",
+    "Outcome": "lifecycle_states",
     "ManagedNode": "managed.managed_node",
-    "Outcome": "managed.table",
     "MasterUnreachable": "master",
     "LARGEST_FLOAT32": "messaging.finite",
     "to_float32": "messaging.finite",

@@ -25,6 +25,14 @@ def main(node: str) -> None:
         end(0)  # Ctrl-C before rospy took over the signal
 
 
+def run_command(name: str) -> None:
+    """Run a command of nodekit, as ``rosrun nodekit NAME`` does.
+
+    :param name: its name, e.g. ``describe``
+    """
+    importlib.import_module(f"nodekit.commands.{name}").main()
+
+
 def end(status: object) -> NoReturn:
     """End the process with a status that no further signal changes.
 

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from lifecycle_msgs.msg import State as StateMessage
 from lifecycle_msgs.msg import Transition as TransitionMessage
-from nodekit.managed.machine import Machine
-from nodekit.managed.table import (
+from nodekit.lifecycle_states import (
     ACTIVE,
     CONFIGURING,
     FINALIZED,
@@ -27,6 +26,7 @@ from nodekit.managed.table import (
     available,
     requested,
 )
+from nodekit.managed.machine import Machine
 
 #: Goal of what is asked for, by state and label; what is not here is refused.
 ASKED = {

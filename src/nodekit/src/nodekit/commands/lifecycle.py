@@ -10,7 +10,7 @@ import rospy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit.commands.calling import ending_with_a_sentence
-from nodekit.managed.table import NotAllowed, State, requested
+from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 

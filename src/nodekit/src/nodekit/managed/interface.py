@@ -11,8 +11,7 @@ from std_msgs.msg import Header
 
 from lifecycle_msgs import msg, srv
 from nodekit.groups.groups import Outside
-from nodekit.managed.lifecycle import Lifecycle, Result
-from nodekit.managed.table import (
+from nodekit.lifecycle_states import (
     STATES,
     TRANSITIONS,
     NotAllowed,
@@ -20,6 +19,7 @@ from nodekit.managed.table import (
     Transition,
     available,
 )
+from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.node.callbacks import Answering
 from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node

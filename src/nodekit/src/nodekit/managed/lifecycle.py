@@ -6,10 +6,7 @@ from typing import Any, Callable, List, Mapping, Union
 
 import rospy
 
-from nodekit.managed.gate import Gate
-from nodekit.managed.machine import Machine
-from nodekit.managed.stage import Stage
-from nodekit.managed.table import (
+from nodekit.lifecycle_states import (
     ACTIVATING,
     ACTIVE,
     CONFIGURING,
@@ -22,6 +19,9 @@ from nodekit.managed.table import (
     State,
     Transition,
 )
+from nodekit.managed.gate import Gate
+from nodekit.managed.machine import Machine
+from nodekit.managed.stage import Stage
 from nodekit.node.lifetime import Lifetime
 
 #: What a callback may return: nothing and True are success, False is failure.

@@ -3,7 +3,7 @@
 import threading
 from typing import Callable, Optional, Union
 
-from nodekit.managed.table import UNCONFIGURED, NotAllowed, State, Transition, requested
+from nodekit.lifecycle_states import UNCONFIGURED, NotAllowed, State, Transition, requested
 
 
 class Machine:

@@ -1,8 +1,6 @@
 """A node that waits for others to configure and activate it: ROS 2's lifecycle."""
 
-from nodekit.managed.interface import Interface
-from nodekit.managed.lifecycle import Result
-from nodekit.managed.table import (
+from nodekit.lifecycle_states import (
     ACTIVATING,
     CLEANINGUP,
     CONFIGURING,
@@ -11,6 +9,8 @@ from nodekit.managed.table import (
     SHUTTINGDOWN,
     State,
 )
+from nodekit.managed.interface import Interface
+from nodekit.managed.lifecycle import Result
 from nodekit.node.maker import Maker
 from nodekit.node.node import Node
 

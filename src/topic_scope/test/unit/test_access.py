@@ -4,7 +4,7 @@ from typing import Optional
 
 import pytest
 
-from topic_scope.web.access import is_known_host, is_same_origin, names_of
+from topic_scope.web.access import is_known_name, is_same_origin, names_of
 
 NAMES = names_of("Lab-7.uni.example", "lab-7.uni.example", "scope.example")
 
@@ -25,7 +25,7 @@ NAMES = names_of("Lab-7.uni.example", "lab-7.uni.example", "scope.example")
     ],
 )
 def test_names_of_this_machine_are_known(host: str) -> None:
-    assert is_known_host(host, NAMES)
+    assert is_known_name(host, NAMES)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_names_of_this_machine_are_known(host: str) -> None:
     ],
 )
 def test_other_names_are_not(host: str) -> None:
-    assert not is_known_host(host, NAMES)
+    assert not is_known_name(host, NAMES)
 
 
 @pytest.mark.parametrize("origin", [None, "http://localhost:8080", "https://LOCALHOST:8080"])

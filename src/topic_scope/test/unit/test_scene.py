@@ -44,7 +44,7 @@ def transforms(parent: str, child: str, x: float) -> TFMessage:
     return TFMessage([one])
 
 
-def take(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
+def receive(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
     read = MessageReader(layout_of(type(message))).read(serialized(message))
     shown.add_message(topic, message._type, read, now)
 
@@ -57,13 +57,13 @@ def told(message: Dict[str, Any]) -> Dict[str, Any]:
 
 def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
     shown = Scene()
-    take(shown, "/odom", odometry(1.0, 2.0, 3.0), 10.0)
+    receive(shown, "/odom", odometry(1.0, 2.0, 3.0), 10.0)
     (robot,) = told(shown.moving(10.5))["robots"]
     assert robot["heading"] == pytest.approx(3.0, abs=1e-4)
     assert (robot["x"], robot["y"], robot["speed"], robot["turn"]) == (1.0, 2.0, 0.25, -0.5)
     assert (robot["topic"], robot["frame"], robot["silent"]) == ("/odom", "odom", False)
     assert told(shown.moving(11.5))["robots"][0]["silent"]
-    take(shown, "/odom", odometry(math.nan, 0.0, 0.0), 12.0)
+    receive(shown, "/odom", odometry(math.nan, 0.0, 0.0), 12.0)
     assert told(shown.moving(12.0))["robots"][0]["x"] == 1.0
     shown.keep({})
     assert shown.moving(12.0)["robots"] == []
@@ -71,26 +71,26 @@ def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
 
 def test_a_scan_is_where_its_laser_is() -> None:
     shown = Scene()
-    take(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
-    take(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
+    receive(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
+    receive(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
     # Nobody says where the laser is: it is taken to be on the robot of its namespace.
     (seen,) = told(shown.moving(0.0))["scans"]
     assert seen["at"] == pytest.approx([0.0, 1.0, -1.0, 0.0, 1.0, 0.0], abs=1e-4)
     assert seen["ranges"] == [1000, 0, 0, 0, 3000]
-    take(shown, "/tf", transforms("robot1/base", "robot1/laser", 0.5))
+    receive(shown, "/tf", transforms("robot1/base", "robot1/laser", 0.5))
     assert told(shown.moving(0.0))["scans"][0]["at"][4:] == pytest.approx([1.0, 0.5], abs=1e-4)
     assert shown.moving(5.0)["scans"] == []
 
 
 def test_a_scan_of_many_rays_is_thinned_out_and_of_no_sense_is_empty() -> None:
     shown = Scene()
-    take(shown, "/odom", odometry(0.0, 0.0, 0.0))
-    take(shown, "/scan", scan("base", *[1.0] * 5000))
+    receive(shown, "/odom", odometry(0.0, 0.0, 0.0))
+    receive(shown, "/scan", scan("base", *[1.0] * 5000))
     (seen,) = shown.moving(0.0)["scans"]
     assert len(seen["ranges"]) == 1667 and seen["step"] == pytest.approx(1.5)
     nonsense = scan("base", 1.0)
     nonsense.angle_min = math.nan
-    take(shown, "/scan", nonsense)
+    receive(shown, "/scan", nonsense)
     assert told(shown.moving(0.0))["scans"][0]["ranges"] == [0]
 
 
@@ -99,26 +99,26 @@ def test_markers_come_and_go_one_by_one() -> None:
     wall = Marker(ns="walls", type=Marker.LINE_LIST, points=[Point(0, 1, 0), Point(2, 3, 0)])
     box = Marker(ns="boxes", id=4, type=Marker.CUBE)
     box.pose.position.x, box.scale.x, box.color.r = 1.5, 0.4, math.nan
-    take(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL), wall, box]))
+    receive(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL), wall, box]))
     lines, cube = told(shown.standing())["markers"]
     assert (lines["kind"], lines["points"]) == ("lines", [0.0, 1.0, 2.0, 3.0])
     assert (cube["kind"], cube["size"], cube["at"][4]) == ("box", [0.4, 0.0], 1.5)
-    take(shown, "/world", MarkerArray([Marker(ns="walls", action=Marker.DELETE)]))
+    receive(shown, "/world", MarkerArray([Marker(ns="walls", action=Marker.DELETE)]))
     assert [one["kind"] for one in shown.standing()["markers"]] == ["box"]
-    take(shown, "/other", box)
-    take(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL)]))
+    receive(shown, "/other", box)
+    receive(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL)]))
     assert len(shown.standing()["markers"]) == 1
 
 
 def test_paths_and_goals() -> None:
     shown = Scene()
-    take(shown, "/tf", transforms("map", "odom", 1.0))
+    receive(shown, "/tf", transforms("map", "odom", 1.0))
     goal = PoseStamped()
     goal.header.frame_id, goal.pose.position.y = "odom", 2.0
     path = Path(poses=[goal, goal])
     path.header.frame_id = "map"
-    take(shown, "/goal", goal)
-    take(shown, "/plan", path)
+    receive(shown, "/goal", goal)
+    receive(shown, "/plan", path)
     standing = told(shown.standing())
     assert standing["goals"] == [{"topic": "/goal", "x": 1.0, "y": 2.0, "heading": 0.0}]
     assert standing["paths"][0]["points"] == [0.0, 2.0, 0.0, 2.0]

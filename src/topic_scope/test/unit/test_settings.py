@@ -69,7 +69,7 @@ class World:
         self.told: List[Tuple[str, Any]] = []
         self.background = SlowBackground()
         self.panel = Panel(NODE, describe(self.node.values), {})
-        self.settings = Settings(self.background, self.change, self.tell, self.look_again)
+        self.settings = Settings(self.background, self.change, self.send, self.read_again)
 
     def change(self, node: str, values: Mapping[str, Any]) -> Changed:
         assert node == NODE
@@ -82,17 +82,17 @@ class World:
             return Changed(False, str(error), self.values())
         answer = Changed(True, "", self.values())
         self.node.change(self.overtaking)
-        self.look_again(NODE)
+        self.read_again(NODE)
         return answer
 
-    def look_again(self, node: str) -> None:
+    def read_again(self, node: str) -> None:
         assert node == NODE
-        self.tell(self.panel, self.panel.follow(self.values()))
+        self.send(self.panel, self.panel.follow(self.values()))
 
     def values(self) -> Dict[str, Any]:
         return dict(self.node.server)
 
-    def tell(self, panel: Panel, names: List[str]) -> None:
+    def send(self, panel: Panel, names: List[str]) -> None:
         self.told += [(name, panel.values[name]) for name in names]
 
     def ask(self, name: str, value: Any) -> None:

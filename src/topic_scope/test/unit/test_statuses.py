@@ -25,7 +25,7 @@ def test_topics_are_those_of_one_node_that_are_called_so() -> None:
     assert topics_of(nodes, publishers, types) == {"/a": "/a/status", "/b": "/b/motor_state"}
 
 
-class Source:
+class FakeSubscriptions:
     """Subscriptions to one topic, which a test fills."""
 
     is_to_adjust = False
@@ -37,7 +37,7 @@ class Source:
     def want(self, topics: Collection[str]) -> None:
         self.wanted = topics
 
-    def outlets(self) -> Mapping[str, "Source"]:
+    def outlets(self) -> Mapping[str, "FakeSubscriptions"]:
         return {"/a/status": self}
 
     def drain(self) -> List[Batch]:
@@ -50,7 +50,7 @@ class Source:
 
 
 def test_pages_are_told_what_is_new_only() -> None:
-    send, source = mock.Mock(), Source()
+    send, source = mock.Mock(), FakeSubscriptions()
     statuses = Statuses(source, mock.Mock(), send)  # type: ignore[arg-type]
     statuses.follow({"/a": "/a/status"})
     assert source.wanted == {"/a/status"}

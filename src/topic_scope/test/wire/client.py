@@ -62,9 +62,9 @@ class Client:
                 self._closed = True
                 return
             with self._lock:
-                self._take(json.loads(text, parse_constant=_refuse))
+                self._add_message(json.loads(text, parse_constant=_refuse))
 
-    def _take(self, message: Message) -> None:
+    def _add_message(self, message: Message) -> None:
         message["heard"] = time.monotonic()
         self._messages.append(message)
         if message["type"] == "frame":

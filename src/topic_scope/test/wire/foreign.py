@@ -62,9 +62,9 @@ class Foreign:
 
     def __init__(self, namespace: str) -> None:
         self.values: Dict[str, Any] = {}
-        self._server = Server(Kind, self._take, namespace)
+        self._server = Server(Kind, self._on_change, namespace)
 
-    def _take(self, config: Any, _level: int) -> Any:
+    def _on_change(self, config: Any, _level: int) -> Any:
         config["gain"] = min(config["gain"], 5.0)
         self.values = dict(config)
         return config

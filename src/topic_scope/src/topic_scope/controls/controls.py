@@ -42,26 +42,26 @@ class Controls:
     """Knows the panels; all methods belong to the thread of the web.
 
     :param deliver: hands a function to that thread
-    :param tell: tells all pages: a message, and what it is about
+    :param send: sends to all pages: a message, and what it is about
     """
 
     def __init__(
         self,
         deliver: Callable[[Callable[[], None]], None],
-        tell: Callable[..., None],
+        send: Callable[..., None],
     ) -> None:
-        self._deliver, self._tell = deliver, tell
+        self._deliver, self._send = deliver, send
         self._background = Background(deliver)
         self._panels: Dict[str, Panel] = {}
         self._followed: Dict[str, FollowedParameter] = {}
         self._failed: Dict[str, float] = {}
         self._foreign: Collection[str] = ()
         self._settings = Settings(
-            self._background, self._change, self._tell_values, self._look_again
+            self._background, self._change, self._send_values, self._read_again
         )
-        self._managed = Managed(self._background, tell)
+        self._managed = Managed(self._background, send)
         subscriptions = RawSubscriptions(SteadyClock())
-        self._statuses = Statuses(subscriptions, self._background, tell)
+        self._statuses = Statuses(subscriptions, self._background, send)
         tornado.ioloop.PeriodicCallback(self._statuses.update, PERIOD_S * 1e3).start()
 
     def messages(self) -> List[Dict[str, Any]]:
@@ -93,7 +93,7 @@ class Controls:
             leave = self._followed.pop(node).close
             self._background.run(("leave", node), leave, lambda _: None)
         if gone:
-            self._tell(self.message())
+            self._send(self.message())
         self._failed = {node: until for node, until in self._failed.items() if node in nodes}
         for node in nodes:
             if node not in self._panels and time.monotonic() > self._failed.get(node, 0.0):
@@ -126,21 +126,21 @@ class Controls:
         self._panels[node], followed = result
         self._followed[node] = followed
         followed.report_again()  # what came before there was a panel is lost
-        self._tell(self.message())
+        self._send(self.message())
 
     def _on_values(self, node: str, raw: Any) -> None:
         panel = self._panels.get(node)
         if panel is not None and isinstance(raw, dict):
-            self._tell_values(panel, panel.follow(raw))
+            self._send_values(panel, panel.follow(raw))
 
-    def _look_again(self, node: str) -> None:
+    def _read_again(self, node: str) -> None:
         followed = self._followed.get(node)
         if followed is not None:
             followed.report_again()
 
-    def _tell_values(self, panel: Panel, names: List[str]) -> None:
+    def _send_values(self, panel: Panel, names: List[str]) -> None:
         for name in names:
-            self._tell(value_message(panel, name), panel.node, name)
+            self._send(value_message(panel, name), panel.node, name)
 
     def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
         """Set a parameter; the page is told if the node refuses the value.

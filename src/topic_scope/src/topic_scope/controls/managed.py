@@ -22,11 +22,11 @@ class Managed:
     They are asked, as the event of a transition that ends in a crash never comes.
 
     :param background: where to wait for nodes
-    :param tell: tells all pages
+    :param send: sends a message to all pages
     """
 
-    def __init__(self, background: Background, tell: Callable[..., None]) -> None:
-        self._background, self._tell = background, tell
+    def __init__(self, background: Background, send: Callable[..., None]) -> None:
+        self._background, self._send = background, send
         self._nodes: Dict[str, Dict[str, Any]] = {}
         self._present: Collection[str] = ()
         self._due: Dict[str, float] = {}
@@ -43,10 +43,10 @@ class Managed:
         self._present = nodes[:NODES]
         for node in set(self._nodes) - set(self._present):
             del self._nodes[node]
-            self._tell(self.message())
+            self._send(self.message())
         for node in self._present:
             if time.monotonic() >= self._due.get(node, 0.0):
-                self._look(node)
+                self._ask_state(node)
         self._due = {node: due for node, due in self._due.items() if node in self._present}
 
     def change(self, node: str, label: str, answer: Callable[[Dict[str, Any]], None]) -> None:
@@ -71,21 +71,23 @@ class Managed:
         if result is not True:
             why = f": {result}" if isinstance(result, Exception) else "; its log says why"
             answer({"type": "error", "text": f"{node} did not {label}{why}"})
-        self._look(node)
+        self._ask_state(node)
 
-    def _look(self, node: str) -> None:
+    def _ask_state(self, node: str) -> None:
         self._due[node] = time.monotonic() + AGAIN_S
-        self._background.run(("managed", node), partial(_look, node), partial(self._on_look, node))
+        self._background.run(
+            ("managed", node), partial(_state_of, node), partial(self._on_state, node)
+        )
 
-    def _on_look(self, node: str, told: Any) -> None:
+    def _on_state(self, node: str, told: Any) -> None:
         if isinstance(told, Exception) or node not in self._present:
             return  # it is asked again
         if self._nodes.get(node) != told:
             self._nodes[node] = told
-            self._tell(self.message())
+            self._send(self.message())
 
 
-def _look(node: str) -> Dict[str, Any]:
+def _state_of(node: str) -> Dict[str, Any]:
     state = call_service(f"{node}/get_state", GetState).result().current_state.label
     offered = call_service(f"{node}/get_available_transitions", GetAvailableTransitions).result()
     labels: List[str] = [one.transition.label for one in offered.available_transitions]

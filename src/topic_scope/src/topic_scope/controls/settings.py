@@ -48,19 +48,19 @@ class Settings:
 
     :param background: where to wait for nodes
     :param change: has a node change parameters by name; raises an exception if it does not answer
-    :param tell: tells all pages of parameters that have changed
-    :param look_again: has the panel of a node follow what is on the parameter server now
+    :param send_values: sends all pages the values of parameters that have changed
+    :param read_again: has the panel of a node follow what is on the parameter server now
     """
 
     def __init__(
         self,
         background: Background,
         change: Callable[[str, Mapping[str, Any]], Changed],
-        tell: Callable[[Panel, List[str]], None],
-        look_again: Callable[[str], None],
+        send_values: Callable[[Panel, List[str]], None],
+        read_again: Callable[[str], None],
     ) -> None:
-        self._background, self._change, self._tell = background, change, tell
-        self._look_again = look_again
+        self._background, self._change, self._send_values = background, change, send_values
+        self._read_again = read_again
         #: By node and parameter: what is still to be sent, the newest of each parameter; and what
         #: was refused, perhaps because other values were still to come.
         self._waiting: Dict[str, Dict[str, Asked]] = {}
@@ -112,8 +112,8 @@ class Settings:
         if isinstance(result, Exception):
             result = Changed(False, f"{node} does not answer: {result}", {})
         panel = next(iter(asked.values())).panel
-        self._tell(panel, panel.follow(result.values))
-        self._look_again(panel.node)  # somebody else's change may be newer than this answer
+        self._send_values(panel, panel.follow(result.values))
+        self._read_again(panel.node)  # somebody else's change may be newer than this answer
         refused = self._refused.setdefault(node, {})
         if result.success:
             for name in [name for name in refused if refused[name] == result.values.get(name)]:

@@ -63,8 +63,8 @@ class Options(NamedTuple):
     def url(self) -> str:
         """Where the page is, as seen from this machine."""
         is_here = self.is_local or self.address in _ALL
-        host = "localhost" if is_here else self.address
-        shown = f"[{host}]" if ":" in host else host
+        name = "localhost" if is_here else self.address
+        shown = f"[{name}]" if ":" in name else name
         return f"http://{shown}:{self.port}"
 
 

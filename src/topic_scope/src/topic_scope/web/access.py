@@ -23,7 +23,7 @@ def names_of(short: str, full: str, address: str) -> List[str]:
     return [name.lower() for name in ("localhost", short, full, address, local)]
 
 
-def is_known_host(host: str, names: Collection[str]) -> bool:
+def is_known_name(host: str, names: Collection[str]) -> bool:
     """Tell whether a request was meant for this machine.
 
     :param host: its header ``Host``

@@ -57,7 +57,7 @@ def bind(options: Options) -> List[socket.socket]:
 
 
 def _check_host(handler: tornado.web.RequestHandler) -> None:
-    if not access.is_known_host(
+    if not access.is_known_name(
         handler.request.host, handler.application.settings["machine_names"]
     ):
         raise tornado.web.HTTPError(403, "not a name of this machine")

@@ -32,7 +32,7 @@ class LoggingNode:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._parameters = node.parameters(LoggingNodeParameters)
-        # It has a thread for that: the master may take its time to answer.
+        # A thread of its own: the master may take its time to answer.
         SingleThreadedExecutor().add_node(node)
         node.service("~debug_node_info", Trigger, self.debug_node_info)
         self._log()
@@ -52,7 +52,7 @@ class LoggingNode:
     def debug_node_info(self, request: TriggerRequest) -> TriggerResponse:
         """Log who this is, and which topics and services there are."""
         namespace, _, name = self._node.name.rpartition("/")
-        # With a time-out, which rosgraph.Master has not: where it is over, the caller is told so.
+        # With a time-out, unlike rosgraph.Master: when it is over, the caller gets an error.
         with MasterClient(self._node.name) as master:
             state = master.system_state()
         topics = sorted({topic for kind in state[:2] for topic, _ in kind})

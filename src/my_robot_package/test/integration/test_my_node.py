@@ -56,7 +56,7 @@ class TestMyRobotNode(unittest.TestCase):
             made.append(ServiceClientNode(node))
 
         self.node.host("client", "/closed", make).close()
-        thread = threading.Thread(target=made[0].ask, args=(0.0,), daemon=True)
+        thread = threading.Thread(target=made[0].send_requests, args=(0.0,), daemon=True)
         thread.start()
         thread.join(TIMEOUT_S)
         self.assertFalse(thread.is_alive())

@@ -62,7 +62,7 @@ def arguments() -> argparse.Namespace:
         epilog="measurements:\n" + listed,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--quick", action="store_true", help="a look in a minute")
+    parser.add_argument("--quick", action="store_true", help="an overview in a minute")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
     parser.add_argument("--repeats", type=int, metavar="N", help="5 unless given")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
@@ -81,7 +81,7 @@ def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Resu
     for repeat in range(repeats):
         now = time.monotonic()
         if now - began + (now - latest) > LIMIT:
-            say(f"that took long: no more than {repeat} repeats")
+            say(f"that took long: stopping after {repeat} repeats")
             return
         latest = now
         for measurement in chosen:

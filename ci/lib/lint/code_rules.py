@@ -300,7 +300,7 @@ def circles(graph: Mapping[str, Set[str]]) -> Iterator[str]:
 
     def visit(module: str, path: List[str]) -> Iterator[str]:
         if module in path:
-            yield "in a circle: " + " -> ".join(path[path.index(module) :] + [module])
+            yield "import cycle: " + " -> ".join(path[path.index(module) :] + [module])
         elif module not in done:
             for target in sorted(graph.get(module, ())):
                 yield from visit(target, path + [module])
@@ -328,7 +328,7 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
             elif rooms.index(other) > rooms.index(room):
                 yield line, f"{room} stands below {other} and may not import it"
         if is_in(name, PURE) and top in ROS:
-            yield line, f"it is to know no ROS, and imports {imported}"
+            yield line, f"it must not depend on ROS, but imports {imported}"
         if top in MODULES and not is_in(name, MAY_START_PROCESSES):
             yield line, f"{top} could make code of input"
         if top in NEWER_MODULES:
@@ -339,7 +339,7 @@ def breaches(name: str, tree: ast.AST, packages: Set[str]) -> Iterator[Tuple[int
         doors = {imported.rpartition(".")[0] for _, imported in imports(tree)}
         doors = {door for door in doors if is_in(door, ["nodekit"])}
         if len(doors) > MOST_DOORS:
-            yield 1, f"a node that needs so much of nodekit: {', '.join(sorted(doors))}"
+            yield 1, f"it imports too many modules of nodekit: {', '.join(sorted(doors))}"
     for line, called in calls(tree):
         if called in CODE:
             yield line, f"{called} could make code of input"

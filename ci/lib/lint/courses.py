@@ -58,11 +58,11 @@ def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[s
         yield f"docs/courses.csv: {identifier} has more than one row"
     for path, ids in found.items():
         for identifier in sorted(ids - set(known)):
-            yield f"{path}: {identifier} is no id of docs/courses.csv"
+            yield f"{path}: {identifier} is not an id in docs/courses.csv"
     for row in items:
         identifier, test = row["id"], row["test"]
         if test and identifier not in found.get(test, ()):
-            yield f"{identifier}: {test} does not carry it, or is no test of the workspace"
+            yield f"{identifier}: {test} does not carry it, or is not a test of the workspace"
         if not test and row["part"] not in LATER:
             carriers = [path for path, ids in found.items() if identifier in ids]
             yield f"{identifier}: names no test; carried by {', '.join(carriers) or 'none'}"

@@ -144,7 +144,7 @@ def modules_of(paths: Sequence[str]) -> List[pathlib.Path]:
         place = pathlib.Path(text).resolve()
         below = [path for path in known if place == path or place in path.parents]
         if not below:
-            raise Unfit(f"{text} is no module of a package in {code_rules.SOURCES}, and has none")
+            raise Unfit(f"{text} is not a module of a package, and contains none")
         found += [path for path in below if path not in found]
     return found
 

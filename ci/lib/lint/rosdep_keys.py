@@ -37,7 +37,7 @@ def unknown(sources: pathlib.Path, known: Set[str]) -> Iterator[str]:
                 if key not in known | own:
                     yield (
                         f"{manifest.relative_to(sources.parent)}: {element.tag} '{key}' is "
-                        "no key in ci/rosdep-keys.txt"
+                        "not a key in ci/rosdep-keys.txt"
                     )
 
 

@@ -61,7 +61,7 @@ def insist(truth: bool, what: str) -> None:
     :raises SystemExit: it is not
     """
     if not truth:
-        sys.exit(f"not so: {what}")
+        sys.exit(f"failed: {what}")
     print(what)
 
 
@@ -125,7 +125,7 @@ def system(tool: Tool, up: str, other: str) -> None:
         port = probe.getsockname()[1]
     with composed(tool, up, port):
         wait_for("the page is seen on this machine", lambda: connects("127.0.0.1", port))
-        insist(greeting(port)["readonly"] is True, "who sees it can set nothing")
+        insist(greeting(port)["readonly"] is True, "it is read-only")
         wait_for(
             "/proc_signal is heard in a container of the network",
             lambda: answers(*tool.typed(other)),

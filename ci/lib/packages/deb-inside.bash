@@ -125,7 +125,7 @@ take_prove() { # SUITE ROOT
         apt_get "$2" offline purge "${names[@]}" || return
     every_file "$2" >"$log.after"
     diff "$log.before" "$log.after" >&2 || {
-        verdict="something stays behind, see above"
+        verdict="files were left behind: see above"
         return 1
     }
     verdict="installed, run, upgraded, run, removed"

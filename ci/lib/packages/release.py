@@ -96,9 +96,9 @@ def judge(version: str) -> None:
     author()
     changed = said("git", "status", "--porcelain")
     if changed:
-        raise Refused(f"something is not committed: {changed.splitlines()[0].strip()}")
+        raise Refused(f"there are uncommitted changes: {changed.splitlines()[0].strip()}")
     if said("git", "tag", "--list", version):
-        raise Refused(f"there is a tag {version} already")
+        raise Refused(f"the tag {version} exists already")
     for manifest in sorted(WORKSPACE.glob("src/*/package.xml")):
         found = re.search(r"<version>([^<]*)</version>", manifest.read_text("utf-8"))
         present = found.group(1) if found else "none"
@@ -107,7 +107,7 @@ def judge(version: str) -> None:
                 f"{manifest.parent.name} has the version {present}: must be below {version}"
             )
     if not re.search(rf"^## {re.escape(version)}\b", (WORKSPACE / NOTES).read_text("utf-8"), re.M):
-        raise Refused(f"{NOTES} has no part '## {version}': what is it to those who use it?")
+        raise Refused(f"{NOTES} has no section '## {version}': say there what it brings its users")
 
 
 def bump(tree: pathlib.Path, version: str) -> None:
@@ -156,7 +156,9 @@ def release(version: str) -> None:
         run(CHECKS, tree)
         for source in PRODUCTS:
             if not (tree / source).is_dir():
-                raise Refused(f"{source} was not made, which takes Debian 12: nothing was released")
+                raise Refused(
+                    f"{source} was not built, which needs Debian 12: nothing was released"
+                )
         said("git", "fetch", "--quiet", str(tree), "HEAD")
         said("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
         said("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)
@@ -166,7 +168,7 @@ def release(version: str) -> None:
             shutil.copytree(
                 str(tree / source), str(target / name), ignore=shutil.ignore_patterns("earlier")
             )
-    say(f"{version} is tagged and in dist/{version}: 'git push origin HEAD {version}' is yours")
+    say(f"{version} is tagged and in dist/{version}: push it with 'git push origin HEAD {version}'")
 
 
 def show(version: str) -> None:

@@ -15,7 +15,7 @@ build_facts() {
     echo "without $(languages_left_out)"
 }
 
-# Without C++ and Lisp a build from nothing takes a sixth less. Who does not say which are to be left
+# Without C++ and Lisp a build from scratch takes a sixth less. Who does not say which are to be left
 # out keeps those that were asked for before.
 languages_left_out() {
     local kept
@@ -75,7 +75,7 @@ build() {
     read_by_it=$(build_facts; build_inputs)
     refuse_catkin_tools
     if build_must_start_over "$read_by_it"; then
-        say "building from nothing with catkin_make"
+        say "building from scratch with catkin_make"
         # What ci/ros2 has made there tells by itself whether it still fits.
         find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" ! -name 'ros2*' -exec rm -rf {} +
         rm -rf "$workspace/devel"

@@ -76,7 +76,7 @@ warn_of_foreign_master() { # COMMAND…
     owner=$(listeners | awk -v port="$port" '$1 == port { print $2; exit }')
     if [ -z "$owner" ] || [ "$owner" = "$(id -u)" ]; then return 0; fi
     free=$(listeners | awk -v port="$port" '{ taken[$1] } END { while (++port in taken); print port }')
-    say "port $port of this machine is served by $(id -nu "$owner" 2>/dev/null || echo "user $owner"), not by" \
+    say "port $port of this machine is used by $(id -nu "$owner" 2>/dev/null || echo "user $owner"), not by" \
         "you: for a master of your own, 'export ROS_MASTER_URI=http://localhost:$free' in each terminal."
 }
 

@@ -97,14 +97,14 @@ refuse_without_network() { # PACKAGE…
     fi
     uri=$(sed -n 's/^E: Failed to fetch [^ ]* *//p' "$state/log" | head -n 1)
     die "no package can be downloaded (${uris[0]}: ${uri:-no answer within $patience s}):" \
-        "check the network, or the proxy that apt is told to use, and try again."
+        "check the network, or the proxy that apt is configured to use, and try again."
 }
 
 # The end of what apt wrote: without a network that is a thousand lines.
 end_of_log() { tail -n 20 "$state/log"; }
 
 update_lists() {
-    say "apt-get update: its lists of packages are missing or old."
+    say "apt-get update: its package lists are missing or out of date."
     # Unlike dpkg's lock, apt has no option to wait for that of the lists.
     local give_up=$((SECONDS + 600))
     until quietly as_root apt-get update -o Acquire::Retries=1; do
@@ -146,11 +146,11 @@ install_packages() { # SECTION…
     fi
     is_root || ! command -v sudo >/dev/null || sudo='sudo '
     if [ "${CI_EXEC_NO_INSTALL-}" = 1 ]; then
-        refuse_to_install "packages are missing, and CI_EXEC_NO_INSTALL=1 forbids to install them. This does:" \
+        refuse_to_install "packages are missing, and CI_EXEC_NO_INSTALL=1 forbids installing them. To install them:" \
             "$sudo" "${missing[@]}"
     fi
     if ! is_root && [ -z "$sudo" ]; then
-        refuse_to_install "packages are missing, and without sudo only root can install them. This does:" \
+        refuse_to_install "packages are missing, and without sudo only root can install them. To install them:" \
             "" "${missing[@]}"
     fi
 
@@ -161,7 +161,7 @@ install_packages() { # SECTION…
         "sudo did not let $(user_name) install packages (see above). An administrator can, as root:" \
         "" "${missing[@]}"
     if compgen -G '/var/lib/dpkg/updates/[0-9]*' >/dev/null; then
-        say "an earlier installation was cut short: letting dpkg finish it first."
+        say "an earlier installation was interrupted: letting dpkg finish it first."
         logged as_root dpkg --configure -a || die "dpkg --configure -a failed."
     fi
     mapfile -t unknown < <(unknown_packages "${missing[@]}")
@@ -170,7 +170,7 @@ install_packages() { # SECTION…
         mapfile -t unknown < <(unknown_packages "${missing[@]}")
         if [ ${#unknown[@]} -gt 0 ] && grep -qE '^(W|E|Err)\b' "$state/log"; then
             end_of_log
-            die "apt-get update did not get all lists of packages, and those it has do not name ${unknown[*]}."
+            die "apt-get update could not fetch all package lists, and those it has do not contain ${unknown[*]}."
         fi
         [ ${#unknown[@]} = 0 ] ||
             die "$(system_name) has no package ${unknown[*]}. Supported: Debian 12 and 13; elsewhere the" \

@@ -55,8 +55,8 @@ logged() { # COMMAND…
 refuse_unfit_path() {
     local unfit=${workspace//[^[:space:][:cntrl:]\"\'\\\$\;#()&\[\]<>|\`:]/}
     [ -z "$unfit" ] ||
-        die "ROS's tools stumble over the '$unfit' in $workspace: move the workspace to a path without" \
-            "spaces, quotes, colons and other signs that mean something to a shell."
+        die "ROS's tools cannot handle the '$unfit' in $workspace: move the workspace to a path without" \
+            "spaces, quotes, colons and other characters that mean something to a shell."
 }
 
 # What belongs to somebody else would end a build half-way; a first run with sudo leaves such.
@@ -66,10 +66,10 @@ refuse_foreign_files() {
     me=$(user_name)
     place=$(find "${places[@]}" ! -type l ! -user "$me" ! -writable -print -quit 2>/dev/null || :)
     [ -z "$place" ] ||
-        die "$place belongs to $(stat -c %U "$place"), and $me may not change it: let root" \
+        die "$place belongs to $(stat -c %U "$place"), and $me cannot change it: have root run" \
             "'chown -R $me $workspace/build $workspace/devel', or use a clone of your own."
     { mkdir -p "$state" && [ -w "$state" ] && : >>"$state/lock"; } 2>/dev/null ||
-        die "$me cannot write to $state: let root 'chown -R $me $workspace', or use a clone of your own."
+        die "$me cannot write to $state: have root run 'chown -R $me $workspace', or use a clone of your own."
 }
 
 # Install the packages of these sections and build, each only where needed.
@@ -85,7 +85,7 @@ set_up() { # SECTION…
     refuse_foreign_files
     (
         flock --nonblock 9 || {
-            say "another one is setting this workspace up: waiting for it."
+            say "another command is setting up this workspace: waiting for it."
             flock 9
         }
         install_packages "$@"

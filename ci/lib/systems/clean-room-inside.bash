@@ -34,8 +34,8 @@ refuses() { # WORDS ROOT USER online|offline COMMAND…
     (within "$@") >"$log" 2>&1 || status=$?
     words="^(ci/|make_environment:).*$words"
     [ "$status" = 125 ] && grep -qE "$words" "$log" && [ $((SECONDS - began)) -lt "$limit_of_refusal" ] &&
-        say "refused as it should be: $(grep -E "$words" "$log" | cut -c 1-150)" && return
-    say "status $status after $((SECONDS - began)) s, expected was 125 with '$words' of: ${*:2}"
+        say "refused as expected: $(grep -E "$words" "$log" | cut -c 1-150)" && return
+    say "status $status after $((SECONDS - began)) s; expected 125 with '$words' of: ${*:2}"
     end_of_log
     return 1
 }
@@ -58,12 +58,12 @@ install_sudo() { # ROOT
 
 take_refusals() { # SUITE ROOT
     furnish "$2" &&
-        place='a folder' refuses "stumble over the ' ' in" "$2" student online ./ci/exec true &&
+        place='a folder' refuses "cannot handle the ' ' in" "$2" student online ./ci/exec true &&
         refuses "without sudo only root" "$2" student online ./ci/exec true &&
         install_sudo "$2" &&
         refuses "sudo did not let student install" "$2" student online ./ci/exec true &&
         refuses "no package can be downloaded" "$2" teacher offline ./ci/exec true &&
-        verdict="each with its sentence"
+        verdict="each with the right message"
 }
 
 take_by_hand() { # SUITE ROOT

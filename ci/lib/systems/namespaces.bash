@@ -8,9 +8,9 @@ die() {
 # Of what --only names, each has to be a part that there is; with none, all would seem good.
 judge_parts() { # PART,… ALL-PARTS,…
     local part
-    [[ $1 == *[!,]* ]] || die "--only takes names of parts, with commas between them: ${2//,/, }."
+    [[ $1 == *[!,]* ]] || die "--only takes names of parts, separated by commas: ${2//,/, }."
     for part in ${1//,/ }; do
-        [[ ,$2, == *,"$part",* ]] || die "there is no part '$part': ${2//,/, }."
+        [[ ,$2, == *,"$part",* ]] || die "unknown part '$part': must be one of ${2//,/, }."
     done
 }
 

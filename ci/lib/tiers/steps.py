@@ -170,7 +170,7 @@ def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
         try:
             cases = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
         except ElementTree.ParseError:
-            failures.append(f"{path.name} is no JUnit file")
+            failures.append(f"{path.name} is not a JUnit file")
             continue
         for case in cases:
             defects = case.findall("failure") + case.findall("error")

@@ -19,7 +19,7 @@ def test_the_commands_are_those_of_readme() -> None:
 @pytest.mark.parametrize(
     "options, said",
     [
-        (["--only", "launch,lunch"], "no part 'lunch'"),
+        (["--only", "launch,lunch"], "unknown part 'lunch'"),
         (["--only"], "--only takes names"),
         (["--only", ","], "--only takes names"),
         (["--tiers"], "--tiers takes names"),

@@ -60,7 +60,7 @@ def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> N
 @pytest.mark.parametrize(
     "options, said",
     [
-        (["--only", "bake"], "no part 'bake'"),
+        (["--only", "bake"], "unknown part 'bake'"),
         (["--base"], "--base takes the name of an image"),
         (["--other"], "Usage: ci/container"),
     ],

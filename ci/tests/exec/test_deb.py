@@ -28,10 +28,10 @@ def test_the_commands_are_those_of_the_page() -> None:
 @pytest.mark.parametrize(
     "options, said",
     [
-        (["--only", "bake"], "no part 'bake': build, prove, bridge."),
+        (["--only", "bake"], "unknown part 'bake': must be one of build, prove, bridge."),
         (["--only"], "--only takes names"),
         (["--only", ","], "--only takes names"),
-        (["bullseye"], "no suite 'bullseye'"),
+        (["bullseye"], "unknown suite 'bullseye'"),
         (["--other"], "Usage: ci/deb"),
     ],
 )

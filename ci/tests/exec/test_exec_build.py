@@ -100,7 +100,7 @@ def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     workspace.fakes.clear()
     result = workspace.run("python3", "-c", "import tiny.msg")
     assert result.returncode == 0
-    assert "from nothing" in result.stderr
+    assert "from scratch" in result.stderr
 
 
 def test_refuses_a_tree_of_catkin_build(workspace: Workspace) -> None:
@@ -128,7 +128,7 @@ def test_refuses_a_path_that_ros_cannot_take(tmp_path: pathlib.Path, sign: str) 
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
     assert len(result.stderr.splitlines()) == 1
-    assert f"stumble over the '{sign}' in" in result.stderr
+    assert f"cannot handle the '{sign}' in" in result.stderr
     assert not (workspace.root / "build").exists()
 
 

@@ -147,7 +147,7 @@ def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> Non
             (line,) = built.run(*command, **changes).stderr.splitlines()
         finally:
             built.fakes.clear()
-        assert f"port {port} of this machine is served by {owner}" in line
+        assert f"port {port} of this machine is used by {owner}" in line
         found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
         assert found and int(found.group(1)) > port
         assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""

@@ -135,7 +135,7 @@ def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
     before = copy.state()
     done = copy.release("1.2.0")
     assert done.returncode == 1
-    assert "docs/_build/html was not made, which takes Debian 12: nothing" in done.stderr
+    assert "docs/_build/html was not built, which needs Debian 12: nothing" in done.stderr
     assert copy.state() == before
     assert copy.git("tag") == "" and not (copy.root / "dist").exists()
 
@@ -188,9 +188,9 @@ def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
         ("1.2", "the version is '1.2': must be three numbers"),
         ("01.2.0", "must be three numbers"),
         ("0.9.0", "one has the version 0.9.0: must be below 0.9.0"),
-        ("0.10.0", "docs/releases.md has no part '## 0.10.0'"),
-        ("1.2.0", "there is a tag 1.2.0 already"),
-        ("1.3.0", "something is not committed: ?? stray"),
+        ("0.10.0", "docs/releases.md has no section '## 0.10.0'"),
+        ("1.2.0", "the tag 1.2.0 exists already"),
+        ("1.3.0", "there are uncommitted changes: ?? stray"),
     ],
 )
 def test_what_cannot_be_released_is_refused(copy: Copy, version: str, said: str) -> None:

@@ -56,6 +56,6 @@ def test_an_id_that_nobody_knows_is_told_and_a_missing_row_names_its_test(
 ) -> None:
     items = courses.rows(HEAD + f"001-a-1,1,001,c,o,\n{GOOD[2]}")
     assert list(courses.breaches(items, workspace)) == [
-        f"{TEST}: 001-a-2 is no id of docs/courses.csv",
+        f"{TEST}: 001-a-2 is not an id in docs/courses.csv",
         f"001-a-1: names no test; carried by {TEST}",
     ]

@@ -55,7 +55,7 @@ def test_a_circle_is_found() -> None:
     one = 'import { b } from "./b.js";\nexport const a = b;\n'
     two = 'import { a } from "./a.js";\nexport const b = a;\n'
     told = found({"plot/a.js": one, "plot/b.js": two})
-    assert told == ["in a circle: plot/a.js -> plot/b.js -> plot/a.js"]
+    assert told == ["import cycle: plot/a.js -> plot/b.js -> plot/a.js"]
 
 
 def test_a_file_that_does_not_exist_is_found() -> None:

@@ -69,7 +69,7 @@ def test_every_room_and_every_pure_module_exists() -> None:
     [
         ("nodekit.timing.x", "from nodekit.node import y", "timing stands below node"),
         ("nodekit.attic.x", "", "attic is not among the rooms of nodekit"),
-        ("nodekit.transport.x", "import rospy", "it is to know no ROS, and imports rospy"),
+        ("nodekit.transport.x", "import rospy", "it must not depend on ROS, but imports rospy"),
         ("basic_comms.nodes.x", "import topic_scope", "basic_comms may not import topic_scope"),
         ("nodekit.timing.x", "import zoneinfo", "zoneinfo is newer than Python 3.8"),
         ("nodekit.timing.x", "eval('1')", "eval could make code of input"),

@@ -22,7 +22,7 @@ def test_each_key_is_a_known_one_or_a_package_of_the_workspace(
     (tmp_path / "keys").write_text("# a comment\n\nknown # another\n")
     found = list(rosdep_keys.unknown(tmp_path / "src", rosdep_keys.listed(tmp_path / "keys")))
     assert len(found) == sentences
-    assert all(f"src/one/package.xml: buildtool_depend '{key}' is no key" in s for s in found)
+    assert all(f"src/one/package.xml: buildtool_depend '{key}' is not a key" in s for s in found)
 
 
 def test_the_workspaces_own_list_is_made_of_rules_with_a_debian_package(

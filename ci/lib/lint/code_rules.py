@@ -153,7 +153,7 @@ PURE = (
     "nodekit.timing.timetable",
     "nodekit.groups",
     "nodekit.messaging.finite",
-    "nodekit.messaging.seldom",
+    "nodekit.messaging.throttle",
     "nodekit.managed.machine",
     "basic_comms.signals",
     "basic_comms.conditioning",

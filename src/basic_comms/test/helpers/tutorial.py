@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, Optional
 
 from helpers.job import Job
 
-from nodekit.testing.console import INTERRUPT, Step, find, is_all, steps_of
+from nodekit.testing.console import INTERRUPT, Instruction, find, instructions_of, is_all
 from nodekit.testing.processes import free_ports
 
 #: The root of the workspace, where a reader is.
@@ -54,64 +54,68 @@ class Reader:
         self._home.cleanup()
 
     def follow(self, page: str) -> int:
-        """Do all steps of a page.
+        """Do all instructions of a page.
 
         :param page: the text of the page, Markdown
-        :returns: how many steps there were
+        :returns: how many instructions there were
         :raises PageError: if one does not show what the page says
         """
-        steps = steps_of(page)
+        instructions = instructions_of(page)
         end = time.monotonic() + self._limit
-        for step in steps:
+        for instruction in instructions:
             if time.monotonic() > end:
-                raise _wrong(step, f"the page takes longer than {self._limit:g} s", "")
-            if step.terminal is None:
-                self._run(step)
-            elif step.typed == INTERRUPT:
-                self._interrupt(step, step.terminal)
+                raise _wrong(instruction, f"the page takes longer than {self._limit:g} s", "")
+            if instruction.terminal is None:
+                self._run(instruction)
+            elif instruction.typed == INTERRUPT:
+                self._interrupt(instruction, instruction.terminal)
             else:
-                self._watch(step, step.terminal)
-        return len(steps)
+                self._watch(instruction, instruction.terminal)
+        return len(instructions)
 
-    def _run(self, step: Step) -> None:
+    def _run(self, instruction: Instruction) -> None:
         """Run a command that ends; again, where the graph was not ready for it."""
-        if step.typed is None or step.typed == INTERRUPT:
-            raise _wrong(step, "there is nothing to type outside of a terminal", "")
+        if instruction.typed is None or instruction.typed == INTERRUPT:
+            raise _wrong(instruction, "there is nothing to type outside of a terminal", "")
         deadline = time.monotonic() + self._timeout
         tried: Optional[Job] = None
         while tried is None or time.monotonic() < deadline:
-            job = self._start(step.typed)
+            job = self._start(instruction.typed)
             if not job.ended_by(deadline):
                 job.kill()
                 tried = tried or job
                 break
             tried = job
             # A failure is fine where the page shows it.
-            if is_all(step.expected, job.output()) and (step.expected or job.status == 0):
+            if is_all(instruction.expected, job.output()) and (
+                instruction.expected or job.status == 0
+            ):
                 return
             time.sleep(0.1)
-        raise _wrong(step, f"status {tried.status}", tried.output())
+        raise _wrong(instruction, f"status {tried.status}", tried.output())
 
-    def _watch(self, step: Step, terminal: str) -> None:
+    def _watch(self, instruction: Instruction, terminal: str) -> None:
         """Start a command that keeps running, or not, and wait for what it prints."""
-        if step.typed is not None:
+        if instruction.typed is not None:
             previous = self._terminals.get(terminal)
             if previous and not previous.ended_by(time.monotonic() + self._timeout):
-                raise _wrong(step, f"{terminal} is busy", previous.output())
-            self._terminals[terminal] = self._start(step.typed)
-        job = self._job(step, terminal)
-        self._wait_for(step, job, lambda: find(step.expected, job.output(), job.seen))
+                raise _wrong(instruction, f"{terminal} is busy", previous.output())
+            self._terminals[terminal] = self._start(instruction.typed)
+        job = self._job(instruction, terminal)
+        self._wait_for(instruction, job, lambda: find(instruction.expected, job.output(), job.seen))
 
-    def _interrupt(self, step: Step, terminal: str) -> None:
-        job = self._job(step, terminal)
+    def _interrupt(self, instruction: Instruction, terminal: str) -> None:
+        job = self._job(instruction, terminal)
         if job.status is not None:
-            raise _wrong(step, f"{terminal} has ended by itself", job.output())
+            raise _wrong(instruction, f"{terminal} has ended by itself", job.output())
         job.interrupt()
         if not job.ended_by(time.monotonic() + self._timeout):
-            raise _wrong(step, f"{terminal} does not end", job.output())
-        self._wait_for(step, job, lambda: find(step.expected, job.output(), job.seen))
+            raise _wrong(instruction, f"{terminal} does not end", job.output())
+        self._wait_for(instruction, job, lambda: find(instruction.expected, job.output(), job.seen))
 
-    def _wait_for(self, step: Step, job: Job, condition: Callable[[], Optional[int]]) -> None:
+    def _wait_for(
+        self, instruction: Instruction, job: Job, condition: Callable[[], Optional[int]]
+    ) -> None:
         deadline = time.monotonic() + self._timeout
         while True:
             last_chance = job.status is not None or time.monotonic() > deadline
@@ -120,12 +124,12 @@ class Reader:
                 job.seen = found
                 return
             if last_chance:
-                raise _wrong(step, f"status {job.status}", job.output()[job.seen :])
+                raise _wrong(instruction, f"status {job.status}", job.output()[job.seen :])
             time.sleep(0.05)
 
-    def _job(self, step: Step, terminal: str) -> Job:
+    def _job(self, instruction: Instruction, terminal: str) -> Job:
         if terminal not in self._terminals:
-            raise _wrong(step, f"nothing was started in {terminal}", "")
+            raise _wrong(instruction, f"nothing was started in {terminal}", "")
         return self._terminals[terminal]
 
     def _start(self, command: str) -> Job:
@@ -139,7 +143,9 @@ class Reader:
         return job
 
 
-def _wrong(step: Step, what: str, output: str) -> PageError:
+def _wrong(instruction: Instruction, what: str, output: str) -> PageError:
     text = "line %d: %s\n%s\nexpected:\n%s\nseen:\n%s"
-    expected = "\n".join(step.expected)
-    return PageError(text % (step.line, step.typed or step.terminal, what, expected, output))
+    expected = "\n".join(instruction.expected)
+    return PageError(
+        text % (instruction.line, instruction.typed or instruction.terminal, what, expected, output)
+    )

@@ -8,7 +8,7 @@ from typing import Callable
 
 from helpers.tutorial import WORKSPACE, Reader
 
-from nodekit.testing.console import steps_of
+from nodekit.testing.console import instructions_of
 from nodekit.testing.running import rosrun
 
 PAGES = [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
@@ -19,7 +19,7 @@ class Tutorials(unittest.TestCase):
 
     def test_every_tutorial_has_something_to_type(self) -> None:
         tutorials = [page for page in PAGES if page.parent.name == "tutorials"]
-        silent = [page.stem for page in tutorials if not steps_of(page.read_text())]
+        silent = [page.stem for page in tutorials if not instructions_of(page.read_text())]
         self.assertEqual(silent, ["index"])
 
 
@@ -32,7 +32,7 @@ def _follows(page: Path) -> Callable[[unittest.TestCase], None]:
 
 
 for _page in PAGES:
-    if steps_of(_page.read_text()):
+    if instructions_of(_page.read_text()):
         # With its folder: docs and docs/tutorials have pages of the same name.
         _name = "_".join(_page.relative_to(WORKSPACE).with_suffix("").parts)
         setattr(Tutorials, f"test_{_name}", _follows(_page))

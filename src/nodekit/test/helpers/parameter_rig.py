@@ -49,7 +49,7 @@ class ParameterNode(Process):
             lambda: f"{values} in {self.reports[-1:]}; log: {self.logged()[-5:]}",
         )
 
-    def tell(self, **command: Any) -> None:
+    def send(self, **command: Any) -> None:
         """Have it obey a command, see parameter_node.py."""
         self.popen.stdin.write(json.dumps(command) + "\n")
 

@@ -31,7 +31,7 @@ class Recorder:
         self._last_time = None
         self._lock = threading.Lock()
 
-    def take(self, message: String) -> None:
+    def on_message(self, message: String) -> None:
         """Record a message.
 
         :param message: the message
@@ -61,7 +61,7 @@ def main() -> None:
     """Run until the standard input ends."""
     rospy.init_node("recording_subscriber", anonymous=True)
     recorder = Recorder()
-    rospy.Subscriber("topic", String, recorder.take)
+    rospy.Subscriber("topic", String, recorder.on_message)
     threading.Thread(target=recorder.answer, daemon=True).start()
     rospy.spin()
 

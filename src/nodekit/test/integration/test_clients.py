@@ -60,7 +60,7 @@ class Clients(unittest.TestCase):
         wait_until(lambda: client.wait_for_service(0.0), lambda: "not found without waiting")
         for wanted in (True, False):
             self.assertEqual(client.call(SetBoolRequest(wanted)).success, wanted)
-        with self.assertRaisesRegex(CallError, "answers with an error: .*on purpose"):
+        with self.assertRaisesRegex(CallError, "replied with an error: .*on purpose"):
             self.node.client("fails", Trigger).call(TriggerRequest())
 
     def test_answers_of_roscpp(self) -> None:
@@ -210,7 +210,7 @@ class Clients(unittest.TestCase):
 
     def test_wrong_types_and_values_are_refused_in_words(self) -> None:
         self.server()
-        with self.assertRaisesRegex(CallError, "answers with an error: .*md5"):
+        with self.assertRaisesRegex(CallError, "replied with an error: .*md5"):
             self.node.client("echo", Trigger).call(TriggerRequest())
         client = self.node.client("echo", SetBool)
         with self.assertRaisesRegex(CallError, "refused True: must be a SetBoolRequest"):
@@ -265,7 +265,7 @@ class Clients(unittest.TestCase):
         self.node.service("bad", Trigger, lambda request: TriggerResponse(True, 5))
         client = self.node.client("bad", Trigger)
         for _ in range(2):
-            with self.assertRaisesRegex(CallError, "answers with an error"):
+            with self.assertRaisesRegex(CallError, "replied with an error"):
                 client.call(TriggerRequest(), timeout=TIMEOUT_S)
 
 

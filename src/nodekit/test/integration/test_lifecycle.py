@@ -507,7 +507,7 @@ class Made(Managed):
                 publisher.publish("too early")
             publisher.publish_all([String("too early")] * 2)
         self.assertEqual((heard, publisher.dropped, len(logged.output)), ([], 5, 1))
-        self.assertIn("/out: messages are dropped, as the node is not active", logged.output[0])
+        self.assertIn("/out: messages are dropped because the node is not active", logged.output[0])
         driver.plan["on_deactivate"] = lambda: publisher.publish("stop")
         self.assertTrue(self.change("activate"))
         publisher.publish("one")
@@ -896,7 +896,7 @@ class Ends(unittest.TestCase):
         self.assertEqual(process.wait(), 0)
         for line in ("killed was unconfigured", "killed gets True", "hanging was unconfigured"):
             self.assertIn(line, process.lines)
-        text = "{0} ends without its shutdown: it is {1}, and busy for more than 2 s"
+        text = "{0} ends without its shutdown: it is {1}, and still busy after 2 s"
         for name, state in (("/configuring", "configuring"), ("/hanging", "shuttingdown")):
             self.assertEqual(len(process.logged(text.format(name, state))), 1, process.error_lines)
         self.assertEqual(len(process.logged("ends without")), 2)

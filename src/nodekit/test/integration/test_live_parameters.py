@@ -252,26 +252,26 @@ class LiveParameters(ParameterCase):
         self.assertIn("low <= high", warning)
 
     def test_node_sets_its_own_parameters(self) -> None:
-        self.node.tell(set_param={"~level": 6})
+        self.node.send(set_param={"~level": 6})
         self.assert_one_change(level=6.0)
-        self.node.tell(set_param={"~count": -1})
+        self.node.send(set_param={"~count": -1})
         self.node.wait_for_log("WARN", GAUGE + "/count: refused -1")
         self.server.wait_for(GAUGE + "/count", 3)
 
     def test_update_from_within_the_node_is_written(self) -> None:
-        self.node.tell(update={"level": "2e1", "low": 11, "high": 12})
+        self.node.send(update={"level": "2e1", "low": 11, "high": 12})
         self.assert_one_change(level=20.0, low=11.0, high=12.0)
-        self.node.tell(update={"level": 30.0, "low": 13})
+        self.node.send(update={"level": 30.0, "low": 13})
         self.node.wait_for_log("WARN", "update: parameter", "low <= high")
         self.assertEqual(self.node.values["level"], 20.0)
         self.assertEqual(self.server.get(GAUGE + "/level"), 20.0)
 
     def test_listener_that_fails_harms_nobody(self) -> None:
-        self.node.tell(broken=True)
+        self.node.send(broken=True)
         self.server.set(GAUGE + "/level", 5)
         self.node.wait_for_log("ERROR", "a listener failed")
         self.assert_one_change(level=5.0)
-        self.node.tell(broken=False)
+        self.node.send(broken=False)
         self.server.set(GAUGE + "/level", 6)
         self.node.wait_for(level=6.0)
 

@@ -523,7 +523,7 @@ class Hosting(OnMaster):
     def test_two_members_of_one_name_are_refused(self) -> None:
         root, name = self.node("root"), self.space + "/a/member"
         twice = [("member", self.space + ends, self.Member) for ends in ("/a", "/b", "/a/")]
-        with self.assertRaisesRegex(IllegalName, f"node name '{name}': 2 members have it"):
+        with self.assertRaisesRegex(IllegalName, f"node name '{name}': 2 members use it"):
             host_all(root, twice)
         root.start()
         self.assertEqual(self.registered(), [])

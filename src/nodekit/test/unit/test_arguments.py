@@ -34,7 +34,7 @@ def test_what_makes_sense(argument):
     ],
 )
 def test_parameter_that_the_server_cannot_take_is_named(argument):
-    sentence = re.escape(f"argument '{argument}': must have one value in YAML")
+    sentence = re.escape(f"argument '{argument}': must have one YAML value")
     with pytest.raises(ArgumentError, match="^" + sentence):
         judge("node", {}, ["node.py", "_rate:=5", argument])
 
@@ -51,7 +51,7 @@ def test_addresses_of_a_master(uri):
     + ["https://a:11311", "http://a:0", "http://[::1"],
 )
 def test_address_that_is_none_is_named_with_its_source(uri):
-    must_be = f"'{uri}': must be the address of a master, such as {URI}"
+    must_be = f"'{uri}': must be the URI of a ROS master, such as {URI}"
     with pytest.raises(ArgumentError, match=re.escape("ROS_MASTER_URI " + must_be)):
         judge("node", {"ROS_MASTER_URI": uri}, [])
     with pytest.raises(ArgumentError, match=re.escape("__master " + must_be)):

@@ -47,8 +47,8 @@ def test_what_is_binary_on_the_server_is_written_back_as_a_list() -> None:
     held = {"key": to_wire(b"\x00\xff"), "name": "door"}
     reconciler.start(dict(held), 0.0)
     assert reconciler.step(Seen(dict(held)), 1.0).writes == {}
-    outcome = reconciler.step(Seen({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
-    assert (outcome.values.key, outcome.writes) == (b"ac", {"key": [97, 99]})
+    verdict = reconciler.step(Seen({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
+    assert (verdict.values.key, verdict.writes) == (b"ac", {"key": [97, 99]})
 
 
 def test_a_client_builds_the_same_parameter_from_the_description() -> None:

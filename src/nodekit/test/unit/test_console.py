@@ -2,7 +2,7 @@
 
 import pytest
 
-from nodekit.testing.console import Step, find, is_all, plain, steps_of
+from nodekit.testing.console import Instruction, find, instructions_of, is_all, plain
 
 PAGE = """\
 # Title
@@ -43,12 +43,12 @@ $ not in a block
 
 
 def test_steps_come_in_the_order_of_the_page() -> None:
-    assert steps_of(PAGE) == [
-        Step(4, "one", None, ["shown", "", "last"]),
-        Step(8, "two", None, []),
-        Step(19, "stays --open", "Terminal 2", ["started"]),
-        Step(29, None, "Terminal 2", ["printed later"]),
-        Step(30, "^C", "Terminal 2", ["bye"]),
+    assert instructions_of(PAGE) == [
+        Instruction(4, "one", None, ["shown", "", "last"]),
+        Instruction(8, "two", None, []),
+        Instruction(19, "stays --open", "Terminal 2", ["started"]),
+        Instruction(29, None, "Terminal 2", ["printed later"]),
+        Instruction(30, "^C", "Terminal 2", ["bye"]),
     ]
 
 

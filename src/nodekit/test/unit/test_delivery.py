@@ -331,7 +331,7 @@ def test_kinds_of_report_are_throttled_apart():
         (2.0 + REPORT_PERIOD_S, False, 6, 0),
     ]
     for now, stalled, lost, told in steps:
-        assert reports.take(stalled, lost, now) == told, now
+        assert reports.take_due(stalled, lost, now) == told, now
     assert not reports.is_pending(False, 6)
 
 

@@ -7,7 +7,7 @@ import rospy
 import rospy.core
 
 from nodekit.groups.groups import Group
-from nodekit.messaging import failures, seldom
+from nodekit.messaging import failures, throttle
 from nodekit.node.callbacks import Callback
 
 
@@ -22,21 +22,21 @@ def fail(what: failures.Failures) -> None:
     try:
         raise ValueError("on purpose")
     except ValueError:
-        what.note("/topic")
+        what.record("/topic")
 
 
 def test_failures_are_counted_and_logged_at_times(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     now = [100.0]
-    monkeypatch.setattr(seldom.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(throttle.time, "monotonic", lambda: now[0])
     what = failures.Failures()
     for moment in (100.0, 101.0, 104.9, 105.0):
         now[0] = moment
         fail(what)
     assert [line.splitlines()[0] for line in logged] == [
-        "/topic failed, 1 times by now:",
-        "/topic failed, 4 times by now:",
+        "/topic failed, 1 times so far:",
+        "/topic failed, 4 times so far:",
     ]
     assert logged[0].endswith("ValueError: on purpose")
 

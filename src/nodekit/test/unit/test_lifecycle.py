@@ -163,10 +163,10 @@ def test_any_requests_keep_the_table(plan: List[Tuple[str, List[Outcome]]]) -> N
             assert (before.label, label) not in ASKED
             assert machine.state == before
             continue
-        machine.step(transition)
+        machine.advance(transition)
         following = itertools.chain(outcomes, itertools.repeat(Outcome.SUCCESS))
         while machine.state.id >= 10:
-            machine.step(OUTCOMES[machine.state, next(following)])
+            machine.advance(OUTCOMES[machine.state, next(following)])
         machine.release()
     assert machine.state.id < 10
     states = [UNCONFIGURED] + [each.goal for each in told]
@@ -180,10 +180,10 @@ def test_one_transition_at_a_time() -> None:
     transition = machine.claim("configure")
     with pytest.raises(NotAllowed, match="^shutdown has to wait: configure is under way$"):
         machine.claim("shutdown")
-    machine.step(transition)
+    machine.advance(transition)
     with pytest.raises(NotAllowed, match="^2 has to wait: configure is under way$"):
         machine.claim(2)
-    machine.step(OUTCOMES[machine.state, Outcome.SUCCESS])
+    machine.advance(OUTCOMES[machine.state, Outcome.SUCCESS])
     machine.release()
     assert machine.claim(2).label == "cleanup"
 
@@ -220,5 +220,5 @@ def test_refused_claim_leaves_nothing_to_release() -> None:
 def test_step_from_elsewhere_is_refused() -> None:
     machine = Machine(lambda transition: None)
     with pytest.raises(NotAllowed, match="activate does not leave the state unconfigured"):
-        machine.step(REQUESTS[2])
+        machine.advance(REQUESTS[2])
     assert machine.state == UNCONFIGURED

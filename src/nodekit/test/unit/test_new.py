@@ -64,14 +64,14 @@ def test_what_is_there_stays(tmp_path: pathlib.Path) -> None:
     (tmp_path / "first_robot").mkdir()
     (tmp_path / "second_robot").write_text("mine")
     for name in ("first_robot", "second_robot"):
-        with pytest.raises(new.Refused, match=f"{name} cannot be made: File exists$"):
+        with pytest.raises(new.Refused, match=f"{name} cannot be created: File exists$"):
             new.make(name, tmp_path, TEMPLATE)
     assert list((tmp_path / "first_robot").iterdir()) == []
     assert (tmp_path / "second_robot").read_text() == "mine"
 
 
 def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(new.Refused, match="cannot be made: No such file or directory$"):
+    with pytest.raises(new.Refused, match="cannot be created: No such file or directory$"):
         new.make("first_robot", tmp_path / "none", TEMPLATE)
     assert list(tmp_path.iterdir()) == []
 
@@ -79,7 +79,7 @@ def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
 def test_a_package_within_a_package_is_refused(tmp_path: pathlib.Path) -> None:
     outer = new.make("first_robot", tmp_path, TEMPLATE)
     before = sorted(outer.rglob("*"))
-    with pytest.raises(new.Refused, match="is part of the package .*/first_robot, where catkin"):
+    with pytest.raises(new.Refused, match="is inside the package .*/first_robot, where catkin"):
         new.make("second_robot", outer / "src", TEMPLATE)
     assert sorted(outer.rglob("*")) == before
 
@@ -96,7 +96,7 @@ def test_nothing_stays_of_what_could_not_be_written(
         path.touch()
 
     monkeypatch.setattr(pathlib.Path, "write_text", write_text)
-    with pytest.raises(new.Refused, match="cannot be made: No space left on device$"):
+    with pytest.raises(new.Refused, match="cannot be created: No space left on device$"):
         new.make("first_robot", tmp_path, TEMPLATE)
     assert len(written) == 3 and list(tmp_path.iterdir()) == []
 

@@ -71,7 +71,7 @@ class World:
         one.waiting.append(thing)
         self.ask(one)
 
-    def take(self) -> None:
+    def next_turn(self) -> None:
         if len(self.turns) == WORKERS:
             return
         turn = self.ready.next_turn(wait=False)
@@ -115,7 +115,7 @@ class World:
             if what == 0:
                 self.put(number)
             elif what == 1:
-                self.take()
+                self.next_turn()
             else:
                 self.finish(number)
             self.check()
@@ -123,7 +123,7 @@ class World:
     def end(self) -> None:
         """Bring all that waits to its end: nothing may be left standing."""
         while self.turns or self.standing:
-            self.take()
+            self.next_turn()
             self.finish(0)
         self.check()
         assert not any(one.waiting for one in self.queues)

@@ -23,9 +23,9 @@ from nodekit.parameters.reconciler import (
     OVERLAP_S,
     REFILL_S,
     Budget,
-    Outcome,
     Reconciler,
     Seen,
+    Verdict,
 )
 
 
@@ -49,7 +49,7 @@ HELD = on_wire(IN_FORCE)
 LATE = -1.0
 
 
-class Step(NamedTuple):
+class Seeing(NamedTuple):
     """What users have done since the last step, and what is to become of it.
 
     :param sets: set on the server by name; MISSING deletes, an empty name replaces all
@@ -86,42 +86,42 @@ class Update(NamedTuple):
     changes: Dict[str, Any]
 
 
-def bad(value: Any, **more: Any) -> Step:
+def bad(value: Any, **more: Any) -> Seeing:
     """Set a bad level, which is put back."""
-    row = Step({"level": value}, [("level", value)], writes={"level": 2.0}, refused=["level"])
+    row = Seeing({"level": value}, [("level", value)], writes={"level": 2.0}, refused=["level"])
     return row._replace(**more)
 
 
-def pushed_late(*values: Any, **more: Any) -> Step:
+def pushed_late(*values: Any, **more: Any) -> Seeing:
     """Be notified of levels that a write has replaced already."""
-    return Step({}, [("level", value) for value in values], news=False)._replace(**more)
+    return Seeing({}, [("level", value) for value in values], news=False)._replace(**more)
 
 
 FIVE: Dict[str, Any] = {"values": {"level": 5.0}, "writes": {"level": 5.0}}
 BROKEN = {"low": 20.0}
 
 TABLE: Dict[str, List[Any]] = {
-    "nothing new": [Step(news=False), Step(news=False)],
-    "good value": [Step({"level": 5}, [("level", 5)], values={"level": 5.0})],
-    "good value without a notification": [Step({"level": 5}, values={"level": 5.0})],
-    "text for a number is replaced by the number": [Step({"level": "5"}, **FIVE)],
+    "nothing new": [Seeing(news=False), Seeing(news=False)],
+    "good value": [Seeing({"level": 5}, [("level", 5)], values={"level": 5.0})],
+    "good value without a notification": [Seeing({"level": 5}, values={"level": 5.0})],
+    "text for a number is replaced by the number": [Seeing({"level": "5"}, **FIVE)],
     "deleted value": [
-        Step({"level": MISSING}, values={"level": 1.0}, writes={"level": 1.0}),
-        Step(news=False, values={"level": 1.0}),
+        Seeing({"level": MISSING}, values={"level": 1.0}, writes={"level": 1.0}),
+        Seeing(news=False, values={"level": 1.0}),
     ],
-    "deleted namespace": [Step({"": MISSING}, values=Gauge().as_dict(), writes=on_wire(Gauge()))],
-    "bad value is put back": [bad(-1), Step(news=False)],
+    "deleted namespace": [Seeing({"": MISSING}, values=Gauge().as_dict(), writes=on_wire(Gauge()))],
+    "bad value is put back": [bad(-1), Seeing(news=False)],
     "same bad value once more is refused once more": [bad(-1), bad(-1), bad(-1)],
     "same bad value without a notification": [bad(-1, pushed=()), bad(-1, pushed=())],
     "value that the master cannot send": [bad(UNREADABLE, pushed=())],
     "what was replaced by other users is history": [
-        Step({"level": 5}, [("level", 3), ("level", 4), ("level", 5)], values={"level": 5.0}),
-        Step({"level": 6}, values={"level": 6.0}),
+        Seeing({"level": 5}, [("level", 3), ("level", 4), ("level", 5)], values={"level": 5.0}),
+        Seeing({"level": 6}, values={"level": 6.0}),
         pushed_late(7, 6, values={"level": 6.0}),
     ],
     "last good value before a bad one wins": [
         bad(-1, pushed=[("level", 4), ("level", 5), ("level", -2), ("level", -1)], **FIVE),
-        Step(news=False, values={"level": 5.0}),
+        Seeing(news=False, values={"level": 5.0}),
     ],
     "good value that is hit by a put-back wins": [bad(-1), pushed_late(5, **FIVE)],
     "of what is hit by a put-back the last good one wins": [
@@ -139,7 +139,7 @@ TABLE: Dict[str, List[Any]] = {
     ],
     "deletion of the namespace that is hit by a put-back wins": [
         bad(-1),
-        Step(
+        Seeing(
             {"": {"level": 2.0}},
             [("", MISSING)],
             values=Gauge().as_dict(),
@@ -148,7 +148,7 @@ TABLE: Dict[str, List[Any]] = {
     ],
     "namespace that is replaced before a put-back": [
         bad(-1),
-        Step(
+        Seeing(
             {"": {"level": 2.0, "title": "new"}},
             [("", {"title": "new"})],
             values={"level": 1.0, "title": "new"},
@@ -156,13 +156,13 @@ TABLE: Dict[str, List[Any]] = {
         ),
     ],
     "scalar over the namespace is replaced by the namespace": [
-        Step({"other": 5}, unknown={"other": None}),
-        Step({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
-        Step(news=False),
-        Step({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
+        Seeing({"other": 5}, unknown={"other": None}),
+        Seeing({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
+        Seeing(news=False),
+        Seeing({"": 7}, [("", 7)], writes={"": {**HELD, "other": 5}}, refused=[""]),
     ],
     "good value before a scalar over the namespace wins": [
-        Step(
+        Seeing(
             {"": 7},
             [("level", 5), ("", 7)],
             values={"level": 5.0},
@@ -171,30 +171,30 @@ TABLE: Dict[str, List[Any]] = {
         ),
     ],
     "good value that is hit by the namespace that is put back wins": [
-        Step({"": 7}, [("", 7)], writes={"": HELD}, refused=[""]),
+        Seeing({"": 7}, [("", 7)], writes={"": HELD}, refused=[""]),
         pushed_late(5, **FIVE),
     ],
     "scalar that is replaced during a put-back": [
         bad(-1),
-        Step({"": {"level": 2.0}}, [("", 7)])._replace(
+        Seeing({"": {"level": 2.0}}, [("", 7)])._replace(
             values={"title": "gauge"}, writes={"title": "gauge", "low": 0.0, "high": 9.0}
         ),
     ],
     "what cannot be sent is not written back": [
-        Step({"other": UNREADABLE}, unknown={"other": None}),
-        Step({"": 7}, writes={"": HELD}, refused=[""]),
+        Seeing({"other": UNREADABLE}, unknown={"other": None}),
+        Seeing({"": 7}, writes={"": HELD}, refused=[""]),
     ],
     "bad value that is hit by a put-back changes nothing": [bad(-1), pushed_late("x")],
     "own write that was replaced has hit nothing": [
         bad(-1),
-        Step({"level": 7.0}, [("level", 5.0), ("level", 7.0)], values={"level": 7.0}),
+        Seeing({"level": 7.0}, [("level", 5.0), ("level", 7.0)], values={"level": 7.0}),
         # Somebody sets the very value that was written before.
-        Step({"level": 2.0}, [("level", 2.0)]),
+        Seeing({"level": 2.0}, [("level", 2.0)]),
         pushed_late(5.0),
     ],
     "own write is told from an equal value of another kind": [
         bad(-1),
-        Step({"level": 2}, [("level", 5.0), ("level", 2)]),
+        Seeing({"level": 2}, [("level", 5.0), ("level", 2)]),
     ],
     "notification of old times is no news": [bad(-1), pushed_late(5.0, pause=OVERLAP_S)],
     "notification of nearly old times is news": [
@@ -202,8 +202,8 @@ TABLE: Dict[str, List[Any]] = {
         pushed_late(5.0, pause=OVERLAP_S - 0.1, **FIVE),
     ],
     "each parameter is judged by itself": [
-        Step({"title": 7}, [("title", 7)], writes={"title": "old"}, refused=["title"]),
-        Step(
+        Seeing({"title": 7}, [("title", 7)], writes={"title": "old"}, refused=["title"]),
+        Seeing(
             {"level": 3.0},
             [("level", 9.0), ("title", "new"), ("other", 2), ("level", 3.0), ("title", 8)],
             values={"level": 3.0, "title": "new"},
@@ -222,53 +222,53 @@ TABLE: Dict[str, List[Any]] = {
         pushed_late(5.0),
     ],
     "update is not taken back by what was read before it": [
-        Step({"level": 5.0}, values={"level": 5.0}),
+        Seeing({"level": 5.0}, values={"level": 5.0}),
         Update({"title": "new"}),
-        Step(
+        Seeing(
             {"title": "old"},
             early=True,
             again=True,
             values={"level": 5.0, "title": "new"},
         ),
-        Step({"title": "new"}, values={"level": 5.0, "title": "new"}),
-        Step(news=False, values={"level": 5.0, "title": "new"}),
+        Seeing({"title": "new"}, values={"level": 5.0, "title": "new"}),
+        Seeing(news=False, values={"level": 5.0, "title": "new"}),
     ],
     "what was read before a put-back says nothing": [
         bad(-1),
-        Step({"level": -1}, early=True, again=True),
+        Seeing({"level": -1}, early=True, again=True),
         bad(-1),
     ],
     "values that do not go together are given time": [
-        Step(BROKEN, [("low", 20.0)], again=True),
-        Step(again=True, pause=HALF_DONE_S / 2),
-        Step({"high": 30.0}, pause=HALF_DONE_S, values={"low": 20.0, "high": 30.0}),
-        Step(news=False, values={"low": 20.0, "high": 30.0}),
+        Seeing(BROKEN, [("low", 20.0)], again=True),
+        Seeing(again=True, pause=HALF_DONE_S / 2),
+        Seeing({"high": 30.0}, pause=HALF_DONE_S, values={"low": 20.0, "high": 30.0}),
+        Seeing(news=False, values={"low": 20.0, "high": 30.0}),
     ],
     "values that do not go together are refused in the end": [
-        Step({**BROKEN, "level": 5.0}, again=True),
-        Step(
+        Seeing({**BROKEN, "level": 5.0}, again=True),
+        Seeing(
             pause=HALF_DONE_S,
             values={"level": 5.0},
             writes={"low": 0.0},
             refused=["low, high"],
         ),
-        Step(news=False, values={"level": 5.0}),
+        Seeing(news=False, values={"level": 5.0}),
         # And the next ones are given time again.
-        Step(BROKEN, again=True, values={"level": 5.0}),
+        Seeing(BROKEN, again=True, values={"level": 5.0}),
     ],
     "time is given anew where values have gone together meanwhile": [
-        Step(BROKEN, again=True),
-        Step({"low": 0.0}, pause=HALF_DONE_S),
-        Step(BROKEN, again=True),
+        Seeing(BROKEN, again=True),
+        Seeing({"low": 0.0}, pause=HALF_DONE_S),
+        Seeing(BROKEN, again=True),
     ],
     "put-back that fails is done later and warned of once": [
         bad(-1, pushed=[("level", 5), ("level", -1)], fails=True, **FIVE),
-        Step({}, [("level", 5), ("level", -1)], **FIVE),
-        Step(news=False, values={"level": 5.0}),
+        Seeing({}, [("level", 5), ("level", -1)], **FIVE),
+        Seeing(news=False, values={"level": 5.0}),
     ],
     "put-back that fails although it has arrived": [
         bad(-1, fails=True),
-        Step({"level": 2.0}, [("level", -1), ("level", 5)], **FIVE),
+        Seeing({"level": 2.0}, [("level", -1), ("level", 5)], **FIVE),
     ],
     "good value that is hit by a put-back wins though it cannot be written at first": [
         bad(-1),
@@ -276,11 +276,11 @@ TABLE: Dict[str, List[Any]] = {
         pushed_late(5, news=True, **FIVE),
     ],
     "what a restarted master lost is kept and written": [
-        Step({"": MISSING}, forgotten=True, writes=HELD),
-        Step(news=False),
+        Seeing({"": MISSING}, forgotten=True, writes=HELD),
+        Seeing(news=False),
     ],
     "what is set on a restarted master comes into force": [
-        Step(
+        Seeing(
             {"": {"high": 7.0}},
             forgotten=True,
             values={"high": 7.0},
@@ -288,33 +288,33 @@ TABLE: Dict[str, List[Any]] = {
         ),
     ],
     "values are kept though writing them to a new master fails at first": [
-        Step({"": MISSING}, forgotten=True, fails=True, writes=HELD),
-        Step(forgotten=True, writes=HELD),
+        Seeing({"": MISSING}, forgotten=True, fails=True, writes=HELD),
+        Seeing(forgotten=True, writes=HELD),
     ],
     "namespace of another node below this one's name is no misspelt parameter": [
-        Step({"levels": {"level": 1.0}, "deep": {}}),
-        Step({"levels": 1.0}, unknown={"levels": "level"}),
+        Seeing({"levels": {"level": 1.0}, "deep": {}}),
+        Seeing({"levels": 1.0}, unknown={"levels": "level"}),
     ],
     "unknown names are warned of once, those that are exempt never": [
-        Step({"levle": 1, "Message": 2}, unknown={"levle": "level"}),
-        Step({"levle": MISSING}),
-        Step({"levle": 1}),
+        Seeing({"levle": 1, "Message": 2}, unknown={"levle": "level"}),
+        Seeing({"levle": MISSING}),
+        Seeing({"levle": 1}),
     ],
     "writer that insists is answered only now and then": [
         *[bad(-1, pause=0.0)] * BURST,
-        Step({"level": -1}, pause=0.0, refused=["level"]),
-        Step({"title": "through"}, pause=0.0, values={"title": "through"}),
-        Step(pause=REFILL_S, writes={"level": 2.0}, values={"title": "through"}),
-        Step(news=False, values={"title": "through"}),
+        Seeing({"level": -1}, pause=0.0, refused=["level"]),
+        Seeing({"title": "through"}, pause=0.0, values={"title": "through"}),
+        Seeing(pause=REFILL_S, writes={"level": 2.0}, values={"title": "through"}),
+        Seeing(news=False, values={"title": "through"}),
     ],
     "what a restarted master lost is written at once": [
         *[bad(-1, pause=0.0)] * BURST,
-        Step({"": MISSING}, pause=0.0, forgotten=True, writes=HELD),
+        Seeing({"": MISSING}, pause=0.0, forgotten=True, writes=HELD),
     ],
     "scalar over the namespace is put back only now and then": [
-        *[Step({"": 7}, pause=0.0, writes={"": HELD}, refused=[""])] * BURST,
-        Step({"": 7}, pause=0.0, refused=[""]),
-        Step(pause=REFILL_S, writes={"": HELD}),
+        *[Seeing({"": 7}, pause=0.0, writes={"": HELD}, refused=[""])] * BURST,
+        Seeing({"": 7}, pause=0.0, refused=[""]),
+        Seeing(pause=REFILL_S, writes={"": HELD}),
     ],
 }
 
@@ -339,9 +339,9 @@ def test_step_by_step(name: str) -> None:
     for number, row in enumerate(TABLE[name]):
         where = f"step {number + 1}: {row}"
         if isinstance(row, Update):
-            outcome = reconciler.judge(row.changes)
-            server = set_on(server, outcome.writes)
-            reconciler.adopt(outcome, now)
+            verdict = reconciler.judge(row.changes)
+            server = set_on(server, verdict.writes)
+            reconciler.adopt(verdict, now)
             continue
         now += row.pause
         server = set_on(server, row.sets)
@@ -350,23 +350,23 @@ def test_step_by_step(name: str) -> None:
             assert reconciler.values == IN_FORCE.replace(**row.values), where
             continue
         read_at = LATE if row.early else now
-        outcome = reconciler.step(Seen(server, row.pushed, row.forgotten, read_at), now)
-        assert outcome.values == reconciler.values == IN_FORCE.replace(**row.values), where
-        assert outcome.writes == row.writes, where
-        assert [error.name for error in outcome.refusals] == list(row.refused), where
-        assert (outcome.unknown, outcome.again) == (row.unknown, row.again), where
+        verdict = reconciler.step(Seen(server, row.pushed, row.forgotten, read_at), now)
+        assert verdict.values == reconciler.values == IN_FORCE.replace(**row.values), where
+        assert verdict.writes == row.writes, where
+        assert [error.name for error in verdict.refusals] == list(row.refused), where
+        assert (verdict.unknown, verdict.again) == (row.unknown, row.again), where
         if row.fails:
             reconciler.failed()
-        elif outcome.writes:
-            server = set_on(server, outcome.writes)
+        elif verdict.writes:
+            server = set_on(server, verdict.writes)
             reconciler.written(now)
 
 
 def test_start_writes_what_is_unset_all_at_once() -> None:
     reconciler = Reconciler(Gauge)
     assert reconciler.is_news(MISSING)
-    outcome = reconciler.start({"level": "5", "other": 1}, 0.0)
-    assert outcome == Outcome(
+    verdict = reconciler.start({"level": "5", "other": 1}, 0.0)
+    assert verdict == Verdict(
         Gauge(level=5.0),
         {"level": 5.0, "title": "gauge", "low": 0.0, "high": 9.0},
         [],
@@ -403,7 +403,7 @@ def test_start_refuses_all_at_once_in_words() -> None:
     assert str(several.value.in_namespace("/n")) == (
         "parameter /n/level: refused -1: must be a number in [0, inf); "
         "parameter /n/title: refused 5: must be text without control characters "
-        "(quote it where YAML reads something else); "
+        "(quote it if YAML would read something else); "
         "parameters /n/low, /n/high: refused 10, 5: low must be at most high"
     )
 
@@ -427,10 +427,10 @@ def test_what_is_refused_alone_is_refused_as_itself(raw: Any, text: str) -> None
 def test_a_judged_change_is_adopted_only_when_it_is_told_to_be() -> None:
     reconciler = Reconciler(Gauge)
     reconciler.start(HELD, 0.0)
-    outcome = reconciler.judge({"level": "5", "title": "old"})
-    assert outcome == Outcome(IN_FORCE.replace(level=5.0), {"level": 5.0}, [], {})
+    verdict = reconciler.judge({"level": "5", "title": "old"})
+    assert verdict == Verdict(IN_FORCE.replace(level=5.0), {"level": 5.0}, [], {})
     assert reconciler.values == IN_FORCE
-    reconciler.adopt(outcome, 1.0)
+    reconciler.adopt(verdict, 1.0)
     assert reconciler.values.level == 5.0
     assert not reconciler.is_news({**HELD, "level": 5.0})
 
@@ -485,9 +485,9 @@ class World:
         self.pushed: List[Tuple[str, Any]] = []
         self.wanted = declaration().as_dict()
         self.reconciler = Reconciler(declaration)
-        outcome = self.reconciler.start(self.server, self.now)
-        self.wanted = outcome.values.as_dict()
-        self.server = set_on(self.server, outcome.writes)
+        verdict = self.reconciler.start(self.server, self.now)
+        self.wanted = verdict.values.as_dict()
+        self.server = set_on(self.server, verdict.writes)
         self.reconciler.written(self.now)
 
     def use(self, name: str, value: Any) -> None:
@@ -509,34 +509,34 @@ class World:
         self.pushed += self.underway[:count]
         del self.underway[:count]
 
-    def look(self, meddle: Callable[[], None], reaches: bool, works: bool) -> None:
+    def reconcile(self, meddle: Callable[[], None], reaches: bool, works: bool) -> None:
         """Read and step; somebody may meddle just before what comes of it is written."""
         raw = self.server
         if not (self.pushed or self.reconciler.is_news(raw)):
             return
-        outcome = self.reconciler.step(Seen(raw, list(self.pushed), read_at=self.now), self.now)
-        type(outcome.values)(**outcome.values.as_dict())
-        for name, value in outcome.writes.items():
-            in_force = on_wire(outcome.values)
+        verdict = self.reconciler.step(Seen(raw, list(self.pushed), read_at=self.now), self.now)
+        type(verdict.values)(**verdict.values.as_dict())
+        for name, value in verdict.writes.items():
+            in_force = on_wire(verdict.values)
             part = value if name == "" else {name: value}
             assert {k: v for k, v in part.items() if k in in_force}.items() <= in_force.items()
-        if outcome.again:
-            assert not outcome.writes and not outcome.refusals
+        if verdict.again:
+            assert not verdict.writes and not verdict.refusals
             return
         meddle()
         if reaches:
-            self.server = set_on(self.server, outcome.writes)
-        if outcome.writes and not (reaches and works):
+            self.server = set_on(self.server, verdict.writes)
+        if verdict.writes and not (reaches and works):
             self.reconciler.failed()
             return
-        if outcome.writes:
+        if verdict.writes:
             self.reconciler.written(self.now)
         self.pushed.clear()
 
     def come_to_rest(self) -> None:
         self.deliver(len(self.underway))
         for _ in range(100):
-            self.look(lambda: None, reaches=True, works=True)
+            self.reconcile(lambda: None, reaches=True, works=True)
             self.now += 0.1
             if not self.pushed and not self.reconciler.is_news(self.server):
                 return
@@ -567,7 +567,7 @@ def play(world: World, moves: List[Any]) -> None:
         else:
             meddling, reaches, works = move
             meddle = (lambda: world.use(*meddling)) if meddling else (lambda: None)
-            world.look(meddle, reaches, works)
+            world.reconcile(meddle, reaches, works)
     world.come_to_rest()
 
 

@@ -63,7 +63,7 @@ class Rig:
             self.tested.renew()
             self.tested.renewed()
 
-    def look(self) -> List[str]:
+    def look_after_services(self) -> List[str]:
         """Look after the services; return what was said."""
         before = len(self.lines)
         self.tested.look_after_services()
@@ -108,16 +108,18 @@ def test_master_that_refuses_everything_is_asked_once_and_no_restart_is_claimed(
 
 def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Rig) -> None:
     rig.master.owners = {"/a": OWN}
-    assert rig.look() == []
+    assert rig.look_after_services() == []
     rig.master.owners = {"/a": OTHER}
     text = "taken over by another node, which is now called instead: service /a (/other)"
-    assert [rig.look(), rig.look()] == [[text], []]
+    assert [rig.look_after_services(), rig.look_after_services()] == [[text], []]
     rig.master.owners = {}
-    assert rig.look() == ["no longer offered by any node, registered again: service /a"]
+    assert rig.look_after_services() == [
+        "no longer offered by any node, registered again: service /a"
+    ]
     assert rig.master.owners == {"/a": OWN}
-    assert rig.look() == []
+    assert rig.look_after_services() == []
     rig.master.owners = {"/a": OTHER}
-    assert rig.look() == [text]
+    assert rig.look_after_services() == [text]
 
 
 def test_many_services_take_turns(rig: Rig) -> None:
@@ -125,7 +127,7 @@ def test_many_services_take_turns(rig: Rig) -> None:
     rig.services = rig.master.owners = dict.fromkeys(names, OWN)
     seen: List[str] = []
     for _ in range(3):
-        rig.look()
+        rig.look_after_services()
         assert len(rig.master.asked) <= LOOKUPS
         seen += rig.master.asked
     assert seen == names

@@ -34,7 +34,7 @@ def run(timetable, start, events):
     def take_if_due():
         deadline = timetable.deadline
         if deadline is not None and now >= deadline - SLACK_S:
-            calls.append((now, deadline, timetable.take(now), backs))
+            calls.append((now, deadline, timetable.take_deadline(now), backs))
 
     take_if_due()
     for event, amount in events:
@@ -60,7 +60,7 @@ def test_the_first_call_is_due_at_once_with_no_time_passed():
     assert timetable.deadline == -math.inf
     timetable.begin(5.0)
     assert timetable.deadline == 5.0
-    assert timetable.take(5.0) == 0.0
+    assert timetable.take_deadline(5.0) == 0.0
     assert timetable.deadline == 15.0
     assert timetable.skipped == 0
 
@@ -71,7 +71,7 @@ def test_to_begin_again_changes_nothing(start, rate, later):
     timetable.begin(start)
     timetable.begin(start + later)
     assert timetable.deadline == start
-    assert timetable.take(start) == 0.0
+    assert timetable.take_deadline(start) == 0.0
     due = timetable.deadline
     timetable.begin(start + later)
     assert timetable.deadline == due
@@ -80,59 +80,59 @@ def test_to_begin_again_changes_nothing(start, rate, later):
 def test_the_first_call_that_is_late_counts_from_when_it_was_due():
     timetable = Timetable(10.0)
     timetable.begin(5.0)
-    assert timetable.take(5.25) == pytest.approx(0.2)
+    assert timetable.take_deadline(5.25) == pytest.approx(0.2)
     assert timetable.skipped == 2
     assert timetable.deadline == pytest.approx(5.3)
 
 
 def test_to_take_begins():
     timetable = Timetable(2.0)
-    assert timetable.take(7.0) == 0.0
+    assert timetable.take_deadline(7.0) == 0.0
     assert timetable.deadline == 7.5
 
 
 @given(STARTS, RATES, st.lists(st.floats(0.0, 0.9), max_size=50))
 def test_late_calls_do_not_drift(start, rate, lateness):
     timetable = Timetable(rate)
-    timetable.take(start)
+    timetable.take_deadline(start)
     for number, late in enumerate(lateness, start=1):
         due = start + number / rate
         assert timetable.deadline == pytest.approx(due, rel=1e-15, abs=1e-15)
-        assert timetable.take(due + late / rate) == pytest.approx(number / rate)
+        assert timetable.take_deadline(due + late / rate) == pytest.approx(number / rate)
 
 
 def test_a_day_at_1_khz_ends_on_the_very_grid():
     timetable = Timetable(1000.0)
-    timetable.take(1.7e9)
-    assert timetable.take(1.7e9 + 86400.0004) == 86400.0
+    timetable.take_deadline(1.7e9)
+    assert timetable.take_deadline(1.7e9 + 86400.0004) == 86400.0
     assert timetable.deadline == 1.7e9 + 86400.001
 
 
 def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
     timetable = Timetable(10.0, catch_up=0.5)
-    timetable.take(0.0)
-    assert [timetable.take(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
+    timetable.take_deadline(0.0)
+    assert [timetable.take_deadline(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
     assert timetable.deadline == pytest.approx(0.4)
     assert timetable.skipped == 0
 
 
 def test_what_is_missed_by_too_much_is_not_made_up_for():
     timetable = Timetable(10.0, catch_up=0.5)
-    timetable.take(0.0)
-    assert timetable.take(60.05) == pytest.approx(60.0)
+    timetable.take_deadline(0.0)
+    assert timetable.take_deadline(60.05) == pytest.approx(60.0)
     assert timetable.deadline == pytest.approx(60.1)
     assert timetable.skipped == 599
 
 
 def test_missed_deadlines_are_skipped_and_the_grid_is_kept():
     timetable = Timetable(10.0)
-    timetable.take(0.0)
-    assert timetable.take(0.57) == 0.5
+    timetable.take_deadline(0.0)
+    assert timetable.take_deadline(0.57) == 0.5
     assert timetable.deadline == 0.6
     assert timetable.skipped == 4
-    assert timetable.take(0.6) == 0.6
+    assert timetable.take_deadline(0.6) == 0.6
     assert timetable.skipped == 4
-    assert timetable.take(0.85) == 0.8
+    assert timetable.take_deadline(0.85) == 0.8
     assert timetable.skipped == 5
 
 
@@ -141,10 +141,10 @@ def test_what_is_not_taken_is_skipped_and_counted(start, rate, waits):
     timetable = Timetable(rate)
     now = start
     timetable.begin(now)
-    taken = [timetable.take(now)]
+    taken = [timetable.take_deadline(now)]
     for periods in waits:
         now = max(now, timetable.deadline) + periods / rate
-        taken.append(timetable.take(now))
+        taken.append(timetable.take_deadline(now))
     number = round(taken[-1] * rate)
     assert len(taken) + timetable.skipped == number + 1
 
@@ -168,33 +168,35 @@ def test_at_most_one_call_at_a_time(start, rate, events):
 @given(STARTS, RATES, st.lists(RATES, min_size=1, max_size=5), st.floats(0.0, 200.0))
 def test_new_rate_counts_from_the_last_call(start, rate, rates, waited):
     timetable = Timetable(rate)
-    timetable.take(start)
+    timetable.take_deadline(start)
     now = start + min(waited, 0.99 / rate)
     for latest in rates:
         timetable.set_rate(latest)
     next_one = start + 1.0 / rates[-1]
     assert timetable.deadline == pytest.approx(next_one, rel=1e-15, abs=1e-12)
     if now >= next_one:
-        assert timetable.take(now) == pytest.approx(now - start, abs=1.0 / rates[-1] + SLACK_S)
+        assert timetable.take_deadline(now) == pytest.approx(
+            now - start, abs=1.0 / rates[-1] + SLACK_S
+        )
 
 
 def test_slow_task_that_becomes_quick_is_due_at_once_and_loses_no_time():
     timetable = Timetable(0.1)
-    timetable.take(100.0)
+    timetable.take_deadline(100.0)
     timetable.set_rate(0.2)
     timetable.set_rate(50.0)
     assert timetable.deadline <= 107.003
-    assert timetable.take(107.003) == pytest.approx(7.0)
+    assert timetable.take_deadline(107.003) == pytest.approx(7.0)
     assert timetable.deadline == pytest.approx(107.02)
 
 
 def test_rate_that_changes_after_some_calls_counts_from_the_last_of_them():
     timetable = Timetable(10.0)
     for now in (7.0, 7.1, 7.2):
-        timetable.take(now)
+        timetable.take_deadline(now)
     timetable.set_rate(4.0)
     assert timetable.deadline == pytest.approx(7.45)
-    assert timetable.take(7.45) == pytest.approx(0.45)
+    assert timetable.take_deadline(7.45) == pytest.approx(0.45)
 
 
 def test_rate_that_changes_before_the_first_call():
@@ -204,26 +206,26 @@ def test_rate_that_changes_before_the_first_call():
     assert timetable.deadline == 3.0
     timetable.set_rate(2.0)
     assert timetable.deadline == 3.0
-    assert timetable.take(3.0) == 0.0
+    assert timetable.take_deadline(3.0) == 0.0
     assert timetable.deadline == 3.5
 
 
 def test_a_pause_has_no_deadline_and_counts_as_time():
     timetable = Timetable(10.0)
     timetable.begin(70.0)
-    timetable.take(70.0)
+    timetable.take_deadline(70.0)
     timetable.set_rate(0.0)
     assert timetable.deadline is None
     timetable.set_rate(10.0)
     assert timetable.deadline == pytest.approx(70.1), "the grid is the old one"
-    assert timetable.take(75.0) == pytest.approx(5.0)
+    assert timetable.take_deadline(75.0) == pytest.approx(5.0)
     assert timetable.deadline == pytest.approx(75.1)
 
 
 @pytest.mark.parametrize("rate", [1.0, 10.0, 20.0])
 def test_a_pause_ends_with_any_rate(rate):
     timetable = Timetable(10.0)
-    timetable.take(70.0)
+    timetable.take_deadline(70.0)
     timetable.set_rate(0.0)
     timetable.set_rate(rate)
     assert timetable.deadline == pytest.approx(70.0 + 1.0 / rate)
@@ -231,28 +233,28 @@ def test_a_pause_ends_with_any_rate(rate):
 
 def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped():
     paused = Timetable(10.0)
-    paused.take(70.0)
+    paused.take_deadline(70.0)
     paused.set_rate(0.0)
     paused.set_rate(10.0)
-    assert paused.take(75.0) == pytest.approx(5.0)
+    assert paused.take_deadline(75.0) == pytest.approx(5.0)
     assert paused.skipped == 0
-    assert paused.take(75.35) == pytest.approx(5.3)
+    assert paused.take_deadline(75.35) == pytest.approx(5.3)
     assert paused.skipped == 2
     slow = Timetable(0.1)
-    slow.take(100.0)
+    slow.take_deadline(100.0)
     slow.set_rate(50.0)
-    assert slow.take(107.003) == pytest.approx(7.0)
+    assert slow.take_deadline(107.003) == pytest.approx(7.0)
     assert slow.skipped == 0
 
 
 def test_the_same_rate_again_loses_nothing_of_what_is_made_up_for():
     # All timers of a node are given their rates again after a change of any of its parameters.
     timetable = Timetable(10.0, catch_up=1.0)
-    timetable.take(0.0)
-    assert timetable.take(0.55) == pytest.approx(0.1)
+    timetable.take_deadline(0.0)
+    assert timetable.take_deadline(0.55) == pytest.approx(0.1)
     timetable.set_rate(10.0)
     assert timetable.deadline == pytest.approx(0.2)
-    assert [timetable.take(0.55) for _ in range(4)] == pytest.approx([0.2, 0.3, 0.4, 0.5])
+    assert [timetable.take_deadline(0.55) for _ in range(4)] == pytest.approx([0.2, 0.3, 0.4, 0.5])
     assert timetable.skipped == 0
 
 
@@ -264,7 +266,7 @@ def test_what_is_paused_from_the_beginning_has_its_first_call_afterwards(rate):
     timetable.set_rate(4.0)
     assert timetable.deadline == -math.inf
     timetable.begin(9.0)
-    assert timetable.take(9.0) == 0.0
+    assert timetable.take_deadline(9.0) == 0.0
     assert timetable.deadline == 9.25
     assert timetable.skipped == 0
 
@@ -272,26 +274,26 @@ def test_what_is_paused_from_the_beginning_has_its_first_call_afterwards(rate):
 def test_clock_set_back_during_a_pause():
     timetable = Timetable(10.0)
     for now in (50.0, 50.1):
-        timetable.take(now)
+        timetable.take_deadline(now)
     timetable.set_rate(0.0)
     timetable.restart(20.0)
     assert timetable.deadline is None
     timetable.set_rate(5.0)
     assert timetable.deadline == 20.0
-    assert timetable.take(20.0) == pytest.approx(0.2)
-    assert timetable.take(20.2) == pytest.approx(0.4)
+    assert timetable.take_deadline(20.0) == pytest.approx(0.2)
+    assert timetable.take_deadline(20.2) == pytest.approx(0.4)
 
 
 @given(st.floats(10.0, 1e5), st.floats(0.5, 100.0), st.integers(0, 20), st.floats(0.1, 1e5))
 def test_clock_set_back_makes_the_task_due_one_period_on(start, rate, calls, back):
     timetable = Timetable(rate)
     for number in range(calls):
-        timetable.take(start + number / rate)
+        timetable.take_deadline(start + number / rate)
     now = start - back
     timetable.restart(now)
     assert timetable.deadline == now
-    assert timetable.take(now) == pytest.approx(calls / rate)
-    assert timetable.take(now + 1.0 / rate) == pytest.approx((calls + 1) / rate)
+    assert timetable.take_deadline(now) == pytest.approx(calls / rate)
+    assert timetable.take_deadline(now + 1.0 / rate) == pytest.approx((calls + 1) / rate)
 
 
 @given(
@@ -306,7 +308,7 @@ def test_clock_whose_steps_are_the_deadlines_loses_none(hertz, first_ms, every):
     taken = 0
     for stamp in stamps:
         if timetable.deadline <= stamp + SLACK_S:
-            timetable.take(stamp)
+            timetable.take_deadline(stamp)
             taken += 1
     assert taken == 200 // every
 
@@ -317,5 +319,5 @@ def test_rate_above_the_clocks_means_one_call_a_step(start, clock_rate):
     for number in range(50):
         now = start + number * max(1.0 / clock_rate, 0.001)
         assert timetable.deadline <= now + SLACK_S
-        timetable.take(now)
+        timetable.take_deadline(now)
         assert timetable.deadline > now + SLACK_S

@@ -4,15 +4,15 @@ import signal
 import subprocess
 from typing import Iterator, List
 
+import both
 import pytest
 import rospy
-from basic_comms.msg import SignalMsg
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import Float32
 
-import both
+from basic_comms.msg import SignalMsg
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 LAUNCHED = (
@@ -78,7 +78,7 @@ def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> 
     out = ros.node.create_publisher(Float32, "/of_ros2", 10)
     ear = ros.hear1("/of_ros2", "std_msgs/Float32")
     again = ros.hear2("/signal", SignalMsg)
-    again.wait(20)  # both graphs were polled several times by now
+    again.wait(20)  # both graphs were polled several times so far
     assert not ros.node.count_publishers("/proc_signal")  # denied
     assert not out.get_subscription_count()  # a way that is shut
     assert rospy.get_param("/ros2_bridge/remap") == ["/lab=/elsewhere"]

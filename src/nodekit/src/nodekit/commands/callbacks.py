@@ -22,10 +22,10 @@ def main() -> None:
     """Print what a node with an executor says of its callbacks."""
     parser = argparse.ArgumentParser(
         prog="callbacks",
-        description="List the callbacks of a running node that uses an executor: what waits, what"
-        " was dropped, how long calls took and waited, in ms.",
+        description="List the callbacks of a running node that uses an executor: how much is"
+        " waiting and was dropped, and how long calls took and waited, in ms.",
     )
-    parser.add_argument("node", metavar="NODE", help="its name")
+    parser.add_argument("node", metavar="NODE", help="name of the node")
     node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
     with ending_with_a_sentence("callbacks", node):
         master = MasterClient("/callbacks")

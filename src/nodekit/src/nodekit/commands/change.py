@@ -25,7 +25,7 @@ def main() -> None:
         "settings",
         metavar="NAME VALUE",
         nargs=argparse.REMAINDER,
-        help="any number of them; values as rosparam set takes them",
+        help="one or more pairs; values as for rosparam set",
     )
     arguments = parser.parse_args(rospy.myargv()[1:])
     try:
@@ -46,7 +46,7 @@ def _change(namespace: str, settings: Dict[str, Any]) -> int:
     master, node = MasterClient("/change"), namespace.rstrip("/")
     if master.lookup_service(f"{node}/{CHANGE}") is None:
         hint = master.who_offers(CHANGE, node)
-        print(f"change: nothing at {namespace} takes changes; {hint}", file=sys.stderr)
+        print(f"change: no node at {namespace} accepts changes; {hint}", file=sys.stderr)
         return 1
     try:
         in_force = ParameterClient(node).change(settings)

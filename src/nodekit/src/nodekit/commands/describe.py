@@ -40,7 +40,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
     names = master.namespaces_offering(DESCRIBE, namespace)
     if not names:
         hint = master.who_offers(DESCRIBE, namespace)
-        print(f"describe: nothing at {namespace} describes itself; {hint}", file=sys.stderr)
+        print(f"describe: no node at {namespace} describes its parameters; {hint}", file=sys.stderr)
     parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
     answered = [_describe_together(part, wants_yaml) for part in parts]
     return 0 if names and all(answered) else 1

@@ -45,7 +45,7 @@ def _parser() -> argparse.ArgumentParser:
     one = verbs.add_parser("nodes", help="list the managed nodes")
     one.set_defaults(verb=_nodes)
     one = verbs.add_parser("get", help="print the state of a node, or of all")
-    one.add_argument("node", metavar="NODE", nargs="?", help="its name")
+    one.add_argument("node", metavar="NODE", nargs="?", help="name of the node")
     one.set_defaults(verb=_get)
     one = verbs.add_parser("list", help="list the transitions that a node may make now")
     one.add_argument("node", metavar="NODE", help="its name")
@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     one = verbs.add_parser("set", help="request a transition of a node")
     one.add_argument("node", metavar="NODE", help="its name")
     one.add_argument("transition", metavar="TRANSITION", help="its label, such as configure, or id")
-    wait = "longest wait for its end, s (%(default)g)"
+    wait = "longest wait until it is done, s (%(default)g)"
     one.add_argument("--timeout", metavar="S", type=float, default=TRANSITION_S, help=wait)
     one.set_defaults(verb=_set)
     return parser

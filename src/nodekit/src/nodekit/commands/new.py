@@ -27,7 +27,7 @@ def main() -> None:
     """Make a package that builds, runs and passes its test."""
     parser = argparse.ArgumentParser(
         prog="new",
-        description="Make a package with a node, its live parameters, its launch file and its"
+        description="Create a package with a node, its live parameters, its launch file and its"
         " test: it builds, runs and passes its test as it is.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the package")
@@ -103,7 +103,7 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
     folder = folder.resolve()
     package, around = folder / name, _package_around(folder)
     if around:
-        raise Refused(f"{folder} is part of the package {around}, where catkin finds no other")
+        raise Refused(f"{folder} is inside the package {around}, where catkin finds no other")
     files: Dict[str, str] = {}
     for path in sorted(template.rglob("*")):
         if path.is_file() and path.suffix != ".pyc":
@@ -112,7 +112,7 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
     try:
         package.mkdir()
     except OSError as error:
-        raise Refused(f"{package} cannot be made: {error.strerror}") from None
+        raise Refused(f"{package} cannot be created: {error.strerror}") from None
     try:
         for relative, text in files.items():
             path = package / relative
@@ -122,5 +122,5 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
                 path.chmod(path.stat().st_mode | 0o111)
     except OSError as error:
         shutil.rmtree(str(package), ignore_errors=True)
-        raise Refused(f"{package} cannot be made: {error.strerror}") from None
+        raise Refused(f"{package} cannot be created: {error.strerror}") from None
     return package

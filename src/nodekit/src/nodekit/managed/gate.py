@@ -54,7 +54,7 @@ class Gate:
             for word in list(self.last_words):
                 word.call()
         self.publishes = publishes
-        self._tell()
+        self._notify()
 
     def let_tick(self, ticks: bool) -> None:
         """Let timers tick, the first time at once, or hold them.
@@ -62,9 +62,9 @@ class Gate:
         :param ticks: whether they tick
         """
         self.ticks = ticks
-        self._tell()
+        self._notify()
 
-    def _tell(self) -> None:
+    def _notify(self) -> None:
         with self._lock:
             told = list(self._told)
         for thing in told:  # without the lock: a timer asks the node's code for its rate
@@ -168,7 +168,7 @@ class ManagedPublisher(Publisher):
         self.dropped += count
         if self._warned_of != self._gate.closings:  # once in a while of silence
             self._warned_of = self._gate.closings
-            text = "%s: messages are dropped, as the node is not active; %d in all"
+            text = "%s: messages are dropped because the node is not active; %d in all"
             rospy.logwarn(text, self.resolved_name, self.dropped)
 
 

@@ -44,7 +44,7 @@ class Interface:
 
     def __init__(self, node: Node, callbacks: Mapping[State, Callable[..., Result]]) -> None:
         self.node = node
-        self.lifecycle = Lifecycle(node, callbacks, self._tell)
+        self.lifecycle = Lifecycle(node, callbacks, self._publish_transition)
         self._event = node.publisher("~transition_event", msg.TransitionEvent)
         self._state = node.publisher("~state", msg.State, latch=True)
         self._state.publish(_message(self.state))
@@ -84,10 +84,10 @@ class Interface:
     def _get_available(self, _: Any) -> Any:
         return [[_description(each) for each in available(self.state)]]
 
-    def _tell(self, step: Transition) -> None:
-        self._state.publish(_message(step.goal))
+    def _publish_transition(self, transition: Transition) -> None:
+        self._state.publish(_message(transition.goal))
         now = rospy.get_rostime().to_nsec()
-        self._event.publish(now, *_parts(step))
+        self._event.publish(now, *_parts(transition))
 
 
 class Heart:
@@ -124,17 +124,21 @@ def _message(state: State) -> msg.State:
     return msg.State(*state)
 
 
-def _parts(step: Transition) -> Any:
+def _parts(transition: Transition) -> Any:
     """Return transition, start and goal as messages have them."""
-    return msg.Transition(step.id, step.label), _message(step.start), _message(step.goal)
+    return (
+        msg.Transition(transition.id, transition.label),
+        _message(transition.start),
+        _message(transition.goal),
+    )
 
 
-def _description(step: Transition) -> msg.TransitionDescription:
-    return msg.TransitionDescription(*_parts(step))
+def _description(transition: Transition) -> msg.TransitionDescription:
+    return msg.TransitionDescription(*_parts(transition))
 
 
 _STATES = [_message(state) for state in STATES]
-_GRAPH = [_description(step) for step in TRANSITIONS]
+_GRAPH = [_description(transition) for transition in TRANSITIONS]
 
 _all: "weakref.WeakSet[Interface]" = weakref.WeakSet()
 
@@ -151,7 +155,7 @@ def _end_all() -> None:
     for managed, thread in ending.items():
         thread.join(max(0.0, deadline - time.monotonic()))
         if thread.is_alive():
-            text = "%s ends without its shutdown: it is %s, and busy for more than %g s"
+            text = "%s ends without its shutdown: it is %s, and still busy after %g s"
             rospy.logwarn(text, managed.node.name, managed.state.label, END_WAIT_S)
 
 

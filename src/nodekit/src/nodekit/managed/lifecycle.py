@@ -61,15 +61,15 @@ class Lifecycle:
         :returns: whether the callback has succeeded
         """
         self.previous = transition.start
-        self._step(transition)
+        self._advance(transition)
         outcomes: List[Outcome] = []
         while self.machine.state in self._callbacks:
             outcomes.append(self._call())
-            self._step(OUTCOMES[self.machine.state, outcomes[-1]])
+            self._advance(OUTCOMES[self.machine.state, outcomes[-1]])
         return outcomes[0] is Outcome.SUCCESS
 
-    def _step(self, transition: Transition) -> None:
-        """Make a step; have what the node has made heed it."""
+    def _advance(self, transition: Transition) -> None:
+        """Go to the next state; have what the node has made heed it."""
         goal = transition.goal
         self._gate.let_tick(False)
         # A last message may be sent on the way out, one that stops a motor.
@@ -78,7 +78,7 @@ class Lifecycle:
         if goal not in self._callbacks:
             while len(self._stages) > _STAGES.get(goal, 0):
                 self._stages.pop().close()
-        self.machine.step(transition)
+        self.machine.advance(transition)
         self._gate.let_tick(goal == ACTIVE)
 
     def _call(self) -> Outcome:

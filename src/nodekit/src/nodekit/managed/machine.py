@@ -28,7 +28,7 @@ class Machine:
 
         :param wanted: label, or number
         :param timeout: longest wait for one that is under way, s; None for ever
-        :returns: the transition, to be begun by :meth:`step`
+        :returns: the transition, to be begun by :meth:`advance`
         :raises NotAllowed: if it is not allowed now; then there is nothing to release
         """
         with self._free:
@@ -44,7 +44,7 @@ class Machine:
             self._under_way = ""
             self._free.notify()
 
-    def step(self, transition: Transition) -> None:
+    def advance(self, transition: Transition) -> None:
         """Go to the next state.
 
         :param transition: one that leaves the present state

@@ -23,7 +23,7 @@ class WrappedNode(ManagedNode):
         super().__init__(node)
         self._cls = cls
         self._guest: object = None
-        rospy.loginfo("%s is managed: it waits to be configured", node.name)
+        rospy.loginfo("%s is managed: waiting to be configured", node.name)
 
     def on_configure(self, made: Maker) -> bool:
         """Make the class; it fails with a sentence where parameters are refused, or the class."""

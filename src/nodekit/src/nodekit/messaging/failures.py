@@ -5,13 +5,13 @@ import traceback
 import rospy
 import rospy.core
 
-from nodekit.messaging.seldom import Seldom
+from nodekit.messaging.throttle import Throttle
 
 #: A function's failures are logged at most this often, s.
 LOG_PERIOD_S = 5.0
 
 
-class Failures(Seldom):
+class Failures(Throttle):
     """The failures of one function.
 
     :ivar count: how many there were
@@ -23,7 +23,7 @@ class Failures(Seldom):
         super().__init__(LOG_PERIOD_S)
         self.count = 0
 
-    def note(self, what: str, is_ending: bool = False) -> None:
+    def record(self, what: str, is_ending: bool = False) -> None:
         """Count the exception that is being handled, and log it with its traceback now and then.
 
         :param what: names the function
@@ -33,5 +33,5 @@ class Failures(Seldom):
         # What fails when the end has begun fails because of it, as a call of a closed client.
         is_ending = is_ending or rospy.core.is_shutdown_requested()
         if not is_ending and self.is_due():
-            text = "%s failed, %d times by now:\n%s"
+            text = "%s failed, %d times so far:\n%s"
             rospy.logerr(text, what, self.count, traceback.format_exc().rstrip())

@@ -14,7 +14,7 @@ class _LoggedService(ClosableService):
     def error_handler(self, *_: Any) -> None:
         """Log the exception that is being handled; rospy calls this."""
         self._failures = self._failures or Failures()
-        self._failures.note(f"service {self.resolved_name}")
+        self._failures.record(f"service {self.resolved_name}")
 
 
 class Service:

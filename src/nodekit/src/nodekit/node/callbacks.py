@@ -10,7 +10,7 @@ import rospy
 from nodekit.groups.groups import Group, Outside
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
-from nodekit.messaging.seldom import Seldom
+from nodekit.messaging.throttle import Throttle
 
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
@@ -78,7 +78,7 @@ class Callback:
             if not self.closed:
                 self.function(*arguments)
         except BaseException:
-            self.failures.note(self.what, self.closed)
+            self.failures.record(self.what, self.closed)
         finally:
             group.leave()
 
@@ -91,7 +91,7 @@ class Callback:
             if not self.closed:
                 self.function(*arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
-            self.failures.note(self.what, self.closed)
+            self.failures.record(self.what, self.closed)
 
     def close(self) -> None:
         """Begin no call any more; one that is under way goes on."""
@@ -143,7 +143,7 @@ class Answering(Callback):
         except rospy.ServiceException:
             raise
         except BaseException as error:  # SystemExit too: the client would wait for its answer
-            self.failures.note(self.what, self.closed)
+            self.failures.record(self.what, self.closed)
             raise rospy.ServiceException(str(error) or repr(error)) from error
 
     def _answer_waiting(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
@@ -202,7 +202,7 @@ class Receiving(Callback):
         self._batches, self._depth = batches, depth
         self._kept: List[Any] = []  # mostly empty, and then a tenth of a deque
         self._bell = Bell(group, self._receive_kept, what)
-        self._seldom = Seldom(10.0)
+        self._throttle = Throttle(10.0)
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:
         return CallQueue(ready, self.group, self._depth, self._hand_over, self._drop, self._batches)
@@ -227,7 +227,7 @@ class Receiving(Callback):
                 self._kept += messages
                 lost = max(0, len(self._kept) - MOST_KEPT)
                 del self._kept[:lost]
-            if lost and self._seldom.is_due():
+            if lost and self._throttle.is_due():
                 rospy.logwarn("%s does not keep up: messages are lost", self.what)
             self._bell.ring()
         elif self._batches:

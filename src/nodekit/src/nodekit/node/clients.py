@@ -104,7 +104,7 @@ class _Server:
         try:
             return call.run(self._address(call.left()), header, request)
         except CallFailed as error:
-            raise CallError(f"{self.name} answers with an error: {error}") from None
+            raise CallError(f"{self.name} replied with an error: {error}") from None
         except socket.timeout:
             raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
         except (OSError, MasterUnreachable) as error:
@@ -142,7 +142,7 @@ class CallFuture(concurrent.futures.Future):
         :raises CallTimeout: if there is none in time
         :raises CallCancelled: if the call was cancelled
         :raises NestedCall: if the server waits for the calling thread
-        :raises CallError: if the service is not there, or answers with an error
+        :raises CallError: if the service is not there, or replied with an error
         """
         if not self.done():
             self._client.refuse_nested()

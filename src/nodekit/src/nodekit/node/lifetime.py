@@ -11,10 +11,10 @@ from nodekit.groups.groups import Group, Outside, ReentrantGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.seldom import Seldom
 from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog, shortened
 from nodekit.messaging.subscription import Latest, Subscription
+from nodekit.messaging.throttle import Throttle
 from nodekit.node.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
 from nodekit.node.clients import Client
 from nodekit.node.maker import Maker, Thing
@@ -131,17 +131,17 @@ class Lifetime(Owner, Maker):
         finite: bool = False,
         group: Optional[Group] = None,
     ) -> Subscription:
-        resolved, seldom = self.resolve(name), Seldom(_WARN_EVERY_S)
+        resolved, throttle = self.resolve(name), Throttle(_WARN_EVERY_S)
 
         def only_finite(message: Any) -> None:
             if is_finite(message):
                 callback(message)
-            elif seldom.is_due():
+            elif throttle.is_due():
                 text = shortened(" ".join(str(message).split()))
-                rospy.logwarn("%s: %s is not finite and is left out", resolved, text)
+                rospy.logwarn("%s: %s is not finite and is ignored", resolved, text)
 
         depth = _depth(queue_size)
-        return self._hear(name, data_class, only_finite if finite else callback, depth, group)
+        return self._subscribe(name, data_class, only_finite if finite else callback, depth, group)
 
     def subscribe_batches(
         self,
@@ -150,7 +150,7 @@ class Lifetime(Owner, Maker):
         callback: Callable[[List[Any]], Any],
         group: Optional[Group] = None,
     ) -> Subscription:
-        return self._hear(name, data_class, callback, MOST_KEPT, group, batches=True)
+        return self._subscribe(name, data_class, callback, MOST_KEPT, group, batches=True)
 
     def latest(self, name: str, data_class: type) -> Latest:
         latest = Latest(self.resolve(name), data_class)
@@ -174,7 +174,7 @@ class Lifetime(Owner, Maker):
         done = self.own(Callback(group, lambda function, future: function(future), resolved))
         return self.own(Client(resolved, service_class, done))
 
-    def _hear(
+    def _subscribe(
         self,
         name: str,
         data_class: type,

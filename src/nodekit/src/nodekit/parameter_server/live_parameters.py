@@ -13,7 +13,7 @@ from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.declaration import ParameterSet, Snapshot
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.kinds import MISSING, ParameterError, format_value
-from nodekit.parameters.reconciler import Outcome, Reconciler, Seen
+from nodekit.parameters.reconciler import Reconciler, Seen, Verdict
 from nodekit.parameters.schema import AT_START
 
 Bell = Callable[[], None]
@@ -69,14 +69,14 @@ class LiveParameters(Generic[Snapshot]):
         #: Replaced and never changed, since several threads walk through it.
         self._bells: Tuple[Bell, ...] = ()
         #: What has not been logged yet: values before, and what has come of a change.
-        self._unreported: List[Tuple[Snapshot, Outcome]] = []
+        self._unreported: List[Tuple[Snapshot, Verdict]] = []
         raw = watcher.first_reading(self.namespace)
         try:
-            outcome = self._reconciler.start(raw, time.monotonic())
+            verdict = self._reconciler.start(raw, time.monotonic())
         except ParameterError as error:
             raise error.in_namespace(self.namespace) from None
         self.values = self._reconciler.values
-        self._adopt(outcome)
+        self._adopt(verdict)
         self._report_changes()
 
     def update(self, **changes: Any) -> None:
@@ -95,15 +95,15 @@ class LiveParameters(Generic[Snapshot]):
         """
         with self._lock:
             try:
-                outcome = self._reconciler.judge(changes)
+                verdict = self._reconciler.judge(changes)
             except ParameterError as error:
                 raise error.in_namespace(self.namespace) from None
             if self._is_open:
-                self._watcher.client.write(self._resolved(outcome.writes))
+                self._watcher.client.write(self._resolved(verdict.writes))
             else:
-                self._unwritten.update(outcome.writes)
-            self._reconciler.adopt(outcome, time.monotonic())
-            self._adopt(outcome)
+                self._unwritten.update(verdict.writes)
+            self._reconciler.adopt(verdict, time.monotonic())
+            self._adopt(verdict)
         self._report_changes()
 
     def add_listener(self, bell: Bell) -> Callable[[], None]:
@@ -134,10 +134,10 @@ class LiveParameters(Generic[Snapshot]):
             with self._lock:
                 if not self._is_open:
                     return False  # it is just being opened
-                outcome = self._step(seen)
-                if not outcome.again:
-                    _write([self], self._resolved(outcome.writes))
-                return not outcome.again
+                verdict = self._step(seen)
+                if not verdict.again:
+                    _write([self], self._resolved(verdict.writes))
+                return not verdict.again
         finally:
             self._report_changes()
 
@@ -148,19 +148,19 @@ class LiveParameters(Generic[Snapshot]):
         """
         if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
             raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
-        outcome = self._step(Seen(raw, forgotten=True, read_at=read_at))
+        verdict = self._step(Seen(raw, forgotten=True, read_at=read_at))
         unwritten, self._unwritten = self._unwritten, {}
         self._is_open = True
-        return self._resolved({**unwritten, **outcome.writes})
+        return self._resolved({**unwritten, **verdict.writes})
 
-    def _step(self, seen: Seen) -> Outcome:
-        outcome = self._reconciler.step(seen, time.monotonic())
-        self._adopt(outcome)
-        return outcome
+    def _step(self, seen: Seen) -> Verdict:
+        verdict = self._reconciler.step(seen, time.monotonic())
+        self._adopt(verdict)
+        return verdict
 
-    def _adopt(self, outcome: Outcome) -> None:
+    def _adopt(self, verdict: Verdict) -> None:
         """Have in force what the reconciler has decided, and keep it to report it."""
-        self._unreported.append((self.values, outcome))
+        self._unreported.append((self.values, verdict))
         self.values = self._reconciler.values
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
@@ -171,25 +171,25 @@ class LiveParameters(Generic[Snapshot]):
         """Log what has happened, and ring the bells if values have changed: without the lock."""
         with self._lock:
             unreported, self._unreported = self._unreported, []
-        for old, outcome in unreported:
-            self._log(old, outcome)
-        if any(old != outcome.values for old, outcome in unreported):
+        for old, verdict in unreported:
+            self._log(old, verdict)
+        if any(old != verdict.values for old, verdict in unreported):
             for bell in self._bells:
                 call_listener(bell, self.namespace)
 
-    def _log(self, old: Snapshot, outcome: Outcome) -> None:
-        before, in_force = old.as_dict(), outcome.values.as_dict()
+    def _log(self, old: Snapshot, verdict: Verdict) -> None:
+        before, in_force = old.as_dict(), verdict.values.as_dict()
         # First: of a good value that was set just before a bad one, the refusal says that it stays.
         for name, value in in_force.items():
             if value != before[name]:
                 texts = format_value(before[name]), format_value(value)
                 late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
                 rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
-        for error in outcome.refusals:
+        for error in verdict.refusals:
             kept = {name: in_force[name] for name in error.names if name in in_force}
             told = "in force is " + _settings(kept) if kept else "all values stay in force"
             rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
-        for name, nearest in outcome.unknown.items():
+        for name, nearest in verdict.unknown.items():
             hint = f"; did you mean {nearest}?" if nearest else ""
             rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
 

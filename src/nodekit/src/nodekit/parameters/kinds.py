@@ -131,7 +131,7 @@ class StringParameter(Parameter[str]):
 
     @property
     def allowed(self) -> str:
-        return "text without control characters (quote it where YAML reads something else)"
+        return "text without control characters (quote it if YAML would read something else)"
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str) or _NOT_IN_XML.search(raw):

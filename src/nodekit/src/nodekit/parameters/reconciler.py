@@ -90,7 +90,7 @@ class Seen(NamedTuple):
     read_at: float = math.inf
 
 
-class Outcome(NamedTuple):
+class Verdict(NamedTuple):
     """What a step has come to.
 
     :param values: in force from now on
@@ -112,7 +112,7 @@ class Outcome(NamedTuple):
 class Reconciler(Generic[Snapshot]):
     """Keeps declared values and those on the server in step; pure.
 
-    Each outcome of :meth:`start` and :meth:`step` is written, and then
+    Each verdict of :meth:`start` and :meth:`step` is written, and then
     :meth:`written` or :meth:`failed` is called, before the next step.
 
     :param declaration: the class that declares the parameters
@@ -148,7 +148,7 @@ class Reconciler(Generic[Snapshot]):
         """
         return not is_same({} if raw is MISSING else raw, {**on_wire(self.values), **self._odd})
 
-    def start(self, raw: Any, now: float) -> Outcome:
+    def start(self, raw: Any, now: float) -> Verdict:
         """Bring the values at the start into force, or refuse them all.
 
         :param raw: the namespace as the server holds it, MISSING where nothing is set
@@ -160,7 +160,7 @@ class Reconciler(Generic[Snapshot]):
         raise_all(refusals)
         return self._decide(seen, values, [], now)
 
-    def step(self, seen: Seen, now: float) -> Outcome:
+    def step(self, seen: Seen, now: float) -> Verdict:
         """Judge what the server holds now, and adopt what is good.
 
         :param seen: what was seen of the namespace
@@ -171,9 +171,9 @@ class Reconciler(Generic[Snapshot]):
             if not self._may_be_half_done(refusals, now):
                 return self._decide(seen, values, refusals, now)
         self.failed()  # to be asked again, whatever is read
-        return Outcome(self.values, {}, [], {}, again=True)
+        return Verdict(self.values, {}, [], {}, again=True)
 
-    def judge(self, changes: Mapping[str, Any]) -> Outcome:
+    def judge(self, changes: Mapping[str, Any]) -> Verdict:
         """Judge a change from within the node; nothing is adopted yet.
 
         :param changes: new values by name
@@ -182,19 +182,19 @@ class Reconciler(Generic[Snapshot]):
         coerced, refused = accept_each(self.values, changes, missing=self.values.as_dict())
         values, broken = keep_rules(self.values, coerced)
         raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
-        return Outcome(values, corrections(values, on_wire(self.values)), [], {})
+        return Verdict(values, corrections(values, on_wire(self.values)), [], {})
 
-    def adopt(self, outcome: Outcome, now: float) -> None:
+    def adopt(self, verdict: Verdict, now: float) -> None:
         """Bring a judged change into force: it has been written.
 
         It is newer than what is on its way: no notification may take it back.
 
-        :param outcome: what :meth:`judge` returned
+        :param verdict: what :meth:`judge` returned
         :param now: the time, s on the monotonic clock
         """
-        self.values = outcome.values  # type: ignore[assignment]
-        self._odd = {n: value for n, value in self._odd.items() if n not in outcome.writes}
-        self._own = [own for own in self._own if own[0] not in outcome.writes]
+        self.values = verdict.values  # type: ignore[assignment]
+        self._odd = {n: value for n, value in self._odd.items() if n not in verdict.writes}
+        self._own = [own for own in self._own if own[0] not in verdict.writes]
         self._last_write = now
 
     def written(self, now: float) -> None:
@@ -249,7 +249,7 @@ class Reconciler(Generic[Snapshot]):
 
     def _decide(
         self, seen: Seen, values: Snapshot, refusals: Sequence[ParameterError], now: float
-    ) -> Outcome:
+    ) -> Verdict:
         """Adopt values; return what to write now, and what to tell of."""
         tree = self._tree(seen.raw)
         wire, wanted = on_wire(values), corrections(values, tree)
@@ -268,7 +268,7 @@ class Reconciler(Generic[Snapshot]):
         names = [name for name in leaves(tree) if name not in self._told_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
         self._told_unknown = {*self._told_unknown, *unknown} or ()
-        return Outcome(values, writes, [e for e in refusals if str(e) not in told], unknown)
+        return Verdict(values, writes, [e for e in refusals if str(e) not in told], unknown)
 
 
 def _is_namespace(raw: Any) -> bool:

@@ -13,10 +13,10 @@ from rospy.client import load_command_line_node_params
 from nodekit.node import legal_names
 
 _VALUE = (
-    "must have one value in YAML after :=, of those that the parameter server takes "
-    "(true, a whole number of 32 bits, 2.5, 'text', or a list or a mapping of such)"
+    "must have one YAML value after :=, of a kind that the parameter server accepts "
+    "(true, a whole number of 32 bits, 2.5, 'text', or a list or mapping of these)"
 )
-_URI = "must be the address of a master, such as http://localhost:11311"
+_URI = "must be the URI of a ROS master, such as http://localhost:11311"
 
 
 class ArgumentError(ValueError):
@@ -58,8 +58,8 @@ def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
         else:
             uri = rosgraph.get_master_uri(environ, argv)
         parts = urlsplit(uri)
-        makes_sense = parts.scheme == "http" and parts.hostname and parts.port != 0
+        is_valid = parts.scheme == "http" and parts.hostname and parts.port != 0
     except ValueError:  # a port that is none
-        makes_sense = False
-    if not makes_sense:
+        is_valid = False
+    if not is_valid:
         raise ArgumentError(f"{source} '{uri}': {_URI}")

@@ -45,13 +45,13 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
     for name, count in Counter(names).items():
         if count > 1:
-            raise IllegalName(f"node name '{name}': {count} members have it")
+            raise IllegalName(f"node name '{name}': {count} members use it")
     with get_watcher().reading_ahead(names) as held:
         for name, (base, namespace, cls) in zip(names, members):
             try:
                 up.append(node.host(base, namespace, as_wanted(cls, name, held[name])))
             except ParameterError as error:
-                rospy.logerr("%s; %s stays down", error, name)
+                rospy.logerr("%s; %s is not started", error, name)
     return up
 
 

@@ -108,7 +108,7 @@ class _Pending:
             (size,) = _LENGTH.unpack_from(self._data)
             if size > LONGEST_HEADER:
                 raise TransportInitError(
-                    f"it announces a header of {size} bytes, at most {LONGEST_HEADER} are read"
+                    f"its header of {size} bytes is longer than the limit of {LONGEST_HEADER}"
                 )
             if need == _LENGTH.size + size:
                 header: Dict[str, str] = decode_ros_handshake_header(bytes(self._data))
@@ -151,7 +151,7 @@ class _Acceptor:
             # In the order of arrival: of two that call themselves alike, rospy keeps the later.
             for pending in list(self._pending.values()):
                 if pending.socket in ready:
-                    self._hear(pending)
+                    self._read_from(pending)
             if listener in ready:
                 self._accept(listener)
             self._send_away()
@@ -183,9 +183,9 @@ class _Acceptor:
             return
         pending = self._pending[sock] = _Pending(sock, address)
         self._selector.register(sock, selectors.EVENT_READ)
-        self._hear(pending)
+        self._read_from(pending)
 
-    def _hear(self, pending: _Pending) -> None:
+    def _read_from(self, pending: _Pending) -> None:
         """Take what a connection says; once that is whole, do as it wants."""
         try:
             header = pending.read_header()

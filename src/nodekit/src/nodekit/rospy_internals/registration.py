@@ -112,7 +112,7 @@ class _Registrar(RegistrationListener):
             ]
             for (kind, name, type_or_uri), answer in zip(part, request(calls)):
                 if answer[0] != 1:
-                    rospy.logerr("the master refuses to register %s: %s", name, answer[1])
+                    rospy.logerr("the master refused to register %s: %s", name, answer[1])
                     continue
                 taken = True
                 if kind == Registration.SUB:

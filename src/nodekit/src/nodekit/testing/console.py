@@ -16,7 +16,7 @@ ANYTHING = "..."
 INTERRUPT = "^C"
 
 
-class Step(NamedTuple):
+class Instruction(NamedTuple):
     """One thing that a reader types, and what is to be seen then.
 
     :param line: line of the page
@@ -31,12 +31,12 @@ class Step(NamedTuple):
     expected: List[str]
 
 
-def steps_of(page: str) -> List[Step]:
-    """List the steps on a page.
+def instructions_of(page: str) -> List[Instruction]:
+    """List the instructions on a page.
 
     :param page: the text of the page, Markdown
     """
-    steps: List[Step] = []
+    instructions: List[Instruction] = []
     language: Optional[str] = None
     for number, line in enumerate(page.splitlines(), 1):
         fence = _FENCE.match(line)
@@ -49,14 +49,17 @@ def steps_of(page: str) -> List[Step]:
                 terminal = caption.group(1)
             elif line.startswith("$ ") or line == INTERRUPT:
                 typed = line if line == INTERRUPT else line[2:].strip()
-                steps.append(Step(number, typed, terminal, []))
+                instructions.append(Instruction(number, typed, terminal, []))
                 fresh = False
             elif fresh and line.strip():
-                steps.append(Step(number, None, terminal, [line.rstrip()]))
+                instructions.append(Instruction(number, None, terminal, [line.rstrip()]))
                 fresh = False
             elif not fresh:
-                steps[-1].expected.append(line.rstrip())
-    return [step._replace(expected=_without_blank_end(step.expected)) for step in steps]
+                instructions[-1].expected.append(line.rstrip())
+    return [
+        instruction._replace(expected=_without_blank_end(instruction.expected))
+        for instruction in instructions
+    ]
 
 
 def plain(output: str) -> str:

@@ -94,8 +94,8 @@ class Timer:
         self._scheduler.remove(self)
         self._due.clear()
 
-    def note(self, elapsed: float) -> bool:
-        """Note that a call is due; one that finds another one still waiting is left out.
+    def add_call(self, elapsed: float) -> bool:
+        """Add a call that is due; one that finds another one still waiting is left out.
 
         :param elapsed: time since the first call, s
         :returns: whether it is to be dispatched
@@ -220,7 +220,7 @@ class Scheduler:
             while queue and queue[0][0] <= now + SLACK_S:
                 _, order, timer = queue[0]
                 timetable = timer.timetable
-                if timer.note(timetable.take(now)):
+                if timer.add_call(timetable.take_deadline(now)):
                     found.append(timer)
                 heapq.heapreplace(queue, (timetable.next_deadline, order, timer))
             return found, queue[0][0] if queue else None

@@ -53,7 +53,7 @@ class Timetable:
         if self._anchor == -math.inf:
             self._anchor = self.next_deadline = now
 
-    def take(self, now: float) -> float:
+    def take_deadline(self, now: float) -> float:
         """Take a deadline that has passed: the next, or the latest if that is too late.
 
         :param now: the time, at or after the deadline, s

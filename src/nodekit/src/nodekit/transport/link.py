@@ -84,7 +84,7 @@ class LossReports:
         """
         return lost > self._told or (self._awaits_return and not stalled)
 
-    def take(self, stalled: bool, lost: int, now: float) -> Optional[int]:
+    def take_due(self, stalled: bool, lost: int, now: float) -> Optional[int]:
         """Take the report that is due, if one is.
 
         :param stalled: whether the receiver is stalled
@@ -231,7 +231,7 @@ class Link:
         """
         if self.phase is not Phase.GONE:
             stalled = self.stalled
-            lost = self._reports.take(stalled, self.lost, now)
+            lost = self._reports.take_due(stalled, self.lost, now)
             if lost is not None:
                 self.report(stalled, lost)
 

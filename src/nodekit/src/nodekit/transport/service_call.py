@@ -48,7 +48,7 @@ class ServiceCall:
         :param header: what the client says of itself and the service
         :param request: serialised; None to shake hands only
         :returns: the answer, serialised
-        :raises CallFailed: if the server refuses the header, or answers with an error
+        :raises CallFailed: if the server refuses the header, or replied with an error
         :raises socket.timeout: if the deadline is over
         :raises OSError: if the connection fails, or the call is cancelled
         """

@@ -30,7 +30,7 @@ class Ros2Client:
         """Call the service and wait for the response.
 
         :param timeout: longest wait, s
-        :raises NoResponse: if nobody offers it, or nobody responds in time
+                :raises NoResponse: if nobody offers it, or nobody responds in time
         """
         responses: List[Any] = []
         came = threading.Event()

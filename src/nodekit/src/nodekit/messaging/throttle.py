@@ -1,4 +1,4 @@
-"""Log the same thing now and then only, each for itself.
+"""Log the same thing now and then only, each for itself. Pure: it knows no ROS.
 
 rospy's own throttles know lines of code: of two topics, one keeps the other quiet; and what counts
 as identical there is logged each time that a number in it changes.
@@ -7,7 +7,7 @@ as identical there is logged each time that a number in it changes.
 import time
 
 
-class Seldom:
+class Throttle:
     """Tells when something may be said again.
 
     :param period: shortest time from one line to the next, s

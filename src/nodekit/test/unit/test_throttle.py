@@ -9,7 +9,7 @@ from std_msgs.msg import Float32
 
 from nodekit import Node
 from nodekit.groups.groups import Group
-from nodekit.messaging import seldom
+from nodekit.messaging import throttle
 from nodekit.node import callbacks
 from nodekit.node.names import Names
 
@@ -24,8 +24,8 @@ def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
 
 def test_due_once_in_a_period(monkeypatch: "pytest.MonkeyPatch") -> None:
     now = [100.0]
-    monkeypatch.setattr(seldom.time, "monotonic", lambda: now[0])
-    what = seldom.Seldom(10.0)
+    monkeypatch.setattr(throttle.time, "monotonic", lambda: now[0])
+    what = throttle.Throttle(10.0)
     due = []
     for now[0] in (100.0, 100.1, 109.9, 110.0, 119.9, 300.0, 301.0):
         due.append(what.is_due())
@@ -44,8 +44,8 @@ def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: Lis
             ear._receive([Float32(number)], True)
     assert heard == [1.0, 1.0]
     assert logged == [
-        "/space/one: data: nan is not finite and is left out",
-        "/space/other: data: nan is not finite and is left out",
+        "/space/one: data: nan is not finite and is ignored",
+        "/space/other: data: nan is not finite and is ignored",
     ]
 
 

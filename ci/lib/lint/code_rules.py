@@ -188,7 +188,7 @@ PURE = (
     "ros2_bridge.types.comparing",
     "ros2_bridge.types.instructions",
     "ros2_bridge.types.codec",
-    "ros2_bridge.parameters.parameter_values",
+    "ros2_bridge.parameters.values",
     "ros2_bridge.rules",
     "topic_scope.messages.arrays",
     "topic_scope.messages.decoding",

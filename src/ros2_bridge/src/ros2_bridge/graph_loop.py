@@ -10,16 +10,16 @@ import rospy
 from nodekit import LiveParameters, MasterUnreachable, Node
 from nodekit.master import MISSING, MasterClient
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.ros1.names_in_ros1 import NamesInRos1
-from ros2_bridge.ros1.ros1_graph import read_graph
-from ros2_bridge.ros2.ros2_graph import Ros2Graph
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros1.graph import read_graph
+from ros2_bridge.ros1.node_names import NamesInRos1
+from ros2_bridge.ros2.graph import Ros2Graph
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.settings import BridgeParameters, Qualities
 from ros2_bridge.rules.skipped import SkipLog
 from ros2_bridge.services import ServiceBridge
+from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.rosout import Rosout
-from ros2_bridge.topics.topic_bridge import TopicBridge
 from ros2_bridge.types.types import Types
 
 #: Time between two ticks of the loop, s, and how many of them there are to a poll.

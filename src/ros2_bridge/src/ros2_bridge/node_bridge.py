@@ -10,11 +10,11 @@ from rclpy.serialization import deserialize_message
 
 from nodekit import Node
 from nodekit.master import MasterClient
-from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
-from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
 from ros2_bridge.parameters.ros1_parameters import DescribedParameters, ServerParameters
-from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.parameters.to_ros1 import ParametersToRos1
+from ros2_bridge.parameters.to_ros2 import ParametersToRos2
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import parameter_services, ranked
 from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming

@@ -10,9 +10,9 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import CallError, Node
 from nodekit.master import MasterClient
-from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros2.ros2_client import NoResponse, Ros2Client
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.client import NoResponse, Ros2Client
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, parameter_services, wanted
 from ros2_bridge.rules.pairs import PairBridge
 from ros2_bridge.rules.skipped import SkipLog

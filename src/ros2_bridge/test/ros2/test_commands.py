@@ -4,6 +4,7 @@ import statistics
 import sys
 from typing import Any, Dict, Iterator, List
 
+import both
 import pytest
 import rospy
 from ament_index_python.packages import get_package_share_directory
@@ -12,8 +13,6 @@ from rcl_interfaces.msg import Parameter, ParameterType
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
-
-import both
 from test_parameters import get, set_one, value
 
 NODE = "/parameterized_node"

@@ -6,24 +6,24 @@ import sys
 from types import SimpleNamespace
 from typing import Any, Dict
 
+import both
 import pytest
 import rospy
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
+from test_topics import publisher1
 from tf2_msgs.msg import TFMessage
 
-import both
 from nodekit.testing.waiting import wait_until
 from ros2_bridge import node_bridge
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros2.ros2_graph import Ros2Graph
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.graph import Ros2Graph
 from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skipped import SkipLog
-from test_topics import publisher1
 
 
 def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) -> None:

@@ -6,16 +6,16 @@ import struct
 import time
 from typing import List
 
+import both
 import pytest
 import rospy
 import yaml
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
+from test_topics import publisher1
 
-import both
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.one_bridge import domain
-from test_topics import publisher1
 
 
 def test_second_bridge_is_refused(ros: both.Both) -> None:

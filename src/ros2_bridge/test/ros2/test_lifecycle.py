@@ -2,10 +2,10 @@
 
 from typing import Any
 
+import both
+
 from lifecycle_msgs.msg import Transition, TransitionEvent
 from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions, GetState
-
-import both
 from nodekit.testing.graph import Graph
 from nodekit.testing.waiting import wait_until
 

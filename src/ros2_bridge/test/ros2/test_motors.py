@@ -3,15 +3,15 @@
 import struct
 from typing import Any, List
 
+import both
 import pytest
 import rospy
-from motor_control_msgs.srv import SetProcessBool
 from rclpy.node import Node
 from std_msgs.msg import Float32
-
-import both
-from nodekit.testing.waiting import wait_until
 from test_topics import publisher1
+
+from motor_control_msgs.srv import SetProcessBool
+from nodekit.testing.waiting import wait_until
 
 #: What the course's own motor comes to with an input of 1.
 FIRST = [0.07, 0.1372, 0.201712, 0.2636435, 0.3230978]

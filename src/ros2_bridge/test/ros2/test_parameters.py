@@ -23,11 +23,11 @@ from rclpy.parameter import Parameter as Value
 from rclpy.serialization import serialize_message
 
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.parameters.parameter_messages import to_message
-from ros2_bridge.parameters.parameter_values import BYTES, INTEGER, STRING, STRINGS
-from ros2_bridge.parameters.parameters_to_ros1 import ParametersToRos1
-from ros2_bridge.parameters.parameters_to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.messages import to_message
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
+from ros2_bridge.parameters.to_ros1 import ParametersToRos1
+from ros2_bridge.parameters.to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.values import BYTES, INTEGER, STRING, STRINGS
 
 GENERATOR = "/signal_generator"
 

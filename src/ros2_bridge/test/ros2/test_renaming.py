@@ -2,18 +2,18 @@
 
 import struct
 
+import both
 import rospy
-from motor_control_msgs.srv import SetProcessBool
-from my_robot_package_interfaces.srv import AddTwoInts
 from rcl_interfaces.srv import SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float32, String
-
-import both
-from nodekit.testing.waiting import wait_until
 from test_services import ADD
 from test_topics import publisher1
+
+from motor_control_msgs.srv import SetProcessBool
+from my_robot_package_interfaces.srv import AddTwoInts
+from nodekit.testing.waiting import wait_until
 
 
 def test_namespace_of_ros1_is_the_root_of_ros2(ros: both.Both) -> None:

@@ -7,23 +7,23 @@ import time
 from types import SimpleNamespace
 from typing import Any, List
 
+import both
 import pytest
 import rospy
-from motor_control_msgs.srv import SetProcessBool
-from my_robot_package_interfaces.srv import AddTwoInts
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
+from test_topics import RCLError
 
-import both
+from motor_control_msgs.srv import SetProcessBool
+from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import Way
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.services import ServiceBridge
-from ros2_bridge.topics.topic_bridge import TopicBridge
-from test_topics import RCLError
+from ros2_bridge.topics.all_topics import TopicBridge
 
 ADD = "my_robot_package_interfaces/AddTwoInts"
 

@@ -16,7 +16,7 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.rules.settings import Qualities
-from ros2_bridge.topics.topics import Count, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError

@@ -5,7 +5,7 @@ from typing import Any, List
 import pytest
 
 from nodekit import MasterUnreachable
-from ros2_bridge.ros1.ros1_graph import read_graph
+from ros2_bridge.ros1.graph import read_graph
 
 
 class Master:

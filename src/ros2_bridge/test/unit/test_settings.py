@@ -7,11 +7,10 @@ from typing import Any
 import pytest
 
 from nodekit import ParameterError, describe
+from ros2_bridge.environment.start import find, variables
 from ros2_bridge.rules.pairing import Rules
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import BridgeParameters, Qualities, Quality
-from ros2_bridge.environment.start import find, variables
-
 
 PYTHON = f"lib/python{sys.version_info[0]}.{sys.version_info[1]}"
 

@@ -10,7 +10,7 @@ from nodekit import (
     ParameterClient,
 )
 from nodekit.master import MasterClient
-from ros2_bridge.parameters.parameter_values import BOOL, declared_kind, flat, kind_of, ros1_key
+from ros2_bridge.parameters.values import BOOL, declared_kind, flat, kind_of, ros1_key
 
 #: How long a node may take to describe its parameters, or to judge a change, s.
 TIMEOUT_S = 2.0

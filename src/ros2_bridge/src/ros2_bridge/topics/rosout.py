@@ -6,11 +6,11 @@ from rcl_interfaces.msg import Log
 
 from nodekit import Node
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
-from ros2_bridge.topics.topics import OnDemand
+from ros2_bridge.topics.one_topic import OnDemand
 
 #: ROS 2's levels by ROS 1's.
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}

@@ -7,8 +7,8 @@ from typing import Any, Callable, Dict, List, Optional, Set
 import rospy
 
 from nodekit import Node
-from ros2_bridge.ros2.ros2_graph import Topic
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.graph import Topic
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType

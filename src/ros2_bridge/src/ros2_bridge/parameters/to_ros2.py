@@ -22,10 +22,10 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node as Ros2Node
 
 from nodekit import Maker
-from ros2_bridge.parameters import parameter_messages as messages
-from ros2_bridge.parameters.parameter_values import changes, differs, flat, listed, unfit
+from ros2_bridge.parameters import messages
 from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.parameters.values import changes, differs, flat, listed, unfit
+from ros2_bridge.ros2.side import Ros2
 
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
 _MOST_READS, _PAUSE_S = 20, 0.1

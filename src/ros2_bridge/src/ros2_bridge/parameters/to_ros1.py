@@ -12,8 +12,8 @@ from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
 from nodekit import MasterUnreachable, follow_parameter
 from nodekit.master import MasterClient
-from ros2_bridge.parameters import parameter_messages as messages
-from ros2_bridge.parameters.parameter_values import (
+from ros2_bridge.parameters import messages
+from ros2_bridge.parameters.values import (
     DOUBLE,
     DOUBLES,
     as_kind,
@@ -23,8 +23,8 @@ from ros2_bridge.parameters.parameter_values import (
     ros1_key,
     unfit,
 )
-from ros2_bridge.ros2.ros2_client import NoResponse, Ros2Client
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.client import NoResponse, Ros2Client
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.skipped import SkipLog
 
 #: Longest wait for the node, s.

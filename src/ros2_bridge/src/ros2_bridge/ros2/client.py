@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.side import Ros2
 
 
 class NoResponse(Exception):

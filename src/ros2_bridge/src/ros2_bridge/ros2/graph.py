@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from nodekit.master import Turns
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
 

@@ -5,14 +5,14 @@ from typing import Dict, List, Optional, Set, Union
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
-from ros2_bridge.ros1.ros1_graph import Ros1Graph
-from ros2_bridge.ros2.ros2_graph import Topic
-from ros2_bridge.ros2.ros2_side import Ros2
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.graph import Topic
+from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, wanted
 from ros2_bridge.rules.pairs import PairBridge
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
-from ros2_bridge.topics.topics import Count, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.types import MessageType, Types
 
 _Pair = Union[TopicToRos1, TopicToRos2]

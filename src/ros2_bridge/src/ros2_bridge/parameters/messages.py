@@ -11,7 +11,7 @@ from rcl_interfaces.msg import (
     ParameterValue,
 )
 
-from ros2_bridge.parameters.parameter_values import (
+from ros2_bridge.parameters.values import (
     FIELDS,
     INTEGER,
     NOT_SET,

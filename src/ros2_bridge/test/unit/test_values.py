@@ -14,7 +14,7 @@ from nodekit import (
     StringParameter,
     describe,
 )
-from ros2_bridge.parameters import parameter_values as values
+from ros2_bridge.parameters import values
 
 
 @pytest.mark.parametrize(

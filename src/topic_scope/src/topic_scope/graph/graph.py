@@ -6,7 +6,7 @@ from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
 
-#: What rqt_graph leaves out too: the log, and who listens to it.
+#: What rqt_graph leaves out too: the log, and who subscribes to it.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
 LOG_NODE = "/rosout"
 

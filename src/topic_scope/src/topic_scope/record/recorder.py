@@ -16,7 +16,7 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.record.message_source import Batch, MessageSource
 from topic_scope.record.traces import Difference, Recorded, Stream, Trace
 
-#: Most fields that are listed, and most topics that are listened to for their first message alone.
+#: Most fields that are listed, and most topics that are subscribed to for one message alone.
 LISTED, UNKNOWN = 5000, 50
 #: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
 TRACES = 1024
@@ -57,7 +57,7 @@ class Recorder:
         self._layouts = layouts
         self._types: Mapping[str, str] = {}
         self._arrays: Dict[str, Arrays] = {}
-        #: The latest message of each topic that is listened to: a latched one comes only once.
+        #: The latest message of each topic that is subscribed to: a latched one comes only once.
         self._latest: Dict[str, Tuple[Record, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
@@ -99,14 +99,14 @@ class Recorder:
         )
         return list(dict.fromkeys(choices))
 
-    def _unheard(self) -> List[str]:
+    def _unknown_topics(self) -> List[str]:
         """List topics whose first message tells their type, or the names of their elements."""
-        unheard = []
+        unknown = []
         for topic, name in self._types.items():
             layout = self._layouts.installed(name)
             if layout is None or (topic not in self._arrays and has_names(layout)):
-                unheard.append(topic)
-        return unheard[:UNKNOWN]
+                unknown.append(topic)
+        return unknown[:UNKNOWN]
 
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
@@ -155,7 +155,7 @@ class Recorder:
         for stream in self._streams.values():
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
-        topics = [topic for topic, _ in self._streams] + self._unheard()
+        topics = [topic for topic, _ in self._streams] + self._unknown_topics()
         self._source.want(topics, any(name in self._traces for name in new))
 
     def forget(self) -> None:

@@ -155,9 +155,9 @@ class Driving:
     # --- Both --------------------------------------------------------------------------------
 
     def _asked(self, topic: str, known: Any) -> Callable[[], Optional[str]]:
-        """Return the work of asking who listens to a topic what they take.
+        """Return the work of asking the subscribers of a topic what they take.
 
-        :raises ValueError: if nobody listens
+        :raises ValueError: if nobody subscribes
         """
         nodes = self._subscribers.get(topic)
         if not nodes:

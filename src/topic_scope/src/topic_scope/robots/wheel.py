@@ -20,7 +20,7 @@ class Wheel:
 
     It has a thread of its own, so that the robot stops in time whatever else the scope is doing.
 
-    :param topic: where the robot hears commands
+    :param topic: where the robot takes commands
     :param datatype: what it takes, one of TYPES
     """
 

@@ -120,7 +120,7 @@ class Recording:
         return {
             "robots": Handler(requests.robots_of, self._show_robots_on),
             "playback": Handler(requests.playback_of, self._play),
-            **dict.fromkeys(needs_nodes, Handler(_refuse, self._play)),
+            **dict.fromkeys(needs_nodes, Handler(dict, _refuse)),
         }
 
     def _show_robots_on(self, page: Page, is_on: bool) -> None:
@@ -142,5 +142,5 @@ class Recording:
             self.source.play()
 
 
-def _refuse(_request: Dict[str, Any]) -> None:
+def _refuse(_page: Page, _request: Dict[str, Any]) -> None:
     raise RequestError("this is a bag: it has no nodes, so no graph and no parameters")

@@ -6,6 +6,7 @@ noetic=/opt/ros/noetic
 os_release=/etc/os-release
 state=$workspace/build/ci-exec
 
+source "$library/usage.bash"
 source "$library/environment.bash"
 source "$library/packages.bash"
 source "$library/build.bash"

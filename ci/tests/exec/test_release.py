@@ -22,8 +22,8 @@ class Copy:
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
         self.journal = root.parent / "journal"
-        (root / "ci" / "lib" / "packages").mkdir(parents=True)
-        for name in ("release", "lib/packages/release.py"):
+        for name in ("release", "lib/setup/usage.bash", "lib/packages/release.py"):
+            (root / "ci" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(str(CI / name), str(root / "ci" / name))
         for name in (*CHECKS, "exec"):
             self.script(name, "")

@@ -1,0 +1,17 @@
+# The help of a command is the comment that it begins with.
+
+usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; }
+
+# Show it and end, if it is asked for.
+help_if_asked() { # [ARGUMENT…]
+    [[ ${1-} == @(-h|--help) ]] || return 0
+    usage
+    exit
+}
+
+# The same, with status 125 if something else was asked that is not known.
+help_or_refuse() { # ARGUMENT
+    help_if_asked "$1"
+    usage
+    exit 125
+}

@@ -8,6 +8,8 @@ import pathlib
 import sys
 from typing import Dict, Iterator, List, Mapping, Set, Tuple
 
+import front_door
+
 SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
 
 #: The workspace's packages that each package's code may import, besides itself.

@@ -82,7 +82,7 @@ def heard(hosts: Hosts, host: str, command: List[str]) -> List[str]:
         printed = hosts.run(host, command, for_itself(hosts) if host == "far" else None)
     except subprocess.SubprocessError as error:
         return [repr(error)]
-    return [] if printed.startswith("data:") else [printed or "nothing heard"]
+    return [] if printed.startswith("data:") else [printed or "nothing received"]
 
 
 def listening(hosts: Hosts) -> Dict[int, str]:

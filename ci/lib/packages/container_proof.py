@@ -82,7 +82,7 @@ def course(tool: Tool, run: str, heard: str) -> float:
     process = subprocess.Popen(tool.typed(run), stdout=subprocess.DEVNULL)
     try:
         wait_for("the container runs", lambda: tool.answers("exec", "course", "true"))
-        wait_for("/proc_signal is heard in it", lambda: answers(*tool.typed(heard)))
+        wait_for("/proc_signal is received in it", lambda: answers(*tool.typed(heard)))
         insist(tool.said("exec", "course", "id", "-u") != "0", "its user is not root")
         insist(not tool.answers("exec", "course", "touch", "/home/ros/x"), "its root is read-only")
         insist(tool.said("port", "course") == "", "no port of it is published")
@@ -127,7 +127,7 @@ def system(tool: Tool, up: str, other: str) -> None:
         wait_for("the page is seen on this machine", lambda: connects("127.0.0.1", port))
         insist(greeting(port)["readonly"] is True, "it is read-only")
         wait_for(
-            "/proc_signal is heard in a container of the network",
+            "/proc_signal is received in a container of the network",
             lambda: answers(*tool.typed(other)),
         )
         address = tool.said(

@@ -94,7 +94,7 @@ take_bridge() { # SUITE ROOT
     say "$1: ${commands[1]}"
     read -ra command <<<"${commands[1]}"
     place='' succeeds "$2" student online "${command[@]}" || return
-    runs "$2" "$1: the bridge" bridge && verdict="heard in ROS 2"
+    runs "$2" "$1: the bridge" bridge && verdict="received in ROS 2"
 }
 
 built_before() { # SUITE

@@ -47,7 +47,7 @@ def course() -> None:
     with running("roslaunch", "basic_comms", "cw1.launch"):
         wait_for("there is a master", lambda: answers("rostopic", "list"))
         said("rostopic", "echo", "-n", "1", "/proc_signal")
-        print("/proc_signal is heard")
+        print("/proc_signal is received")
         said("rosparam", "set", "/signal_generator/frequency", "12.0")
         wait_for(
             "a parameter takes effect",
@@ -94,7 +94,7 @@ def bridge() -> None:
         wait_for("there is a master", lambda: answers("rostopic", "list"))
         with running("roslaunch", "ros2_bridge", "bridge.launch", log="bridge.log"):
             said(python, "-c", ROS2_EAR)
-            print("/proc_signal is heard in ROS 2")
+            print("/proc_signal is received in ROS 2")
 
 
 def put_a_python_first() -> None:

@@ -45,7 +45,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="fleet_report",
         description="Print how the robots of a fleet_monitor are.",
-        epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if nobody answers.",
+        epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if there is no answer.",
     )
     parser.add_argument(
         "node", metavar="NODE", nargs="?", default="fleet_monitor", help="its name (%(default)s)"

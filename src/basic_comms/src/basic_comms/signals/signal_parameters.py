@@ -154,7 +154,7 @@ class SignalParameters(ParameterSet):
         "", help="file: path of a CSV file of time,value; its largest value reaches the amplitude"
     )
     file_mode = EnumParameter(
-        "linear", choices=("linear", "hold"), help="file: what comes between two rows"
+        "linear", choices=("linear", "hold"), help="file: values between two rows"
     )
     file_loop = BoolParameter(False, help="file: start again at its end, instead of staying there")
 

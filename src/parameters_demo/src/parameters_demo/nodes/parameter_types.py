@@ -20,11 +20,11 @@ from nodekit import (
 class ParameterTypesParameters(ParameterSet):
     """Parameters of parameter_types."""
 
-    flag = BoolParameter(True, help="a truth value")
+    flag = BoolParameter(True, help="a boolean")
     count = IntParameter(42, help="a whole number")
     ratio = FloatParameter(0.5, help="a number")
     title = StringParameter("robot", help="a text")
-    flags = ListParameter([True, False], element=BoolParameter(False, help=""), help="truth values")
+    flags = ListParameter([True, False], element=BoolParameter(False, help=""), help="booleans")
     counts = ListParameter([1, 2, 3], element=IntParameter(0, help=""), help="whole numbers")
     ratios = ListParameter([0.5, 1.5], element=FloatParameter(0.0, help=""), help="numbers")
     titles = ListParameter(["a", "b"], element=StringParameter("", help=""), help="texts")

@@ -44,8 +44,14 @@ class Publisher:
     """
 
     __slots__ = (
-        *("resolved_name", "data_class", "_latch", "_lifespan"),
-        *("_first", "_publisher", "_topic", "_is_closed"),
+        "resolved_name",
+        "data_class",
+        "_latch",
+        "_lifespan",
+        "_first",
+        "_publisher",
+        "_topic",
+        "_is_closed",
     )
     #: Held for a moment, where what is published is kept, or from then on sent; one for all.
     _lock = threading.Lock()

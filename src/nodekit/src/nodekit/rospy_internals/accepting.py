@@ -47,8 +47,10 @@ _RUN, _START = TCPServer.run, TCPROSServer.start_server
 _HANDLE = TCPROSServer._tcp_server_callback
 _RUN_USES = {"is_shutdown", "server_sock", "accept", "inbound_handler"}
 _HANDLE_USES = {
-    *("read_ros_handshake_header", "write_ros_handshake_header"),
-    *("topic_connection_handler", "service_connection_handler"),
+    "read_ros_handshake_header",
+    "write_ros_handshake_header",
+    "topic_connection_handler",
+    "service_connection_handler",
 }
 _START_USES = {"TCPServer", "_tcp_server_callback"}
 

@@ -21,8 +21,16 @@ class Timetable:
     """
 
     __slots__ = (
-        *("skipped", "next_deadline", "_rate", "_is_paused", "_catch_up", "_is_retimed"),
-        *("_anchor", "_elapsed_at_anchor", "_next", "_taken_at"),
+        "skipped",
+        "next_deadline",
+        "_rate",
+        "_is_paused",
+        "_catch_up",
+        "_is_retimed",
+        "_anchor",
+        "_elapsed_at_anchor",
+        "_next",
+        "_taken_at",
     )
 
     def __init__(self, rate: float, catch_up: float = 0.0) -> None:

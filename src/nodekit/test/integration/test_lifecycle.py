@@ -652,7 +652,7 @@ class Wanted(Managed):
                 self.assertEqual(self.registered(), sorted([*others, "in", "out"]))
                 with self.assertLogs("rosout", "WARNING") as logged:
                     publisher.publish("too early")
-                self.assertIn("/out: messages are dropped, as the node", logged.output[0])
+                self.assertIn("/out: messages are dropped because the node", logged.output[0])
                 self.assertEqual(heard, [])
                 self.assertTrue(self.change("activate"))
                 wait_until(lambda: len(heard) > 2, lambda: str(heard))

@@ -7,7 +7,7 @@ import threading
 
 import rospy
 
-from nodekit import run
+from nodekit import Maker, run
 from topic_scope.protocol import options
 from topic_scope.protocol.options import Options
 from topic_scope.web import bag_scope, web
@@ -26,19 +26,20 @@ class Scope:
         - ``describe`` and ``change`` of each node that has them; SetBool and Trigger services
           beside them, when a page calls them
 
+    :param node: the node
     :param chosen: the options, with the port that is served at
     :param site: shows it
     """
 
-    def __init__(self, chosen: Options, site: Site) -> None:
-        self._options = chosen
+    def __init__(self, node: Maker, chosen: Options, site: Site) -> None:
+        self._node, self._options = node, chosen
         site.show(self._server)
         rospy.loginfo("the scope is at %s", chosen.url)
         if not chosen.is_local:
             rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
 
     def _server(self) -> Server:
-        return Server(self._options, LiveGraph(not self._options.is_local))
+        return Server(self._options, LiveGraph(self._node, not self._options.is_local))
 
 
 def main() -> None:
@@ -59,10 +60,10 @@ def main() -> None:
     if chosen.open_browser:
         threading.Thread(target=web.open_browser, args=(chosen.url,), daemon=True).start()
 
-    def start(_node: object) -> Scope:
+    def start(node: Maker) -> Scope:
         if chosen.port != wanted.port:
             rospy.loginfo("port %d is taken: the next free one is %d", wanted.port, chosen.port)
-        return Scope(chosen, site)
+        return Scope(node, chosen, site)
 
     run(name, start)
 

@@ -8,6 +8,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 from geometry_msgs.msg import PoseStamped
 
+from nodekit import Maker
 from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
@@ -27,19 +28,19 @@ _LAST_S = 0.1
 class Driving:
     """Knows who drives what; all methods belong to the thread of the web.
 
-    :param name: name of the scope's node
+    :param node: the scope's
     :param background: where to wait for nodes
     """
 
-    def __init__(self, name: str, background: Background) -> None:
-        self._name, self._background = name, background
-        self._queries = NodeQueries(name)
+    def __init__(self, node: Maker, background: Background) -> None:
+        self._name, self._background = node.name, background
+        self._queries = NodeQueries(node.name)
         self._subscribers: Dict[str, List[str]] = {}
         self._types: Dict[str, str] = {}
         self._wheels: Dict[str, Tuple[Page, Wheel]] = {}
         self._wanted: Dict[Page, str] = {}
         self._goals: Dict[str, rospy.Publisher] = {}
-        rospy.on_shutdown(self._stop_all)
+        node.before_end(self._stop_all)
 
     def on_state(self, state: GraphState) -> None:
         """Take note of what is on the graph."""

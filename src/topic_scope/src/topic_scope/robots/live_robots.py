@@ -4,6 +4,7 @@ from typing import Callable, Optional
 
 import tornado.ioloop
 
+from nodekit import Maker
 from topic_scope.graph.background import Background
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.messages.layouts import Layouts
@@ -18,16 +19,16 @@ class LiveRobots:
 
     All methods belong to the thread of the web.
 
-    :param name: name of the scope's node
+    :param node: the scope's
     :param deliver: hands a function to that thread
 
     :ivar driving: what drives robots
     """
 
-    def __init__(self, name: str, deliver: Callable[[Callable[[], None]], None]) -> None:
-        self._name = name
+    def __init__(self, node: Maker, deliver: Callable[[Callable[[], None]], None]) -> None:
+        self._name = node.name
         self._background = Background(deliver)
-        self.driving = Driving(name, self._background)
+        self.driving = Driving(node, self._background)
         self._subscriptions = RawSubscriptions(SteadyClock())
         self._view = robot_view.RobotView(self._subscriptions, Layouts())
         self._state: Optional[GraphState] = None

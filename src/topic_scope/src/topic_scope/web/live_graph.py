@@ -2,9 +2,9 @@
 
 from typing import Any, Callable, Dict, List
 
-import rospy
 import tornado.ioloop
 
+from nodekit import Maker
 from topic_scope.controls.controls import Controls
 from topic_scope.graph.background import Background
 from topic_scope.graph.graph import GraphFeed
@@ -23,13 +23,14 @@ from topic_scope.web.site import master_message
 class LiveGraph:
     """What there is on the graph.
 
+    :param node: the scope's
     :param is_readonly: whether pages may change nothing
     """
 
-    def __init__(self, is_readonly: bool) -> None:
+    def __init__(self, node: Maker, is_readonly: bool) -> None:
         self.source = RawSubscriptions(SteadyClock())
         self.layouts = Layouts()
-        self._is_readonly = is_readonly
+        self._node, self._is_readonly = node, is_readonly
         self._watch = MasterWatch(self.source, self.layouts)
         self._trouble = ""  # what is wrong with the master, in words
 
@@ -38,8 +39,8 @@ class LiveGraph:
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
         self._server = server
         self._controls = Controls(deliver, server.send_to_pages)
-        self._graph = GraphFeed(rospy.get_name(), Background(deliver), self._send_graph)
-        self._robots = LiveRobots(rospy.get_name(), deliver)
+        self._graph = GraphFeed(self._node.name, Background(deliver), self._send_graph)
+        self._robots = LiveRobots(self._node, deliver)
         self._watch.start(
             lambda state: deliver(self._on_state, state),
             lambda uri: deliver(self._on_silence, uri),

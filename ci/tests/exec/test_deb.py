@@ -31,7 +31,7 @@ def test_the_commands_are_those_of_the_page() -> None:
         (["--only", "bake"], "unknown part 'bake': must be one of build, prove, bridge."),
         (["--only"], "--only takes names"),
         (["--only", ","], "--only takes names"),
-        (["bullseye"], "unknown suite 'bullseye'"),
+        (["sid"], "unknown suite 'sid'"),
         (["--other"], "Usage: ci/deb"),
     ],
 )

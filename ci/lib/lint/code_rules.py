@@ -368,6 +368,7 @@ def main() -> int:
             found.append(f"{name}: longer than {LONGEST} lines")
     trees.pop(FRONT_DOOR)  # nobody imports it from within
     found += circles(import_graph(trees))
+    found += front_door.breaches()
     print("\n".join(found))
     return 1 if found else 0
 

@@ -1,5 +1,6 @@
 """What users rely on, as it is: what a running node offers, and what packages have."""
 
+import importlib.util
 import pathlib
 from typing import Any, Dict, List, Set
 from xml.etree import ElementTree
@@ -9,7 +10,10 @@ import roslib.message
 import rosservice
 
 import nodekit
+import nodekit.testing
 
+#: Modules of nodekit that are public beside its own names.
+MODULES = ("entry_point", "lifecycle_states", "master", "message_definitions")
 #: Kinds of registrations, in the order in which the master tells them.
 KINDS = ("publishes", "subscribes", "services")
 
@@ -80,7 +84,17 @@ def of_packages(sources: pathlib.Path) -> Dict[str, Any]:
             for path in sorted((package / kind).glob(f"*.{kind}"))
         },
         "nodekit": sorted(nodekit.__all__),
+        "nodekit modules": sorted(
+            name
+            for name in [*MODULES, *_testing()]
+            if importlib.util.find_spec(f"nodekit.{name}") is not None
+        ),
     }
+
+
+def _testing() -> List[str]:
+    (folder,) = nodekit.testing.__path__
+    return [f"testing.{path.stem}" for path in pathlib.Path(folder).glob("[a-z]*.py")]
 
 
 def arguments(launch_file: pathlib.Path) -> List[str]:

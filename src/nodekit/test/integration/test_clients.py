@@ -185,7 +185,7 @@ class Clients(unittest.TestCase):
 
     def test_no_service_and_none_that_is_one(self) -> None:
         client = self.node.client("nowhere", Trigger)
-        with self.assertRaisesRegex(CallError, f"{self.space}/nowhere cannot be called: nobody"):
+        with self.assertRaisesRegex(CallError, f"{self.space}/nowhere cannot be called: no node"):
             client.call(TriggerRequest())
         began = time.monotonic()
         self.assertFalse(client.wait_for_service(0.2))

@@ -183,8 +183,7 @@ def test_topic_that_changes_its_type(tmp_path: Path) -> None:
 
 
 def refusal(path: Path) -> str:
-    with pytest.raises(BagError) as caught:
-        bag = BagFile(str(path))
+    with pytest.raises(BagError) as caught, BagFile(str(path)) as bag:
         read(bag, {one.topic for one in bag.connections.values()}, 0)
     text = str(caught.value)
     assert str(path) in text and "\n" not in text
@@ -251,7 +250,7 @@ def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
         content[place] = data.draw(st.integers(0, 255))
     path.write_bytes(content[: data.draw(st.none() | st.integers(0, len(content)))])
     try:
-        bag = BagFile(str(path))
-        read(bag, {one.topic for one in bag.connections.values()}, 0)
+        with BagFile(str(path)) as bag:
+            read(bag, {one.topic for one in bag.connections.values()}, 0)
     except BagError as error:
         assert str(path) in str(error)

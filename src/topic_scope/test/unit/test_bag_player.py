@@ -1,7 +1,8 @@
 """What a bag plays, and when, by a clock of the test's own."""
 
+import contextlib
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Callable, Dict, Iterator, List, Tuple
 
 import genpy
 import pytest
@@ -34,13 +35,21 @@ class Clock:
 
 
 @pytest.fixture(scope="module")
-def bag(tmp_path_factory: "pytest.TempPathFactory") -> BagFile:
+def bag(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[BagFile]:
     path = str(tmp_path_factory.mktemp("bags") / "x.bag")
     told = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
     with rosbag.Bag(path, "w", chunk_threshold=500) as file:
         for time, topic in told:
             file.write(topic, Int32(time), genpy.Time(0, BEGIN + time * 10**6))
-    return BagFile(path)
+    with BagFile(path) as made:
+        yield made
+
+
+@pytest.fixture
+def opened() -> Iterator[Callable[[Path], BagFile]]:
+    """Open bags, which are closed when the test has ended."""
+    with contextlib.ExitStack() as stack:
+        yield lambda path: stack.enter_context(BagFile(str(path)))
 
 
 def playing(bag: BagFile, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
@@ -199,7 +208,9 @@ def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagFile) -> None:
     assert player.now() - START == pytest.approx(3.0, abs=1e-6)
 
 
-def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> None:
+def test_a_chunk_that_is_broken_is_named_and_the_others_come(
+    tmp_path: Path, opened: Callable[[Path], BagFile]
+) -> None:
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w", chunk_threshold=200, compression="bz2") as file:
         for number in range(20):
@@ -207,7 +218,7 @@ def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> 
     content = bytearray(path.read_bytes())
     content[content.index(b"BZh") + 20] ^= 0xFF
     path.write_bytes(content)
-    player = playing(BagFile(str(path)), Clock(), "/a", history=60.0)
+    player = playing(opened(path), Clock(), "/a", history=60.0)
     player.seek(START + 20.0)
     loaded(player)
     found = taken(player)["/a"]
@@ -215,14 +226,16 @@ def test_a_chunk_that_is_broken_is_named_and_the_others_come(tmp_path: Path) -> 
     assert "broken" in player.problems[0] and str(path) in player.problems[0]
 
 
-def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path) -> None:
+def test_besides_the_latest_of_each_topic_comes_however_long_ago(
+    tmp_path: Path, opened: Callable[[Path], BagFile]
+) -> None:
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w", chunk_threshold=200) as file:
         for time in range(0, 10001, 100):
             if time in (0, 1000, 9000):
                 file.write("/rare", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
             file.write("/a", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
-    player = playing(BagFile(str(path)), Clock(), "/a", "/rare", history=1.0)
+    player = playing(opened(path), Clock(), "/a", "/rare", history=1.0)
     player.aside.want(["/rare"])
     assert player.lacks_past
     player.seek(START + 8.05)
@@ -232,7 +245,7 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(tmp_path: Path)
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values == [1000] and besides[-1].times[-1] == pytest.approx(START + 1.0)
     # Of others the last seconds, and then what the clock passes.
-    longer = BagPlayer(BagFile(str(path)), 60.0, Clock())
+    longer = BagPlayer(opened(path), 60.0, Clock())
     longer.aside.want(["/a"])
     longer.seek(START + 8.05)
     loaded(longer)

@@ -84,22 +84,16 @@ class BagFile:
         self.path = path
         try:
             self._file = open(path, "rb")
-            version = self._file.readline(80)
         except OSError as error:
             raise BagError(f"{path}: {os.strerror(error.errno or 0)}") from error
-        if not version.startswith(_ANY):
-            raise BagError(f"{path} is not a bag")
-        if version != _MAGIC:
-            shown = version.decode("ascii", "replace").strip()
-            raise BagError(f"{path} begins with {shown}: only bags of version 2.0 can be read")
         try:
-            self._size = self._file.seek(0, 2)
-            self._file.seek(len(_MAGIC))
             self._read_index()
         except _ERRORS as error:
+            self.close()
             raise self.broken(error) from error
-        if not self.connections:
-            raise BagError(f"{path} holds no messages")
+        except BagError:
+            self.close()
+            raise
         self.start = int(self._chunks["start"].min())
         self.end = int(self._chunks["end"].max())
 
@@ -127,6 +121,14 @@ class BagFile:
         return sum(self._counts[number] for number in self.numbers_of(topics))
 
     def _read_index(self) -> None:
+        version = self._file.readline(80)
+        if not version.startswith(_ANY):
+            raise BagError(f"{self.path} is not a bag")
+        if version != _MAGIC:
+            shown = version.decode("ascii", "replace").strip()
+            raise BagError(f"{self.path} begins with {shown}: only bags of version 2.0 can be read")
+        self._size = self._file.seek(0, 2)
+        self._file.seek(len(_MAGIC))
         fields, length = self._record("file")
         if "encryptor" in fields and fields["encryptor"]:
             raise BagError(f"{self.path} is encrypted; this makes a plain one: rosbag decrypt")
@@ -160,6 +162,8 @@ class BagFile:
         names = [("position", "i8"), ("start", "i8"), ("end", "i8")]
         self._chunks = numpy.sort(numpy.array(chunks, names), order="start")
         self.connections = {number: known[number] for number in sorted(self._holding)}
+        if not self.connections:
+            raise BagError(f"{self.path} holds no messages")
 
     def numbers_of(self, topics: Collection[str]) -> List[int]:
         """Return the numbers of the connections of some topics, by their global names."""

@@ -99,12 +99,12 @@ class Silence(ParameterCase):
     def test_unknown_node(self) -> None:
         client = ParameterClient("/client/nobody")
         for ask in (client.describe, client.get, lambda: client.change({"a": 1})):
-            with self.assertRaisesRegex(CallError, "/client/nobody/.*: nobody offers it"):
+            with self.assertRaisesRegex(CallError, "/client/nobody/.*: no node offers it"):
                 ask()
 
     def test_node_without_parameters_of_nodekit(self) -> None:
         slow = self._slow_server("describe")
-        with self.assertRaisesRegex(CallError, "/client/slow/change .*nobody offers it"):
+        with self.assertRaisesRegex(CallError, "/client/slow/change .*no node offers it"):
             ParameterClient("/client/slow").change({"a": 1})
         slow.end()
 

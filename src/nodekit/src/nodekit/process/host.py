@@ -30,7 +30,7 @@ def host(name: str, members: Sequence[Member]) -> None:
 def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     """Have many nodes in one; their parameters are read with a few requests.
 
-    One whose parameters are refused stays down alone, and the log says why.
+    One whose parameters are refused is not started, and the log says why.
 
     :param node: the node that hosts them
     :param members: base name, namespace and class of each

@@ -24,6 +24,26 @@ PATIENCE_S = 10.0
 CLEANUP_S = 60.0
 
 
+def start_with_log(
+    command: List[str], environment: Dict[str, str], log: pathlib.Path, talk: bool = False
+) -> "subprocess.Popen[bytes]":
+    """Start a process in a process group of its own, in the folder of its log.
+
+    :param log: file for its output
+    :param talk: give it pipes for standard input and output
+    """
+    with log.open("wb") as output:
+        return subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.PIPE if talk else subprocess.DEVNULL,
+            stdout=subprocess.PIPE if talk else output,
+            stderr=output,
+            cwd=str(log.parent),
+            start_new_session=True,
+        )
+
+
 class Session:
     """A master on a free port; what was started on it ends with it.
 
@@ -130,16 +150,8 @@ class Session:
         """
         self._numbers += 1
         log = self.directory / f"{self._numbers:03}-{pathlib.Path(command[0]).name}.log"
-        with log.open("wb") as output:
-            process = subprocess.Popen(
-                command,
-                env=self.environment if environment is None else environment,
-                stdin=subprocess.PIPE if talk else subprocess.DEVNULL,
-                stdout=subprocess.PIPE if talk else output,
-                stderr=output,
-                cwd=str(self.directory),
-                start_new_session=True,
-            )
+        variables = self.environment if environment is None else environment
+        process = start_with_log(command, variables, log, talk)
         self._running.append(process)
         self._logs[process.pid] = log
         return process

@@ -7,6 +7,7 @@ import signal
 import subprocess
 from typing import Callable, Dict, List, Optional
 
+from processes import start_with_log
 from steps import end_leftovers
 from surroundings import logs
 
@@ -93,16 +94,8 @@ class Hosts:
         """
         self._numbers += 1
         log = self.directory / f"{self._numbers:03}-{pathlib.Path(command[0]).name}.log"
-        with log.open("wb") as output:
-            process = subprocess.Popen(
-                self.within(host, command),
-                env=environment or self.environment(host),
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                cwd=str(self.directory),
-                start_new_session=True,
-            )
+        variables = environment or self.environment(host)
+        process = start_with_log(self.within(host, command), variables, log)
         self._running.append(process)
         return process
 

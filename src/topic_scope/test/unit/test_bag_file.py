@@ -149,7 +149,6 @@ def test_messages_of_a_range_come_in_order_with_exact_times(
 def test_only_the_topics_asked_for_come(tmp_path: Path) -> None:
     messages = [("/a", Int32(1), 0), ("/b", Int32(2), 1), ("/a", Int32(3), 2), ("/c", Int32(4), 3)]
     with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
-        assert bag.topics == ["/a", "/b", "/c"]
         assert bag.count(["/a", "/c"]) == 3
         found = in_order(list(slices(bag, ["/a", "/c"])))
         first = first_messages(bag)
@@ -169,7 +168,7 @@ def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
 
 def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
     with BagFile(write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])) as bag:
-        assert bag.topics == ["/a"]
+        assert list(first_messages(bag)) == ["/a"]
         found = in_order(list(slices(bag, ["/a"])))
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
 

@@ -108,11 +108,6 @@ class BagFile:
         """The time from the first message to the last of any topic, ns."""
         return self.end - self.start
 
-    @property
-    def topics(self) -> List[str]:
-        """Global names of the topics, sorted."""
-        return sorted({connection.topic for connection in self.connections.values()})
-
     def count(self, topics: Collection[str]) -> int:
         """Return how many messages topics have.
 

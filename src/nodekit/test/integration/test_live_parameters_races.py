@@ -11,7 +11,6 @@ from typing import Any, Callable, Collection, List, Mapping, Optional
 from unittest import mock
 from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 from helpers.parameter_node import GaugeParameters
 
@@ -88,9 +87,7 @@ class Races(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.user = Server()
-        cls.server = MasterWithMoments(
-            rosgraph.get_master_uri(), rospy.get_name(), rospy.get_node_uri()
-        )
+        cls.server = MasterWithMoments(rospy.get_name(), rospy.get_node_uri())
         cls.watcher = Watcher(cls.server)
 
     def setUp(self) -> None:

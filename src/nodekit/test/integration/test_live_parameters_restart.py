@@ -94,7 +94,7 @@ class RestartedMaster(ParameterCase):
         node.wait_for(level=5.0)
         self.master.kill()
         with login_page(urllib.parse.urlsplit(self.master.uri).port):
-            node.wait_for_log("WARN", "the master does not answer", "no XML-RPC")
+            node.wait_for_log("WARN", "the master does not answer", "not XML-RPC")
         self.master.start()
         self.server = Server(self.master.uri)
         self.assert_truth(node, self.server)

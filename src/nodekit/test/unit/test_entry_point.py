@@ -15,9 +15,9 @@ def run_main(tmp_path, text, before=""):
     :param before: lines that the program begins with
     """
     (tmp_path / "some_node.py").write_text(text)
-    program = f"{before}\nimport sys; sys.path.insert(0, {str(tmp_path)!r}); {RUN}"
     return subprocess.run(
-        [sys.executable, "-c", program % "some_node"],
+        [sys.executable, "-c", f"{before}\n{RUN}" % "some_node"],
+        cwd=str(tmp_path),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
@@ -55,8 +55,8 @@ def test_a_node_without_an_output_does_without(tmp_path, closed):
         "    logging.getLogger().error('lost')\n"
         "    sys.exit(5)\n"
     )
-    program = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {RUN}" % "some_node"
-    done = subprocess.run(["sh", "-c", f'exec "$@" {closed}', "sh", sys.executable, "-c", program])
+    command = ["sh", "-c", f'exec "$@" {closed}', "sh", sys.executable, "-c", RUN % "some_node"]
+    done = subprocess.run(command, cwd=str(tmp_path))
     assert done.returncode == 5
 
 

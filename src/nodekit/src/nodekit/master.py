@@ -261,6 +261,11 @@ class MasterClient:
         with self._making_sense(types):
             return {topic: kind for topic, kind in types}
 
+    def lookup_node(self, name: str) -> Optional[str]:
+        """Ask for the URI of a node, None where there is none."""
+        code, _, uri = self.request([("lookupNode", name)])[0]
+        return str(uri) if code == _SUCCESS else None
+
     def lookup_service(self, name: str) -> Optional[str]:
         """Ask for the URI of a service, None where there is none."""
         code, _, uri = self.request([("lookupService", name)])[0]

@@ -1,14 +1,14 @@
 """An observer of the ROS graph for tests: it asks the master and needs no node of its own."""
 
 import os
-from typing import Any, Dict, List, Set, Tuple
+from typing import Any, Dict, Set
 from xmlrpc.client import ServerProxy
 
-import rosgraph
-
+from nodekit.master import MISSING, MasterClient, Registrations
 from nodekit.testing.waiting import wait_until
 
-Registrations = List[Tuple[str, List[str]]]
+#: Longest wait for the master, which tests may keep busy, s.
+_TIMEOUT_S = 30.0
 
 
 class Graph:
@@ -21,7 +21,7 @@ class Graph:
 
     def __init__(self, caller_id: str = "/graph_observer") -> None:
         self._caller_id = caller_id
-        self._master = rosgraph.Master(caller_id)
+        self._master = MasterClient(caller_id, timeout=_TIMEOUT_S)
         self._earlier: Set[str] = set()
         self._earlier = self.nodes()
 
@@ -30,43 +30,44 @@ class Graph:
 
         :param under: start of the names, for one part of the graph
         """
-        state: List[Registrations] = self._master.getSystemState()
-        registered = {node for part in state for _, nodes in part for node in nodes}
+        registered = {
+            node for part in self._master.system_state() for _, nodes in part for node in nodes
+        }
         return {node for node in registered - self._earlier if node.startswith(under)}
 
     def publishers(self, topic: str) -> Set[str]:
         """Return the names of the nodes that publish a topic."""
-        return self._registered(0, topic)
+        return self._registered(self._master.system_state().publishers, topic)
 
     def subscribers(self, topic: str) -> Set[str]:
         """Return the names of the nodes that subscribe to a topic."""
-        return self._registered(1, topic)
+        return self._registered(self._master.system_state().subscribers, topic)
 
     def topics(self) -> Dict[str, str]:
         """Return the type of every topic that anyone has published."""
-        return {name: kind for name, kind in self._master.getTopicTypes()}
+        return self._master.topic_types()
 
     def parameter(self, name: str) -> Any:
         """Return a parameter's value, or a namespace of them as a dict.
 
-        :raises rosgraph.MasterError: when there is none
+        :raises KeyError: when there is none
         """
-        return self._master.getParam(name)
+        value = self._master.read([name]).values[name]
+        if value is MISSING:
+            raise KeyError(name)
+        return value
 
     def parameters(self) -> Set[str]:
         """Return the names of all parameters."""
-        return set(self._master.getParamNames())
+        return set(self._master.request([("getParamNames",)])[0][2])
 
     def set_parameter(self, name: str, value: Any) -> None:
         """Set a parameter."""
-        self._master.setParam(name, value)
+        self._master.write({name: value})
 
     def delete_parameter(self, name: str) -> None:
-        """Delete a parameter.
-
-        :raises rosgraph.MasterError: when there is none
-        """
-        self._master.deleteParam(name)
+        """Delete a parameter, if it is set."""
+        self._master.request([("deleteParam", name)])
 
     def pid(self, node: str) -> int:
         """Return the process id of a running node."""
@@ -111,7 +112,7 @@ class Graph:
 
         The last thing that a node does there is to offer the service that sets its log level.
         """
-        services = {service for service, _ in self._master.getSystemState()[2]}
+        services = {service for service, _ in self._master.system_state().services}
         return all(name + "/set_logger_level" in services for name in names)
 
     def wait_until_heard(self, node: str, topic: str, *hearers: str) -> None:
@@ -171,9 +172,11 @@ class Graph:
             ),
         )
 
-    def _registered(self, part: int, topic: str) -> Set[str]:
-        registrations: Registrations = self._master.getSystemState()[part]
+    def _registered(self, registrations: Registrations, topic: str) -> Set[str]:
         return set(dict(registrations).get(topic, [])) - self._earlier
 
     def _node(self, name: str) -> ServerProxy:
-        return ServerProxy(self._master.lookupNode(name))
+        uri = self._master.lookup_node(name)
+        if uri is None:
+            raise LookupError(f"the master does not know {name}")
+        return ServerProxy(uri)

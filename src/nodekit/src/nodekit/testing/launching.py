@@ -5,7 +5,6 @@ import shlex
 from contextlib import contextmanager
 from typing import Dict, Iterator, NamedTuple, Sequence, Set, Tuple
 
-import rosgraph
 import rospkg
 from roslaunch.parent import ROSLaunchParent
 
@@ -101,7 +100,7 @@ def launched(*commands: str) -> Iterator[Launched]:
     """
     graph = Graph()
     parameters = graph.parameters()
-    run_id = rosgraph.Master("/launched").getParam("/run_id")
+    run_id = graph.parameter("/run_id")
     files = [_file_and_arguments(*shlex.split(command)) for command in commands]
     parent = ROSLaunchParent(run_id, files, show_summary=False)
     launch = Launched(parent, graph)

@@ -80,10 +80,10 @@ class NodeQueries:
         return None
 
     def _look_up(self, node: str) -> str:
-        ((code, text, uri),) = self._master.request([("lookupNode", node)])
-        if code != _SUCCESS:
-            raise LookupError(text)
-        return str(uri)
+        uri = self._master.lookup_node(node)
+        if uri is None:
+            raise LookupError(f"the master does not know {node}")
+        return uri
 
     def _ask(self, uri: str, method: str) -> Any:
         """Call a method of a node's slave API, http://wiki.ros.org/ROS/Slave_API."""

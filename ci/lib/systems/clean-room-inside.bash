@@ -74,6 +74,43 @@ take_by_hand() { # SUITE ROOT
         verdict="what it printed was enough"
 }
 
+# A clone in a workspace of the user's own, with no package but those that ci/exec prints.
+take_workspace() { # SUITE ROOT
+    local command
+    command=$(page_commands docs/tutorials/other_packages.md "All of it in your own workspace" | head -n 1)
+    furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+        by_hand "$2" &&
+        # What the first part of the command would clone is there.
+        succeeds "$2" student offline bash -c "${command#*&& }" &&
+        says_once "tests are left out" &&
+        succeeds "$2" student offline bash -c 'source ~/my_ws/devel/setup.bash && rospack find basic_comms' &&
+        verdict="built with what ci/exec printed"
+}
+
+# A new package is built with what ci/exec installs, and passes its test with what ci/test does.
+take_package() { # SUITE ROOT
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+        by_hand "$2" &&
+        succeeds "$2" student offline ./ci/exec sh -ec \
+            'mkdir -p ~/new_ws/src; cd ~/new_ws; rosrun nodekit new first_robot; catkin_make' &&
+        says_once "tests are left out" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/test &&
+        by_hand "$2" &&
+        succeeds "$2" student offline ./ci/exec sh -ec \
+            'cd ~/new_ws; catkin_make run_tests; catkin_test_results --all build; test -n "$(find build -name "rosunit-*.xml")"' &&
+        verdict="built, and its test passed"
+}
+
+# Expect words in one line of what the last command wrote.
+says_once() { # WORDS
+    [ "$(grep -c "$1" "$log")" = 1 ] && return
+    say "expected '$1' once of the last command"
+    end_of_log
+    return 1
+}
+
 # From the first command until a second one hears the process node.
 take_launch() { # SUITE ROOT
     local began seconds launch heard=no command

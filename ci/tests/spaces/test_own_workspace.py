@@ -90,3 +90,12 @@ def test_what_the_page_says_to_copy_is_all_that_is_needed() -> None:
     assert len(copied) == 4
     for names in copied:
         assert set().union(*map(needed, names)) == set(names)
+
+
+def test_what_the_page_says_of_a_new_package_stands_in_it() -> None:
+    section = PAGE.read_text("utf-8").partition("\nA package made by [rosrun nodekit new]")[2]
+    told = re.findall(r"^<exec_depend>.*$", section, re.MULTILINE)
+    template = SOURCES / "nodekit" / "template" / "package_name" / "package.xml"
+    lines = [line.strip() for line in template.read_text("utf-8").splitlines()]
+    assert "<exec_depend>rospy</exec_depend>" in told
+    assert all(lines.count(line) == 1 for line in told)

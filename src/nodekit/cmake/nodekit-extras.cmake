@@ -1,25 +1,34 @@
 # The tests of a package, where they are expected: pytest on test/unit, rostest on each
 # test/integration/*.test, and a check of the folder launch, as far as there are any. Arguments are
-# passed on to roslaunch_add_file_check.
+# passed on to roslaunch_add_file_check. A build needs neither rostest nor roslaunch: without them
+# there are no tests, and one line says so for all packages of a build.
 #
 #   if(CATKIN_ENABLE_TESTING)
 #     nodekit_tests()
 #   endif()
 #catkin_lint: ignore_once literal_project_name
 macro(nodekit_tests)
-  if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/test/unit)
-    catkin_run_tests_target("pytest" "unit" "pytest-unit.xml"
-      COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
-  endif()
+  find_package(rostest QUIET)
+  find_package(roslaunch QUIET)
+  if(rostest_FOUND AND roslaunch_FOUND)
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/test/unit)
+      catkin_run_tests_target("pytest" "unit" "pytest-unit.xml"
+        COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
+    endif()
 
-  find_package(rostest REQUIRED)
-  file(GLOB rostest_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test)
-  foreach(rostest_file ${rostest_files})
-    add_rostest(${rostest_file})
-  endforeach()
+    file(GLOB rostest_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test)
+    foreach(rostest_file ${rostest_files})
+      add_rostest(${rostest_file})
+    endforeach()
 
-  if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/launch)
-    find_package(roslaunch REQUIRED)
-    roslaunch_add_file_check(launch USE_TEST_DEPENDENCIES ${ARGN})
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/launch)
+      roslaunch_add_file_check(launch USE_TEST_DEPENDENCIES ${ARGN})
+    endif()
+  else()
+    get_property(nodekit_tests_left_out GLOBAL PROPERTY NODEKIT_TESTS_LEFT_OUT)
+    if(NOT nodekit_tests_left_out)
+      message(STATUS "nodekit_tests: the tests are left out, as rostest and roslaunch are not both installed")
+      set_property(GLOBAL PROPERTY NODEKIT_TESTS_LEFT_OUT TRUE)
+    endif()
   endif()
 endmacro()

@@ -15,6 +15,8 @@ import sys
 import tempfile
 from typing import Iterator, List, Tuple
 
+import project
+
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
 #: What changes the clone before the commit, and what has to be good after it.
@@ -87,12 +89,35 @@ def author() -> List[str]:
     return ["-c", f"user.name={name}", "-c", f"user.email={rest.partition('>')[0]}"]
 
 
-def judge(version: str) -> None:
+def judge_project(unpublished: bool) -> None:
+    """Look whether those who get the release can reach its owner.
+
+    :param unpublished: nobody will get it; then what is missing is told only
+    :raises Refused: they cannot
+    """
+    try:
+        missing = project.placeholders(project.read(WORKSPACE))
+    except ValueError as error:
+        raise Refused(str(error)) from None
+    if not missing:
+        return
+    what = f"packaging/project.yaml has placeholders for {', '.join(missing)}"
+    if not unpublished:
+        raise Refused(
+            f"{what}: nobody could reach you. Replace them as that file says,"
+            " or release with --unpublished"
+        )
+    say(f"{what}: replace them before you publish anything")
+
+
+def judge(version: str, unpublished: bool) -> None:
     """Look whether there can be such a release.
 
+    :param unpublished: whether it may have placeholders
     :raises Refused: there cannot
     """
     wanted = number(version)
+    judge_project(unpublished)
     author()
     changed = said("git", "status", "--porcelain")
     if changed:
@@ -191,10 +216,11 @@ def main(arguments: List[str]) -> int:
     """
     parser = argparse.ArgumentParser(prog="ci/release")
     parser.add_argument("--dry-run", action="store_true")
+    parser.add_argument("--unpublished", action="store_true")
     parser.add_argument("version")
     options = parser.parse_args(arguments)
     try:
-        judge(options.version)
+        judge(options.version, options.unpublished)
     except Refused as reason:
         say(str(reason))
         return 125

@@ -12,6 +12,13 @@ import pytest
 from conftest import CI
 
 TITLE = "^^^^^\nTitle\n^^^^^\n\n"
+PROJECT = """maintainer: some body
+email: some@example.org
+security: security@example.org
+website: https://example.org/
+repository: https://example.org/it.git
+bugtracker: https://example.org/it/issues
+"""
 CHECKS = ("test", "clean-room", "deb", "container")
 TODAY = datetime.date.today().isoformat()
 
@@ -22,7 +29,12 @@ class Copy:
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
         self.journal = root.parent / "journal"
-        for name in ("release", "lib/setup/usage.bash", "lib/packages/release.py"):
+        for name in (
+            "release",
+            "lib/setup/usage.bash",
+            "lib/packages/project.py",
+            "lib/packages/release.py",
+        ):
             (root / "ci" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(str(CI / name), str(root / "ci" / name))
         for name in (*CHECKS, "exec"):
@@ -33,6 +45,7 @@ class Copy:
             "exec", '[ "$1" = rostest ] && [ "$ADD_PROMISES" = 1 ] && echo new >>docs/table'
         )
         self.write(".gitignore", "/dist/\n/docs/_build/\n")
+        self.write("packaging/project.yaml", PROJECT)
         self.write("docs/table", "old\n")
         self.write("docs/releases.md", "# Releases\n\n## 1.2.0\n\nGood.\n")
         for name, log in (("one", "Forthcoming\n-----------\n* Add it.\n\n"), ("two", "")):
@@ -202,6 +215,41 @@ def test_what_cannot_be_released_is_refused(copy: Copy, version: str, said: str)
     assert (done.returncode, done.stdout) == (125, "")
     assert said in done.stderr
     assert not copy.journal.exists()
+
+
+def test_nothing_is_released_by_whom_nobody_can_reach(copy: Copy) -> None:
+    placeholder = PROJECT.replace("security@example.org", "security@somewhere.invalid")
+    copy.write("packaging/project.yaml", placeholder.replace("example.org/it/", "not.invalid/"))
+    copy.commit()
+    before = copy.state()
+    for options in ([], ["--dry-run"]):
+        done = copy.release(*options, "1.2.0")
+        assert (done.returncode, done.stdout) == (125, "")
+        assert "project.yaml has placeholders for security, bugtracker: nobody" in done.stderr
+        assert "--unpublished" in done.stderr
+    assert copy.state() == before and not copy.journal.exists()
+
+
+def test_what_is_not_published_may_have_placeholders(copy: Copy) -> None:
+    copy.write("packaging/project.yaml", PROJECT.replace("example.org", "basic-comms.invalid"))
+    copy.commit()
+    done = copy.release("--unpublished", "1.2.0")
+    assert done.returncode == 0, done.stderr
+    assert copy.git("describe").strip() == "1.2.0"
+    told = "has placeholders for email, security, website, repository, bugtracker: replace them"
+    assert f"{told} before you publish anything" in done.stderr
+
+
+def test_a_project_without_placeholders_is_not_told_of_them(copy: Copy) -> None:
+    assert "placeholders" not in copy.release("--unpublished", "--dry-run", "1.2.0").stderr
+
+
+def test_a_project_that_cannot_be_read_is_refused(copy: Copy) -> None:
+    copy.write("packaging/project.yaml", PROJECT.partition("\n")[2])
+    copy.commit()
+    done = copy.release("--unpublished", "1.2.0")
+    assert done.returncode == 125
+    assert "packaging/project.yaml: must have the keys maintainer, email" in done.stderr
 
 
 def test_usage_is_shown() -> None:

@@ -1,0 +1,1 @@
+"""The motor: pure, with time as an argument."""

@@ -1,0 +1,53 @@
+"""The parameters of the motor, under the names that the course gave them."""
+
+from first_order_sys_sim.first_order_plant import PlantSettings
+from nodekit import FloatParameter, ParameterSet, to_float32
+
+
+class SystemParameters(ParameterSet):
+    """What the motor is like and how often it is measured; all of it may change live."""
+
+    system_node_rate = FloatParameter(
+        1000.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
+    )
+    system_sample_time = FloatParameter(
+        0.002,
+        minimum=1e-4,
+        maximum=1e3,
+        unit="s",
+        help="how often the input is sampled, to be held",
+    )
+    system_param_K = FloatParameter(
+        13.1,
+        minimum=-1e6,
+        maximum=1e6,
+        unit="rad/s",
+        help="gain: steady speed for each unit of input",
+    )
+    system_param_T = FloatParameter(
+        0.04, above=0.0, maximum=1e6, unit="s", help="time constant: 63 % of a step pass in it"
+    )
+    system_initial_cond = FloatParameter(
+        0.0,
+        minimum=-1e9,
+        maximum=1e9,
+        unit="rad/s",
+        help="speed at the start; a change puts the speed there",
+    )
+    system_max_speed = FloatParameter(
+        13.0, above=0.0, maximum=1e9, unit="rad/s", help="largest magnitude of the speed"
+    )
+    system_min_input = FloatParameter(
+        0.05, minimum=0.0, maximum=1e9, help="dead zone: an input up to this magnitude acts as 0"
+    )
+
+    @property
+    def plant(self) -> PlantSettings:
+        """What the plant is like."""
+        return PlantSettings(
+            gain=self.system_param_K,
+            time_constant=self.system_param_T,
+            max_output=self.system_max_speed,
+            # Inputs are float32, and the one next to 0.05 is greater than 0.05.
+            min_input=to_float32(self.system_min_input),
+        )

@@ -1,0 +1,52 @@
+"""The set point: what the motor shall do."""
+
+from basic_comms.signals.run_control import RUNNING, RunControl
+from basic_comms.signals.signal_source import SignalSource
+from nodekit import Node, run
+from pid_control.msg import set_point
+from pid_control.set_point_parameters import SetPointParameters
+
+
+class SetPointGenerator:
+    """Publishes the speed that a motor shall have: any waveform, each sample with its time.
+
+    Before the start delay is over and after the duration, and once at the node's end, stop_value
+    goes out.
+
+    :ROS Publishers:
+        - ``set_point`` (pid_control/set_point)
+
+    :ROS Parameters:
+        - those of :class:`.SetPointParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(SetPointParameters)
+        self._source = SignalSource()
+        self._run_control = RunControl()
+        self._elapsed, self._has_ended = 0.0, False
+        self._group = node.default_group
+        self._publisher = node.publisher("set_point", set_point)
+        node.every(lambda: self._settings.values.rate, self._publish)
+        node.before_end(self._end)
+
+    def _publish(self, elapsed: float) -> None:
+        if self._has_ended:
+            return
+        settings = self._settings.values
+        self._elapsed = elapsed
+        status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
+        value = settings.stop_value
+        if status.state == RUNNING:
+            value = self._source.sample(status.time_x, settings).value
+        self._publisher.publish(value, elapsed)
+
+    def _end(self) -> None:
+        with self._group:  # or a sample that is due just now would have the last word
+            self._has_ended = True
+            self._publisher.publish(self._settings.values.stop_value, self._elapsed)
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("set_point_generator", SetPointGenerator)

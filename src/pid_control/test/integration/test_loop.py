@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""The motor, its set point and its controller, as they come, go and are tuned."""
+
+import os
+import signal
+import subprocess
+import unittest
+from typing import Any, Dict
+
+import rospkg
+import rospy
+from rosgraph_msgs.msg import Log
+
+from nodekit import ChangeRefused
+from nodekit.testing.changing import change
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from pid_control.msg import motor_input, motor_output, set_point
+from pid_control_msgs.msg import ControllerTerms
+
+SCRIPTS = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts")
+#: What the course's slide has an input of 7 do: the motor runs at its greatest speed.
+MAX_SPEED = 13.0
+
+
+class Loop(unittest.TestCase):
+    """Each test has a namespace, and in it the nodes that it starts."""
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        self.inputs = Ear(self.space + "/motor_input", motor_input)
+        self.outputs = Ear(self.space + "/motor_output", motor_output)
+        self.log = Ear("/rosout", Log)
+
+    def start(self, name: str, **parameters: Any) -> "subprocess.Popen[bytes]":
+        """Start a node, to be ended after the test."""
+        given = [f"_{key}:={value}" for key, value in parameters.items()]
+        node = subprocess.Popen(
+            [os.path.join(SCRIPTS, name + ".py"), "__ns:=" + self.space, *given]
+        )
+        self.addCleanup(self.end, node, signal.SIGKILL)
+        return node
+
+    def end(self, node: "subprocess.Popen[bytes]", number: int = signal.SIGINT) -> int:
+        """End a node by a signal, and return its exit status."""
+        if node.poll() is None:
+            node.send_signal(number)
+        return node.wait(TIMEOUT_S)
+
+    def start_all(self, **gains: Any) -> Dict[str, "subprocess.Popen[bytes]"]:
+        """Start the loop with a constant set point, and wait until the motor does that."""
+        constant = dict(waveform="constant", amplitude=0.0, offset=4.0, rate=100.0)
+        nodes = {
+            "system": self.start("system"),
+            "set_point_generator": self.start("set_point_generator", **constant),
+            "controller": self.start("controller", **gains),
+        }
+        self.wait_for_speed(4.0)
+        return nodes
+
+    def wait_for_speed(self, speed: float) -> None:
+        """Wait until the latest outputs have all been near a speed."""
+
+        def rests() -> bool:
+            latest = [message.output for message in self.outputs.messages()[-100:]]
+            return len(latest) == 100 and all(abs(value - speed) < 0.02 for value in latest)
+
+        wait_until(rests, lambda: f"outputs are {self.outputs.messages()[-2:]}, not {speed}")
+
+    def wait_for_line(self, text: str) -> Log:
+        return self.log.wait_for(
+            lambda line: text in line.msg and line.name.startswith(self.space + "/")
+        )
+
+    def assert_stands(self) -> None:
+        """Wait until the motor stands, with 0 the last input."""
+        self.outputs.forget()
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+
+    def test_motor_without_a_controller_goes_to_its_greatest_speed(self) -> None:
+        """Course 003-pid-1."""
+        motor = self.start("system")
+        publisher = rospy.Publisher(
+            self.space + "/motor_input", motor_input, queue_size=1, latch=True
+        )
+        standing = self.outputs.wait_for(lambda heard: True)
+        self.assertEqual((standing.output, standing.status), (0.0, "Motor Not Turning"))
+        publisher.publish(7.0, 0.0)
+        turning = self.outputs.wait_for(lambda heard: 0.1 < heard.output < 12.9)
+        self.assertEqual(turning.status, "Motor Turning")
+        fast = self.outputs.wait_for(lambda heard: heard.status == "Motor Max Speed")
+        self.assertEqual(fast.output, MAX_SPEED)
+        times = [heard.time for heard in self.outputs.messages()]
+        self.assertEqual(times, sorted(times))
+        self.assertLess(abs(times[1] - times[0] - 0.001), 1e-6)
+        self.assertEqual(self.end(motor), 0)
+        last = self.outputs.messages()[-1]
+        self.assertEqual((last.output, last.status), (0.0, "Motor Not Turning"))
+
+    def test_dead_zone_and_what_is_not_finite(self) -> None:
+        self.start("system")
+        publisher = rospy.Publisher(
+            self.space + "/motor_input", motor_input, queue_size=1, latch=True
+        )
+        publisher.publish(0.5, 0.0)
+        self.wait_for_speed(6.55)
+        publisher.publish(float("nan"), 0.0)
+        self.wait_for_line("is not finite")
+        self.outputs.forget()
+        self.wait_for_speed(6.55)
+        publisher.publish(0.05, 0.0)
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+
+    def test_controller_has_the_motor_do_what_the_set_point_says(self) -> None:
+        self.start_all()
+        change(self.space + "/set_point_generator", offset=-6.0)
+        self.wait_for_speed(-6.0)
+        answered = {message.time for message in self.inputs.messages()[-50:]}
+        self.assertLessEqual(answered, {message.time for message in self.outputs.messages()})
+
+    def test_gains_change_without_a_jump(self) -> None:
+        self.start_all()
+        terms = Ear(self.space + "/controller/terms", ControllerTerms)
+        terms.wait_for(lambda heard: True)
+        before = self.inputs.messages()[-1].input
+        self.inputs.forget()
+        change(self.space + "/controller", kp=0.02, ki=0.4, mode="PID")
+        terms.forget()
+        heard = terms.wait_for(lambda heard: True)
+        total = heard.proportional + heard.integral + heard.derivative + heard.feed_forward
+        self.assertAlmostEqual(total, heard.unlimited, delta=1e-12)
+        self.assertAlmostEqual(heard.output, heard.unlimited, delta=1e-12)
+        # The integral has taken up the old gain's share: with 0.08 the error would be that large.
+        worst = max(abs(message.input - before) for message in self.inputs.messages())
+        self.assertLess(worst, 0.01)
+        terms.close()
+
+    def test_not_enabled_it_stops_the_motor_and_says_no_more(self) -> None:
+        self.start_all()
+        change(self.space + "/controller", enabled=False)
+        self.assert_stands()
+        self.inputs.forget()
+        self.outputs.forget()
+        wait_until(lambda: self.outputs.count() > 100, lambda: "no outputs")
+        self.assertEqual(self.inputs.messages(), [])
+        change(self.space + "/controller", enabled=True)
+        self.wait_for_speed(4.0)
+
+    def test_controller_that_ends_stops_the_motor(self) -> None:
+        nodes = self.start_all()
+        self.assertEqual(self.end(nodes["controller"]), 0)
+        self.assert_stands()
+
+    def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
+        nodes = self.start_all()
+        self.end(nodes["system"], signal.SIGKILL)
+        self.wait_for_line("nothing for 0.5 s: the input is 0")
+        self.inputs.wait_for(lambda heard: heard.input == 0.0)
+        self.inputs.forget()
+        self.outputs.forget()
+        self.start("system")
+        self.wait_for_speed(4.0)
+        # The integral of before is gone: the first answer is the proportional term's.
+        self.assertAlmostEqual(self.inputs.messages()[0].input, 4.0 * 0.08, delta=1e-6)
+
+    def test_limits_in_the_wrong_order_are_refused_and_nothing_changes(self) -> None:
+        self.start_all()
+        with self.assertRaisesRegex(ChangeRefused, "output_min must be below output_max"):
+            change(self.space + "/controller", output_min=2.0)
+        self.wait_for_speed(4.0)
+
+    def test_manual_output_goes_out_and_is_limited(self) -> None:
+        """Course 003-pid-3."""
+        self.start_all()
+        change(self.space + "/controller", mode="manual", manual_output=0.5)
+        self.wait_for_speed(6.55)
+        change(self.space + "/controller", manual_output=-3.0)
+        self.inputs.wait_for(lambda heard: heard.input == -1.0)
+        change(self.space + "/controller", mode="PI")
+        self.wait_for_speed(4.0)
+
+    def test_names_of_the_course_are_taken_where_ours_are_not_set(self) -> None:
+        """Course 003-pid-2."""
+        rospy.set_param(self.space + "/system_param_K", 5.0)
+        rospy.set_param(self.space + "/system_max_speed", 4.0)
+        arguments = ["__ns:=" + self.space, "_system_max_speed:=6.0"]
+        node = Process(os.path.join(SCRIPTS, "system.py"), arguments)
+        self.addCleanup(node.end)
+        # /rosout may not be connected yet when a node says its first words.
+        node.wait_for_log(f"takes the course's names: {self.space}/system_param_K: 5.0")
+        self.outputs.wait_for(lambda heard: True)
+        self.assertEqual(rospy.get_param(self.space + "/system/system_param_K"), 5.0)
+        self.assertEqual(rospy.get_param(self.space + "/system/system_max_speed"), 6.0)
+
+    def test_set_point_carries_its_time_and_ends_with_its_stop_value(self) -> None:
+        heard = Ear(self.space + "/set_point", set_point)
+        node = self.start("set_point_generator", rate=50.0, offset=3.0, stop_value=-1.0)
+        heard.wait_for(lambda message: message.time > 0.5)
+        self.assertEqual(self.end(node), 0)
+        times = [message.time for message in heard.messages()]
+        self.assertEqual(times, sorted(times))
+        self.assertEqual(heard.messages()[-1].setPoint, -1.0)
+        heard.close()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_loop")
+    rosrun("pid_control", "loop", Loop)

@@ -1,0 +1,23 @@
+"""The controller's parameters: what the law is given, and what is refused."""
+
+import pytest
+
+from nodekit import ParameterError
+from pid_control.law.controller_parameters import ControllerParameters
+from pid_control.law.pid import PidSettings
+
+
+def test_law_gets_each_of_them_by_its_name() -> None:
+    values = {
+        name: number / 16.0
+        for number, name in enumerate(PidSettings._fields)
+        if name not in ("mode", "anti_windup")
+    }
+    values["output_min"] = -2.0
+    given = ControllerParameters(mode="P", anti_windup="none", **values)
+    assert given.pid._asdict() == {**values, "mode": "P", "anti_windup": "none"}
+
+
+def test_limits_must_be_in_order() -> None:
+    with pytest.raises(ParameterError, match="output_min must be below output_max"):
+        ControllerParameters(output_min=1.0)

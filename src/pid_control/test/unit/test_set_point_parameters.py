@@ -1,0 +1,9 @@
+"""The set point's parameters: those of a signal, but for what has no meaning here."""
+
+from basic_comms.signals.signal_parameters import SignalParameters
+from pid_control.set_point_parameters import SetPointParameters
+
+
+def test_they_are_a_signals_and_it_starts_by_itself() -> None:
+    assert set(SetPointParameters.declared) == set(SignalParameters.declared) - {"autostart"}
+    assert SetPointParameters(waveform="square").autostart is True

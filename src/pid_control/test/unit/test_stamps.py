@@ -1,0 +1,49 @@
+"""Stamps that follow, repeat themselves, are missing, or begin anew."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pid_control.law.stamps import FIRST, GAP, LATE, NEXT, RESTART, StampJudge
+
+LONGEST = 0.5
+
+
+@pytest.mark.parametrize(
+    "stamp, kind, interval",
+    [
+        (2.01, NEXT, 0.01),
+        (2.5, NEXT, 0.5),
+        (2.6, GAP, 0.0),
+        (2.0, LATE, 0.0),
+        (1.5, LATE, 0.0),
+        (1.4, RESTART, 0.0),
+        (0.0, RESTART, 0.0),
+    ],
+)
+def test_stamp_is_judged_by_the_one_before(stamp: float, kind: str, interval: float) -> None:
+    judge = StampJudge()
+    assert judge.judge(2.0, LONGEST) == (FIRST, 0.0)
+    got = judge.judge(stamp, LONGEST)
+    assert got.kind == kind
+    assert got.interval == pytest.approx(interval)
+
+
+def test_late_stamp_changes_nothing() -> None:
+    judge = StampJudge()
+    judge.judge(2.0, LONGEST)
+    judge.judge(1.9, LONGEST)
+    assert judge.judge(2.01, LONGEST).interval == pytest.approx(0.01)
+
+
+@given(st.lists(st.floats(-1e6, 1e6)))
+def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list) -> None:
+    judge, begun, total = StampJudge(), 0.0, 0.0
+    for stamp in stamps:
+        kind, interval = judge.judge(stamp, LONGEST)
+        assert 0.0 <= interval <= LONGEST
+        if kind in (FIRST, RESTART):
+            begun, total = stamp, 0.0
+        if kind != LATE:
+            total += interval
+            assert total <= stamp - begun + 1e-6

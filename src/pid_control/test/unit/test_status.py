@@ -1,0 +1,21 @@
+"""What a motor says at which speed."""
+
+import pytest
+
+from pid_control.motor.status import MAX_SPEED, NOT_TURNING, TURNING, status_of
+
+
+@pytest.mark.parametrize(
+    "speed, status",
+    [
+        (13.0, MAX_SPEED),
+        (-13.0, MAX_SPEED),
+        (12.999, TURNING),
+        (-0.014, TURNING),
+        (0.013, NOT_TURNING),
+        (-0.012, NOT_TURNING),
+        (0.0, NOT_TURNING),
+    ],
+)
+def test_status_goes_by_the_speed_of_either_sign(speed: float, status: str) -> None:
+    assert status_of(speed, 13.0) == status

@@ -60,5 +60,5 @@ def test_a_client_builds_the_same_parameter_from_the_description() -> None:
 
 
 def test_a_table_shows_them_as_they_are_typed() -> None:
-    row = as_table(describe(Lock())).split("\n")[0]
+    row = as_table(describe(Lock()), 80).split("\n")[0]
     assert row.split() == "key = [0, 255] bytes at most 4 bytes what opens it".split()

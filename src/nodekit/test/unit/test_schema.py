@@ -86,7 +86,7 @@ def test_what_is_read_once_is_marked_with_when_a_change_takes_effect() -> None:
         assert device["takes_effect"] == expected
         assert device["help"] == f"the port; takes effect {expected}"
         assert (gain["takes_effect"], gain["help"]) == ("at once", "a gain")
-        first, second = as_table(description).splitlines()
+        first, second = as_table(description, 80).splitlines()
         assert first.endswith(f"  the port; takes effect {expected}")
         assert second.endswith("  a gain")
 
@@ -246,13 +246,74 @@ def test_yaml_is_readable() -> None:
 
 
 def test_a_table_has_a_row_for_each_parameter() -> None:
-    rows = as_table(describe(Gauge())).split("\n")
+    lines = as_table(describe(Gauge()), 200).split("\n")
+    rows = [line for line in lines if "= " in line]
     assert len(rows) == len(Gauge.declared)
     assert rows[1].split() == "level = 0.25 float (0, 1e+10] step 0.25 a level".split()
     marks = rows[list(Gauge.declared).index("marks")]
     assert marks.split() == "marks = [1.0] list 0 to 3 of (0.1, inf) marks".split()
     assert len({row.index("= ") for row in rows}) == 1
-    assert as_table([]) == ""
+    assert as_table([], 80) == ""
+
+
+WAVES = tuple(f"{letter}_wave" for letter in "abcdefghijklmnopqrstuvwxyz")
+
+
+class Generator(ParameterSet):
+    """A long list of choices between short parameters."""
+
+    rate = FloatParameter(10.0, minimum=0.0, maximum=1e4, unit="Hz", help="samples per second")
+    wave = EnumParameter("a_wave", choices=WAVES, help="its form, which may change while it runs")
+    gain = FloatParameter(1.0, help="how much " * 12)
+
+
+def test_a_long_list_of_choices_sets_no_width() -> None:
+    lines = as_table(describe(Generator()), 80).split("\n")
+    assert max(map(len, lines)) <= 80
+    rate, wave, gain = (
+        next(number for number, line in enumerate(lines) if line.startswith(f"  {name} "))
+        for name in Generator.declared
+    )
+    first = lines[rate]
+    assert first.split() == "rate = 10.0 float [0, 10000] Hz samples per second".split()
+    # What goes on below stands in its own column.
+    second, third = first.index("float"), first.index("samples")
+    assert all(line[:second].strip() == "" for line in lines[wave + 1 : gain])
+    told = " ".join(line[second:third] for line in lines[wave:gain])
+    assert told.split() == ("enum {" + ", ".join(WAVES) + "}").split()
+    helped = " ".join(line[third:] for line in lines[gain:])
+    assert helped.split() == ["how", "much"] * 12
+
+
+def test_help_that_has_no_room_stands_below() -> None:
+    lines = as_table(describe(Generator()), 50).split("\n")
+    assert max(map(len, lines)) <= 50
+    assert lines[0].split() == "rate = 10.0 float [0, 10000] Hz".split()
+    assert lines[1] == "      samples per second"
+    assert lines[2].startswith("  wave  = a_wave  enum {")
+
+
+@pytest.mark.parametrize("width", [20, 62, 66, 80, 120, 1000])
+def test_a_table_says_the_same_in_any_width(width: int) -> None:
+    def signs(text: str) -> str:
+        return "".join(sorted(text.replace(" ", "").replace("\n", "")))
+
+    for values in (Gauge(), Generator()):
+        wide, table = as_table(describe(values), 10000), as_table(describe(values), width)
+        assert signs(table) == signs(wide)
+        # The longest name, a value and a kind at their widest, and what is between them.
+        least = max(map(len, values.declared)) + 2 * 24 + 3 * 2 + 2
+        assert max(map(len, table.split("\n"))) <= max(width, least)
+
+
+def test_a_table_shows_values_whole() -> None:
+    class Long(ParameterSet):
+        text = StringParameter("one\ntwo", help="")
+        numbers = ListParameter([1.5] * 40, element=FloatParameter(0.0, help=""), help="")
+
+    text, *numbers = as_table(describe(Long()), 1000).split("\n")
+    assert text.split() == ["text", "=", '"one\\ntwo"', "str"]
+    assert " ".join(numbers).count("1.5") == 40
 
 
 def test_a_description_is_read_as_it_was_sent() -> None:

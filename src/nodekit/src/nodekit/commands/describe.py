@@ -1,6 +1,7 @@
 """The command ``rosrun nodekit describe NAMESPACE``."""
 
 import argparse
+import shutil
 import sys
 from concurrent import futures
 from typing import List
@@ -23,7 +24,10 @@ _TOGETHER = 50
 
 
 def main() -> None:
-    """Print what the nodes below a namespace say of their parameters."""
+    """Print what the nodes below a namespace say of their parameters.
+
+    A table is as wide as the terminal, 80 columns where there is none, or COLUMNS.
+    """
     parser = argparse.ArgumentParser(
         prog="describe",
         description="Describe the parameters of running nodes: value, type, range, unit and help.",
@@ -50,11 +54,12 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, those that are slow to answer last; tell whether all have answered."""
     calls = {name: call_service(f"{name}/{DESCRIBE}", Trigger) for name in names}
     _, late = futures.wait(calls.values(), _ORDER_S)
+    columns = shutil.get_terminal_size().columns
     missing = 0
     for name in sorted(names, key=lambda name: (calls[name] in late, name)):
         try:
             entries = description_in(calls[name].result().message)
-            text = f"{name}\n{as_table(entries)}\n"
+            text = f"{name}\n{as_table(entries, columns)}\n"
         except CallError as error:
             print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1

@@ -1,0 +1,65 @@
+"""The command describe fits the terminal that it prints to."""
+
+import os
+import sys
+from concurrent.futures import Future
+from typing import Any
+
+import pytest
+from std_srvs.srv import TriggerResponse
+
+from nodekit import BoolParameter, ParameterSet
+from nodekit.commands import describe as command
+from nodekit.parameters.schema import as_yaml, describe
+
+
+class Switch(ParameterSet):
+    """A parameter with much to say."""
+
+    on = BoolParameter(True, help="on or off, " * 30)
+
+
+@pytest.fixture
+def lines(monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]") -> Any:
+    """The lines that describe a node, without a graph."""
+
+    class Master:
+        def __init__(self, _name: str) -> None:
+            pass
+
+        def namespaces_offering(self, _service: str, namespace: str) -> Any:
+            return [namespace.rstrip("/")]
+
+    def answer(*_arguments: Any) -> "Future[TriggerResponse]":
+        future: "Future[TriggerResponse]" = Future()
+        future.set_result(TriggerResponse(True, as_yaml(describe(Switch()))))
+        return future
+
+    def printed() -> Any:
+        with pytest.raises(SystemExit) as ended:
+            command.main()
+        assert ended.value.code == 0
+        return capsys.readouterr().out.splitlines()
+
+    monkeypatch.setattr(command, "MasterClient", Master)
+    monkeypatch.setattr(command, "call_service", answer)
+    monkeypatch.setattr(sys, "argv", ["describe", "/switch"])
+    return printed
+
+
+def test_it_is_as_wide_as_the_terminal(monkeypatch: "pytest.MonkeyPatch", lines: Any) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    assert 90 < max(map(len, lines())) <= 100
+    monkeypatch.setenv("COLUMNS", "1000")
+    assert len(lines()) == 2
+
+
+def test_a_pipe_has_80_columns(monkeypatch: "pytest.MonkeyPatch", lines: Any) -> None:
+    def refuse(_descriptor: int) -> os.terminal_size:
+        raise OSError("no terminal")
+
+    monkeypatch.delenv("COLUMNS", raising=False)
+    monkeypatch.setattr(os, "get_terminal_size", refuse)
+    node, *table = lines()
+    assert node == "/switch"
+    assert len(table) > 1 and 70 < max(map(len, table)) <= 80

@@ -34,6 +34,7 @@ class Reader:
         self._port, self._scope_port = free_ports(2)
         self._environment = dict(
             os.environ,
+            COLUMNS="80",
             HOME=self._home.name,
             PYTHONUNBUFFERED="1",
             ROS_MASTER_URI=f"http://localhost:{self._port}",

@@ -42,8 +42,8 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 #: Most characters that a value, and a kind, set as the width of their column of a table.
 _WIDEST_VALUE = 24
 _WIDEST_KIND = 30
-#: The room that the help needs beside them, and a kind in any case; and what stands before help that
-#: is below them.
+#: The room that the help needs beside them, and a kind in any case; and what stands before help
+#: that is below them.
 _LEAST = 24
 _BELOW = " " * 6
 _NUMBERS = ("minimum", "maximum", "above", "below", "step", "min_length", "max_length")

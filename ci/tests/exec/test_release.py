@@ -44,7 +44,7 @@ class Copy:
         self.script(
             "exec", '[ "$1" = rostest ] && [ "$ADD_PROMISES" = 1 ] && echo new >>docs/table'
         )
-        self.write(".gitignore", "/dist/\n/docs/_build/\n")
+        self.write(".gitignore", "/dist/\n/docs/_build/\n__pycache__/\n")
         self.write("packaging/project.yaml", PROJECT)
         self.write("docs/table", "old\n")
         self.write("docs/releases.md", "# Releases\n\n## 1.2.0\n\nGood.\n")

@@ -122,7 +122,7 @@ class NodeLife(unittest.TestCase):
                 "signal_generator",
                 "/signal_generator/enable:=/signal_generator/reset",
             ): "service /signal_generator/reset: refused: this process offers it already",
-            ("talker", '_rate:={a: [1"'): "argument '_rate:={a: [1\"': must have one value in YAML",
+            ("talker", '_rate:={a: [1"'): "argument '_rate:={a: [1\"': must have one YAML value",
         }
         for (node, argument), sentence in cases.items():
             with self.subTest(node=node), self.started(node, argument) as process:

@@ -274,7 +274,8 @@ class ParametersDemo(unittest.TestCase):
         # What is binary is taken and written back as a list: rosparam could not dump it.
         self.server.set(f"{node}/blob", b"ab")
         self.server.wait_for(f"{node}/blob", [97, 98])
-        self.wait_for_log(node, "^Limits: speed up to 1.5, turn up to 2$")
+        # Said at the start, when /rosout may not be connected yet.
+        self.processes["parameter_types"].wait_for_log("Limits: speed up to 1.5, turn up to 2")
         self.server.set(f"{node}/limits/turn", 3)
         self.wait_for_log(node, "^Limits: speed up to 1.5, turn up to 3$")
         self.assert_starts_again("parameter_types", {**OTHERS, "blob": [97, 98]})

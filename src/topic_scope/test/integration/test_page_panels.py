@@ -33,8 +33,21 @@ _CONTROLS = (
     ".filter((one) => one.checkVisibility() && !one.matches(':disabled'))"
 )
 _ROLES = (
-    *("button", "checkbox", "combobox", "textbox", "searchbox", "slider", "spinbutton", "link"),
-    *("ColorWell", "DisclosureTriangle", "dialog", "table", "region", "image", "group"),
+    "button",
+    "checkbox",
+    "combobox",
+    "textbox",
+    "searchbox",
+    "slider",
+    "spinbutton",
+    "link",
+    "ColorWell",
+    "DisclosureTriangle",
+    "dialog",
+    "table",
+    "region",
+    "image",
+    "group",
 )
 
 
@@ -271,7 +284,8 @@ class Panels(PageTest):
         talker = subprocess.Popen(
             [
                 roslib.packages.find_node("basic_comms", "talker.py")[0],
-                *("__ns:=/lab/desk", "_managed:=true"),
+                "__ns:=/lab/desk",
+                "_managed:=true",
             ]
         )
         try:

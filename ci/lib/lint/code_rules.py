@@ -29,6 +29,7 @@ SIBLINGS: Dict[str, Set[str]] = {
         "first_order_sys_sim",
         "basic_comms.signals",
     },
+    "serial_link": {"nodekit", "first_order_sys_sim"},
     "diff_drive_sim": {"nodekit"},
     "topic_scope": {"lifecycle_msgs", "nodekit", "nodekit_msgs"},
     "parameters_demo": {"nodekit", "parameters_demo_msgs"},
@@ -79,6 +80,19 @@ ROOMS: Dict[str, List[str]] = {
     ],
     "motor_control": ["enable_sequence", "motor_enabler", "motor_parameters", "nodes"],
     "pid_control": ["motor", "law", "course_names", "set_point_parameters", "nodes"],
+    "serial_link": [
+        "framing",
+        "negotiation",
+        "device",
+        "host",
+        "hardware",
+        "board",
+        "link",
+        "endpoints",
+        "serial_parameters",
+        "board_parameters",
+        "nodes",
+    ],
     "my_robot_package": ["robot_parameters", "nodes"],
     "humanoid_robot_bringup": ["robot_control"],
     "lifecycle_demo": ["nodes"],
@@ -152,6 +166,7 @@ ROOMS: Dict[str, List[str]] = {
 #: Rooms that do not know each other, whatever their order.
 INDEPENDENT: Dict[str, List[Set[str]]] = {
     "ros2_bridge": [{"ros1", "ros2"}, {"topics", "services", "parameters"}],
+    "serial_link": [{"device", "host"}, {"hardware", "board"}],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
@@ -193,6 +208,11 @@ PURE = (
     "launch_files_demo.temperature",
     "pid_control.motor",
     "pid_control.law",
+    "serial_link.framing",
+    "serial_link.negotiation",
+    "serial_link.device",
+    "serial_link.host",
+    "serial_link.endpoints.parameter_values",
     "bot_controller_demo.laws",
     "bot_controller_demo.teleop.keys",
     "ros2_bridge.types.twins",

@@ -1,0 +1,1 @@
+"""Microcontrollers on a ROS graph, by the protocol of rosserial."""

@@ -1,0 +1,163 @@
+"""The board's end of the cable."""
+
+import os
+import select
+import socket
+import termios
+import tty
+from typing import Optional, Protocol
+
+_READ_AT_ONCE = 4096
+
+
+class End(Protocol):
+    """Where the board is plugged in. Nothing of it raises: a board knows nothing of its cable."""
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether the cable is in."""
+        ...
+
+    def plug(self) -> None:
+        """Plug the cable in; without effect where that is not possible yet."""
+        ...
+
+    def unplug(self) -> None:
+        """Pull the cable out."""
+        ...
+
+    def wait(self, timeout: float) -> None:
+        """Wait until something has arrived, for at most a time, s."""
+        ...
+
+    def read(self) -> bytes:
+        """Return what has arrived; nothing if nothing has."""
+        ...
+
+    def write(self, data: bytes) -> None:
+        """Send bytes; lost where nobody takes them."""
+        ...
+
+
+class PtyEnd:
+    """A pseudo terminal behind a link, as /dev/serial/by-id has for an adapter: the link stays,
+    and the terminal's number is another one each time.
+
+    :param link: path of the link
+    """
+
+    def __init__(self, link: str) -> None:
+        self._link = link
+        self._fd: Optional[int] = None
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether there is a terminal."""
+        return self._fd is not None
+
+    def plug(self) -> None:
+        """Make a terminal, and the link to it.
+
+        :raises OSError: if the link cannot be made there
+        """
+        fd, terminal = os.openpty()
+        tty.setraw(terminal)  # or it would echo what the board sends before a host has it open
+        path = os.ttyname(terminal)
+        os.close(terminal)
+        os.set_blocking(fd, False)
+        self._fd = fd
+        os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
+        if os.path.islink(self._link):  # of a board that was killed; anything else stays
+            os.unlink(self._link)
+        os.symlink(path, self._link)
+
+    def unplug(self) -> None:
+        """Remove the terminal and the link."""
+        fd, self._fd = self._fd, None
+        if fd is not None:
+            os.close(fd)
+            if os.path.islink(self._link):
+                os.unlink(self._link)
+
+    def wait(self, timeout: float) -> None:
+        """Wait for bytes; see :class:`End`."""
+        poll = select.poll()
+        if self._fd is not None:
+            poll.register(self._fd, select.POLLIN)
+        found = poll.poll(1000.0 * timeout)
+        if found and not found[0][1] & select.POLLIN:
+            select.select([], [], [], timeout)  # nobody has it open, of which it tells at once
+
+    def read(self) -> bytes:
+        """Return bytes; see :class:`End`."""
+        try:
+            return os.read(self._fd, _READ_AT_ONCE) if self._fd is not None else b""
+        except OSError:  # nothing there, or nobody has it open
+            return b""
+
+    def write(self, data: bytes) -> None:
+        """Send bytes; see :class:`End`."""
+        try:
+            if self._fd is not None:
+                os.write(self._fd, data)
+        except (OSError, termios.error):
+            pass  # nobody reads: a serial line loses them as well
+
+
+class TcpEnd:
+    """A connection to the port of a host, as a board with Wi-Fi has.
+
+    :param address: of the host
+    :param port: TCP port
+    """
+
+    def __init__(self, address: str, port: int) -> None:
+        self._address = (address, port)
+        self._socket: Optional[socket.socket] = None
+
+    @property
+    def is_plugged(self) -> bool:
+        """Whether there is a connection."""
+        return self._socket is not None
+
+    def plug(self) -> None:
+        """Connect, if somebody listens."""
+        try:
+            connected = socket.create_connection(self._address, 0.2)
+            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connected.settimeout(0.0)
+            self._socket = connected
+        except OSError:
+            self._socket = None
+
+    def unplug(self) -> None:
+        """Close the connection."""
+        connected, self._socket = self._socket, None
+        if connected is not None:
+            connected.close()
+
+    def wait(self, timeout: float) -> None:
+        """Wait for bytes; see :class:`End`."""
+        select.select([self._socket] if self._socket else [], [], [], timeout)
+
+    def read(self) -> bytes:
+        """Return bytes; see :class:`End`. At the host's end of the connection, it is unplugged."""
+        if self._socket is None:
+            return b""
+        try:
+            data = self._socket.recv(_READ_AT_ONCE)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            data = b""
+        if not data:
+            self.unplug()
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send bytes; see :class:`End`."""
+        try:
+            if self._socket is not None:
+                self._socket.sendall(data)
+        except OSError:  # it is full, or gone: half a frame is what the host has to live with
+            pass

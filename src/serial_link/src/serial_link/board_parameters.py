@@ -1,0 +1,75 @@
+"""The parameters of the simulated board."""
+
+from first_order_sys_sim.first_order_plant import PlantSettings
+from nodekit import (
+    BoolParameter,
+    FloatParameter,
+    IntParameter,
+    ParameterSet,
+    StringParameter,
+    read_once,
+)
+from serial_link.board.simulation import Faults
+
+
+class BoardParameters(ParameterSet):
+    """Where the board is plugged in, its motor, what is done at it, and what is wrong with it."""
+
+    link = read_once(
+        StringParameter(
+            "/tmp/simulated_board",
+            help="path of the link to its serial port; empty for one that connects by TCP",
+        )
+    )
+    tcp_address = read_once(StringParameter("localhost", help="host that it connects to, with TCP"))
+    tcp_port = read_once(
+        IntParameter(11411, minimum=1, maximum=65535, help="port that it connects to, with TCP")
+    )
+    baud = read_once(
+        IntParameter(57600, minimum=0, maximum=4000000, unit="Bd", help="its pace; 0 for no limit")
+    )
+    buffer_size = read_once(
+        IntParameter(512, minimum=64, maximum=32767, unit="B", help="of messages, either way")
+    )
+    boot_time = FloatParameter(
+        0.2, minimum=0.0, maximum=60.0, unit="s", help="from a reset until the sketch runs"
+    )
+    rate = FloatParameter(
+        100.0, minimum=0.1, maximum=2000.0, unit="Hz", help="of motor_output, from the next reset"
+    )
+    gain = FloatParameter(
+        13.1, minimum=-1e3, maximum=1e3, unit="rad/s", help="speed at the full pulse width"
+    )
+    time_constant = FloatParameter(
+        0.04, above=0.0, maximum=1e3, unit="s", help="of the motor: 63 % of a step pass in it"
+    )
+    max_speed = FloatParameter(
+        13.0, above=0.0, maximum=1e6, unit="rad/s", help="largest magnitude of the speed"
+    )
+    dead_zone = FloatParameter(
+        0.05, minimum=0.0, maximum=1.0, help="of the driver: a share up to this moves nothing"
+    )
+    counts_per_turn = read_once(
+        IntParameter(1320, minimum=1, maximum=1000000, help="of the encoder at the shaft")
+    )
+    button = BoolParameter(False, help="whether it is pressed")
+    potentiometer = FloatParameter(0.5, minimum=0.0, maximum=1.0, help="where it stands")
+    plugged = BoolParameter(True, help="whether the cable is in")
+    noise = FloatParameter(0.0, minimum=0.0, maximum=1.0, help="share of the bytes it damages")
+    stalled = BoolParameter(False, help="whether the sketch stands still")
+    floods = BoolParameter(
+        False, help="whether motor_output comes as often as the line takes it, from the next reset"
+    )
+    wrong_md5 = StringParameter(
+        "", help="topic whose header is of another message, from the next reset; empty for none"
+    )
+
+    @property
+    def plant(self) -> PlantSettings:
+        """What the motor is like."""
+        return PlantSettings(self.gain, self.time_constant, self.max_speed, self.dead_zone)
+
+    @property
+    def faults(self) -> Faults:
+        """What is wrong."""
+        return Faults(self.noise, self.stalled, self.plugged)

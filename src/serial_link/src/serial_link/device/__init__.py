@@ -1,0 +1,1 @@
+"""The side of a board: what a microcontroller with rosserial does. Pure."""

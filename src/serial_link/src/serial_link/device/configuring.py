@@ -1,0 +1,47 @@
+"""Whether a board publishes, as a table: what rosserial's library for boards does."""
+
+from typing import Dict, NamedTuple, Tuple
+
+#: States: it was not asked for its topics since its start; it was, and publishes.
+WAITING, CONFIGURED = "waiting", "configured"
+STATES = (WAITING, CONFIGURED)
+
+#: Events: frames that ask for the topics, tell the time, have it stop, or carry anything else; the
+#: beginning of a frame of another version; it is time to ask for the time, or it was not told for
+#: so long that the host is gone.
+WANTED, TIME_TOLD, STOPPED, MESSAGE = "wanted", "time told", "stopped", "message"
+OTHER_VERSION, TIME_DUE, FORGOTTEN = "other version", "time due", "forgotten"
+EVENTS = (WANTED, TIME_TOLD, STOPPED, MESSAGE, OTHER_VERSION, TIME_DUE, FORGOTTEN)
+
+#: Actions, in their order.
+ASK_TIME, NEGOTIATE, SET_TIME, DELIVER = "ask time", "negotiate", "set time", "deliver"
+
+
+class Move(NamedTuple):
+    """What follows from an event.
+
+    :param state: the next state
+    :param actions: what to do, in order
+    """
+
+    state: str
+    actions: Tuple[str, ...] = ()
+
+
+TABLE: Dict[Tuple[str, str], Move] = {
+    (WAITING, WANTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (WAITING, OTHER_VERSION): Move(WAITING, (ASK_TIME,)),
+    (WAITING, TIME_TOLD): Move(WAITING, (SET_TIME,)),
+    (WAITING, MESSAGE): Move(WAITING, (DELIVER,)),
+    (CONFIGURED, WANTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (CONFIGURED, TIME_TOLD): Move(CONFIGURED, (SET_TIME,)),
+    (CONFIGURED, MESSAGE): Move(CONFIGURED, (DELIVER,)),
+    (CONFIGURED, STOPPED): Move(WAITING),
+    (CONFIGURED, TIME_DUE): Move(CONFIGURED, (ASK_TIME,)),
+    (CONFIGURED, FORGOTTEN): Move(WAITING),
+}
+
+
+def move(state: str, event: str) -> Move:
+    """Return what follows from an event in a state; without a row in the table, nothing does."""
+    return TABLE.get((state, event), Move(state))

@@ -1,0 +1,197 @@
+"""A board with rosserial's library and a sketch."""
+
+from typing import Dict, List, NamedTuple, Protocol, Sequence, Tuple
+
+from serial_link.device import configuring
+from serial_link.device.receiver import Receiver
+from serial_link.framing.frames import encode
+from serial_link.negotiation import payloads
+from serial_link.negotiation.payloads import (
+    LOG,
+    PARAMETER,
+    PUBLISHER,
+    SERVICE_CLIENT,
+    SERVICE_SERVER,
+    STOP,
+    SUBSCRIBER,
+    TIME,
+    TopicInfo,
+)
+
+#: The first id of what the board receives, and of what it sends.
+_FIRST_SUBSCRIBER, _FIRST_PUBLISHER = 100, 125
+#: How often it asks for the time, and how long it goes on without, s.
+TIME_EVERY_S, FORGOTTEN_S = 2.5, 11.0
+
+
+class Declared(NamedTuple):
+    """A topic or a service of a sketch.
+
+    :param kind: PUBLISHER, SUBSCRIBER, SERVICE_SERVER or SERVICE_CLIENT
+    :param name: of the topic or service
+    :param type: of the message or service
+    :param md5sum: of the message, or of the service's request
+    :param answer_md5sum: of the service's response
+    """
+
+    kind: int
+    name: str
+    type: str
+    md5sum: str
+    answer_md5sum: str = ""
+
+
+class Sketch(Protocol):
+    """What runs on a board. Times are the board's, s."""
+
+    @property
+    def topics(self) -> Sequence[Declared]:
+        """Its topics and services, in their order."""
+        ...
+
+    def on_message(self, device: "Device", now: float, name: str, payload: bytes) -> None:
+        """Handle a message, the request to a service of the board, or the response to its own."""
+        ...
+
+    def on_parameter(self, device: "Device", now: float, values: payloads.Values) -> None:
+        """Handle a parameter that was asked for."""
+        ...
+
+    def loop(self, device: "Device", now: float) -> None:
+        """Do what is due."""
+        ...
+
+    def next_due(self, now: float) -> float:
+        """Return when :meth:`loop` has something to do, s."""
+        ...
+
+
+class Device:
+    """The device's side of the protocol. Time is an argument, s.
+
+    :param sketch: what runs on it
+    :param input_size: the largest message that it takes, bytes
+    :param output_size: the longest frame that it sends, bytes
+    :param wrong_md5: name of a topic of which it tells another md5sum, as one does whose headers
+        were made from another message
+
+    :ivar state: of :mod:`.configuring`
+    :ivar host_time: the time that it was told last, s
+    :ivar receiver: its end of the line
+    """
+
+    def __init__(
+        self, sketch: Sketch, input_size: int = 512, output_size: int = 512, wrong_md5: str = ""
+    ) -> None:
+        self.state = configuring.WAITING
+        self.host_time = 0.0
+        self.receiver = Receiver(input_size)
+        self._sketch = sketch
+        self._sizes = (output_size, input_size)
+        self._output = bytearray()
+        self._asked_at = self._told_at = 0.0
+        self._told: List[Tuple[int, TopicInfo]] = []
+        self._outgoing: Dict[str, int] = {}
+        self._incoming: Dict[int, str] = {}
+        for declared in sketch.topics:
+            self._add(declared, declared.name == wrong_md5)
+
+    @property
+    def is_configured(self) -> bool:
+        """Whether the host knows its topics, so that it may publish."""
+        return self.state == configuring.CONFIGURED
+
+    def publish(self, name: str, payload: bytes) -> None:
+        """Send a message, a request or a response; nothing while it is not configured.
+
+        :param name: of the topic or service
+        :param payload: the serialised message
+        """
+        if self.is_configured:
+            self._send(self._outgoing[name], payload)
+
+    def log(self, level: int, text: str) -> None:
+        """Send a line of the log."""
+        self._send(LOG, payloads.encode_log(level, text))
+
+    def ask_parameter(self, name: str) -> None:
+        """Ask for a parameter."""
+        self._send(PARAMETER, payloads.encode_name(name))
+
+    def receive(self, now: float, data: bytes) -> None:
+        """Handle what has arrived."""
+        before = self.receiver.other_versions
+        frames = self.receiver.receive(now, data)
+        for _ in range(self.receiver.other_versions - before):
+            self._handle(now, configuring.OTHER_VERSION)
+        for topic_id, payload in frames:
+            event = {
+                PUBLISHER: configuring.WANTED,
+                TIME: configuring.TIME_TOLD,
+                STOP: configuring.STOPPED,
+            }.get(topic_id, configuring.MESSAGE)
+            self._handle(now, event, topic_id, payload)
+
+    def loop(self, now: float) -> None:
+        """Do what is due, as one turn of an Arduino's loop does."""
+        if now - self._told_at >= FORGOTTEN_S:
+            self._handle(now, configuring.FORGOTTEN)
+        if now - self._asked_at >= TIME_EVERY_S:
+            self._handle(now, configuring.TIME_DUE)
+        self._sketch.loop(self, now)
+
+    def next_due(self, now: float) -> float:
+        """Return when :meth:`loop` has something to do, s."""
+        return min(self._sketch.next_due(now), max(now, self._asked_at) + TIME_EVERY_S)
+
+    def output(self) -> bytes:
+        """Return what it sends, once."""
+        data = bytes(self._output)
+        self._output.clear()
+        return data
+
+    def _add(self, declared: Declared, is_wrong: bool) -> None:
+        kind, name, datatype, md5sum, answer = declared
+        if is_wrong:
+            md5sum = md5sum[::-1]
+        # What the board sends: of its own service it is the answer.
+        sent = answer if kind == SERVICE_SERVER else md5sum
+        heard = answer if kind == SERVICE_CLIENT else md5sum
+        if kind != SUBSCRIBER:
+            number = _FIRST_PUBLISHER + len(self._outgoing)
+            self._outgoing[name] = number
+            info = TopicInfo(number, name, datatype, sent, self._sizes[0])
+            self._told.append((kind + PUBLISHER, info))
+        if kind != PUBLISHER:
+            number = _FIRST_SUBSCRIBER + len(self._incoming)
+            self._incoming[number] = name
+            info = TopicInfo(number, name, datatype, heard, self._sizes[1])
+            told_by = SUBSCRIBER if kind == SUBSCRIBER else kind + SUBSCRIBER
+            self._told.append((told_by, info))
+
+    def _handle(self, now: float, event: str, topic_id: int = 0, payload: bytes = b"") -> None:
+        self.state, actions = configuring.move(self.state, event)
+        if event == configuring.WANTED:
+            self._told_at = now
+        for action in actions:
+            if action == configuring.ASK_TIME:
+                self._asked_at = now
+                self._send(TIME, payloads.encode_time(0, 0))
+            elif action == configuring.NEGOTIATE:
+                for told_by, info in sorted(self._told, key=lambda told: told[0] % 2):
+                    self._send(told_by, payloads.encode_topic(info))
+            elif action == configuring.SET_TIME:
+                self._told_at = now
+                seconds, nanoseconds = payloads.decode_time(payload)
+                self.host_time = seconds + 1e-9 * nanoseconds
+            elif topic_id == PARAMETER:
+                self._sketch.on_parameter(self, now, payloads.decode_values(payload))
+            elif topic_id in self._incoming:
+                self._sketch.on_message(self, now, self._incoming[topic_id], payload)
+
+    def _send(self, topic_id: int, payload: bytes) -> None:
+        frame = encode(topic_id, payload)
+        if len(frame) <= self._sizes[0]:
+            self._output += frame
+        elif topic_id != LOG:
+            self.log(payloads.ERROR, "Message from device dropped: message larger than buffer.")

@@ -1,0 +1,103 @@
+"""A serial line: as fast as its baud rate, and not always clean."""
+
+import math
+import random
+from collections import deque
+from typing import Deque
+
+#: Bits on the line for a byte.
+_BITS = 10
+
+
+class Line:
+    """Hands over bytes at the pace of a baud rate. Time is an argument, s.
+
+    :param baud: bits a second; 0 for a line that takes no time
+    """
+
+    def __init__(self, baud: int) -> None:
+        self._byte = _BITS / baud if baud else 0.0
+        self._parts: Deque["_Part"] = deque()
+        self._free_at = 0.0
+        #: How many bytes have not arrived yet.
+        self.waiting = 0
+
+    def put(self, now: float, data: bytes) -> None:
+        """Begin to send bytes, behind those that are under way.
+
+        :param now: the time, s
+        :param data: the bytes
+        """
+        if data:
+            begin = max(now, self._free_at)
+            self._free_at = begin + len(data) * self._byte
+            self._parts.append(_Part(data, begin))
+            self.waiting += len(data)
+
+    def take(self, now: float) -> bytes:
+        """Return what has arrived.
+
+        :param now: the time, s
+        """
+        arrived = bytearray()
+        while self._parts:
+            part = self._parts[0]
+            left = len(part.data) - part.taken
+            count = left
+            if self._byte:
+                count = min(left, int((now - part.begin) / self._byte + 1e-6) - part.taken)
+            if count <= 0:
+                break
+            arrived += part.data[part.taken : part.taken + count]
+            part.taken += count
+            if part.taken < len(part.data):
+                break
+            self._parts.popleft()
+        self.waiting -= len(arrived)
+        return bytes(arrived)
+
+    def next_due(self) -> float:
+        """Return when the first of what is under way has arrived as a whole, s."""
+        if not self._parts:
+            return math.inf
+        part = self._parts[0]
+        return part.begin + len(part.data) * self._byte
+
+    def clear(self) -> None:
+        """Drop what is under way, as where the cable is pulled."""
+        self._parts.clear()
+        self._free_at, self.waiting = 0.0, 0
+
+
+class _Part:
+    """Bytes that were put together.
+
+    :ivar taken: how many of them were handed over
+    """
+
+    __slots__ = ("data", "begin", "taken")
+
+    def __init__(self, data: bytes, begin: float) -> None:
+        self.data, self.begin, self.taken = data, begin, 0
+
+
+def damaged(data: bytes, rate: float, source: random.Random) -> bytes:
+    """Return bytes as a bad cable hands them over: some changed, some lost, some doubled.
+
+    :param data: what was sent
+    :param rate: share of the bytes that are damaged, from 0 to 1
+    :param source: of chance
+    """
+    if rate <= 0.0:
+        return data
+    result = bytearray()
+    for byte in data:
+        if source.random() >= rate:
+            result.append(byte)
+            continue
+        how = source.randrange(3)
+        if how == 0:
+            result.append(byte ^ source.randrange(1, 256))
+        elif how == 1:
+            result += bytes((byte, byte))
+    return bytes(result)

@@ -1,0 +1,74 @@
+"""A motor with its driver and encoder, as a board sees them."""
+
+import math
+
+from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
+
+#: Steps of the pulse width: of an 8-bit timer, as Arduino's analogWrite has it.
+PWM_STEPS = 255
+#: The angle is integrated by the trapezoidal rule in steps of this length, s; in longer ones where
+#: nobody has asked for so long that these were too many.
+_STEP_S, _MOST_STEPS = 0.001, 1000
+
+
+class Motor:
+    """A motor whose driver takes a pulse width and a direction, and whose encoder counts.
+
+    Time is an argument, s, and never decreases.
+
+    :param settings: what the motor is like; its dead zone is the driver's
+    :param counts_per_turn: of the encoder
+    :param began_at: when it begins to stand there, s
+    """
+
+    def __init__(
+        self, settings: PlantSettings, counts_per_turn: int, began_at: float = 0.0
+    ) -> None:
+        self._plant = FirstOrderPlant(settings)
+        self._counts_per_radian = counts_per_turn / (2.0 * math.pi)
+        self._now = began_at
+        self._angle = self._speed = 0.0
+        self._zero = 0
+        #: The pulse width in force, from -255 to 255.
+        self.pwm = 0
+
+    def drive(self, now: float, share: float) -> None:
+        """Set the pulse width.
+
+        :param now: the time, s
+        :param share: of the full voltage, with the direction as its sign; beyond 1 it is 1
+        """
+        self._advance(now)
+        self.pwm = round(max(-1.0, min(1.0, share)) * PWM_STEPS)
+        self._plant.hold(now, self.pwm / PWM_STEPS)
+
+    def change(self, now: float, settings: PlantSettings) -> None:
+        """Change what the motor is like."""
+        self._advance(now)
+        self._plant.change(now, settings)
+
+    def counts(self, now: float) -> int:
+        """Return what the encoder has counted, with the direction as its sign."""
+        self._advance(now)
+        return math.floor(self._angle * self._counts_per_radian) - self._zero
+
+    def zero(self, now: float) -> None:
+        """Have the encoder count from 0."""
+        self._zero += self.counts(now)
+
+    def speed_of(self, counts: int, seconds: float) -> float:
+        """Return the speed that a difference of counts shows, rad/s: in steps of one count.
+
+        :param counts: the difference
+        :param seconds: the time in which it came
+        """
+        return counts / self._counts_per_radian / seconds
+
+    def _advance(self, now: float) -> None:
+        steps = min(max(1, math.ceil((now - self._now) / _STEP_S)), _MOST_STEPS)
+        step = max(0.0, now - self._now) / steps
+        for number in range(1, steps + 1):
+            speed = self._plant.output(self._now + number * step)
+            self._angle += 0.5 * (self._speed + speed) * step
+            self._speed = speed
+        self._now = max(now, self._now)

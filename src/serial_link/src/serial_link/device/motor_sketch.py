@@ -1,0 +1,140 @@
+"""The sketch of the simulated board: a motor, a button, a potentiometer and a lamp."""
+
+import math
+import struct
+from typing import Optional
+
+from serial_link.device.device import Declared, Device
+from serial_link.device.motor import PWM_STEPS, Motor
+from serial_link.negotiation.payloads import (
+    INFO,
+    PUBLISHER,
+    SERVICE_SERVER,
+    SUBSCRIBER,
+    Values,
+)
+
+#: The motor is stopped when nothing was said to it for this long, s: a host may be gone.
+INPUT_TIMEOUT_S = 0.5
+#: How often the button is told of though nothing has changed, s: who comes later wants to know.
+BUTTON_EVERY_S = 1.0
+#: How often the potentiometer is read, Hz, and its largest value: 10 bits.
+POTENTIOMETER_HZ, FULL_SCALE = 10.0, 1023
+NOT_TURNING, TURNING, MAX_SPEED = "Motor Not Turning", "Motor Turning", "Motor Max Speed"
+
+_INPUT, _OUTPUT = struct.Struct("<fd"), struct.Struct("<fdI")
+
+#: The md5sums are what the headers of these messages have, as a sketch includes them.
+TOPICS = (
+    Declared(
+        PUBLISHER, "motor_output", "pid_control/motor_output", "6f371a723b35f6884908910ed6144b2d"
+    ),
+    Declared(PUBLISHER, "button", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
+    Declared(PUBLISHER, "potentiometer", "std_msgs/UInt16", "1df79edf208b629fe6b81923a544552d"),
+    Declared(
+        SUBSCRIBER, "motor_input", "pid_control/motor_input", "68938b46224a92992b7cd8fd6233cc91"
+    ),
+    Declared(SUBSCRIBER, "led", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
+    Declared(
+        SERVICE_SERVER,
+        "zero_encoder",
+        "std_srvs/Trigger",
+        "d41d8cd98f00b204e9800998ecf8427e",
+        "937c9679a518e3a18d831e57125ea522",
+    ),
+)
+
+
+class Panel:
+    """What a person does at the board.
+
+    :ivar button: whether it is pressed
+    :ivar potentiometer: where it stands, from 0 to 1
+    """
+
+    def __init__(self) -> None:
+        self.button = False
+        self.potentiometer = 0.5
+
+
+class MotorSketch:
+    """Publishes the motor's speed and what the panel shows; drives the motor as it is told.
+
+    Times in messages are 32-bit floats in 64: more an 8-bit Arduino does not have.
+
+    :param motor: the motor, which goes on turning while the board is reset
+    :param panel: button and potentiometer
+    :param rate: how often the speed is published, Hz
+    :param began_at: when the board was started, s
+    :param floods: whether the speed is published as often as the line takes it
+    """
+
+    topics = TOPICS
+
+    def __init__(
+        self, motor: Motor, panel: Panel, rate: float, began_at: float, floods: bool = False
+    ) -> None:
+        self.is_lit = False
+        self._motor, self._panel = motor, panel
+        self._period, self._floods = 1.0 / rate, floods
+        self._began_at = self._next_at = self._measured_at = self._turn_at = began_at
+        self._counts = motor.counts(began_at)
+        self._driven_at = -math.inf
+        self._button: Optional[bool] = None
+        self._told_at = began_at
+        motor.drive(began_at, 0.0)
+
+    def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
+        """Drive the motor, switch the lamp, or answer the service."""
+        if name == "motor_input" and len(payload) == _INPUT.size:
+            share = _INPUT.unpack(payload)[0]
+            if math.isfinite(share):
+                self._driven_at = now
+                self._motor.drive(now, share)
+        elif name == "led" and payload:
+            self.is_lit = bool(payload[0])
+            device.log(INFO, f"led {'on' if self.is_lit else 'off'}")
+        elif name == "zero_encoder":
+            text = f"{self._motor.counts(now)} counts before".encode()
+            self._motor.zero(now)
+            self._counts = 0
+            device.publish(name, struct.pack("<BI", 1, len(text)) + text)
+
+    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+        """Have no use for parameters."""
+
+    def loop(self, device: Device, now: float) -> None:
+        """Publish what is due."""
+        if now - self._driven_at > INPUT_TIMEOUT_S and self._motor.pwm:
+            self._motor.drive(now, 0.0)
+        if device.is_configured and (self._panel.button != self._button or now >= self._told_at):
+            self._button, self._told_at = self._panel.button, now + BUTTON_EVERY_S
+            device.publish("button", bytes((self._button,)))
+        if now >= self._turn_at:
+            self._turn_at += 1.0 / POTENTIOMETER_HZ
+            value = round(self._panel.potentiometer * FULL_SCALE)
+            device.publish("potentiometer", struct.pack("<H", value))
+        if now >= self._next_at or self._floods:
+            self._next_at = max(self._next_at + self._period, now - self._period)
+            if now > self._measured_at:
+                device.publish("motor_output", self._measure(now))
+
+    def next_due(self, now: float) -> float:
+        """Return when something is due, s."""
+        if self._floods:
+            return now
+        return min(self._next_at, self._turn_at)
+
+    def _measure(self, now: float) -> bytes:
+        counts = self._motor.counts(now)
+        speed = self._motor.speed_of(counts - self._counts, now - self._measured_at)
+        is_standing = counts == self._counts
+        self._counts, self._measured_at = counts, now
+        status = TURNING
+        if abs(self._motor.pwm) == PWM_STEPS:
+            status = MAX_SPEED
+        elif is_standing:
+            status = NOT_TURNING
+        text = status.encode()
+        (time,) = struct.unpack("<f", struct.pack("<f", now - self._began_at))
+        return _OUTPUT.pack(speed, time, len(text)) + text

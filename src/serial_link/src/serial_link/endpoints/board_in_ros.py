@@ -1,0 +1,180 @@
+"""A board in ROS: what it has told of, and what it says."""
+
+import threading
+import time
+import traceback
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import rospy
+
+from nodekit import IllegalName, Maker
+from serial_link.endpoints.log_lines import LogLines
+from serial_link.endpoints.parameter_values import NotForBoards, values_of
+from serial_link.endpoints.refused import RefusedEndpoint
+from serial_link.endpoints.services import CalledService, OfferedService
+from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
+from serial_link.endpoints.types import Malformed, TypeRefused
+from serial_link.host.counts import MALFORMED, Counts
+from serial_link.link.arrivals import (
+    InStep,
+    LogLine,
+    Message,
+    ParameterWanted,
+    Restarted,
+    Topics,
+)
+from serial_link.link.board_link import BoardLink
+from serial_link.negotiation.payloads import (
+    PARAMETER,
+    PUBLISHER,
+    SERVICE_CLIENT,
+    SERVICE_SERVER,
+    SUBSCRIBER,
+    Values,
+    encode_values,
+)
+from serial_link.negotiation.topic_book import Endpoint
+
+_LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 0.1, 1.0, 10.0
+_WORDS = {
+    PUBLISHER: "publishes",
+    SUBSCRIBER: "subscribes to",
+    SERVICE_SERVER: "offers",
+    SERVICE_CLIENT: "calls",
+}
+#: What a topic or a service is whatever its ids are: kind, name, type and md5sums.
+_Key = Tuple[Any, ...]
+
+
+class BoardInRos:
+    """Has in ROS what a board has told of, in a thread of its own.
+
+    :param maker: makes topics and services
+    :param link: to the board
+    :param tally: counts what is wrong
+    :param timeout: returns how long a call of a service may take, s
+    :param find_parameter: returns the raw value of a parameter, given its global name; None where
+        there is none
+    """
+
+    def __init__(
+        self,
+        maker: Maker,
+        link: BoardLink,
+        tally: Counts,
+        timeout: Callable[[], float],
+        find_parameter: Callable[[str], Any],
+    ) -> None:
+        self._maker, self._link, self._tally = maker, link, tally
+        self._timeout, self._find_parameter = timeout, find_parameter
+        self._log = LogLines(maker, maker.name + "/board")
+        self._wanted: Dict[_Key, Endpoint] = {}
+        self._open: Dict[_Key, Tuple[Any, Any]] = {}
+        self._retry_at = 0.0
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="board", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it."""
+        self._is_over.set()
+        self._link.inbox.close()
+        if self._thread.ident is not None:
+            self._thread.join(1.0)
+
+    def _run(self) -> None:
+        while not self._is_over.is_set():
+            try:
+                self._handle(self._link.inbox.fetch(_LONGEST_WAIT_S))
+            except Exception:
+                rospy.logerr_throttle(_WARN_EVERY_S, traceback.format_exc())
+
+    def _handle(self, arrival: Optional[Any]) -> None:
+        if isinstance(arrival, Message):
+            self._receive(arrival)
+        elif isinstance(arrival, Topics):
+            self._update(arrival.endpoints)
+        elif isinstance(arrival, LogLine):
+            self._log.write(*arrival)
+        elif isinstance(arrival, ParameterWanted):
+            self._answer(arrival.name)
+        elif isinstance(arrival, Restarted):
+            for _, one in self._open.values():
+                one.fail(arrival.why)
+        elif isinstance(arrival, InStep):
+            for _, one in self._open.values():
+                one.enter()
+        if len(self._open) < len(self._wanted) and time.monotonic() > self._retry_at:
+            self._retry_at = time.monotonic() + _RETRY_S
+            self._update(list(self._wanted.values()))
+
+    def _receive(self, message: Message) -> None:
+        # What a board sends right after it was asked comes before all of its topics are known.
+        one = self._opened(message.endpoint)
+        try:
+            one.receive(message.payload)
+        except Malformed:
+            self._tally.add(MALFORMED)
+
+    def _update(self, endpoints: List[Endpoint]) -> None:
+        """Have what the board has now, and nothing else."""
+        self._wanted = {_key(endpoint): endpoint for endpoint in endpoints}
+        for key in set(self._open) - set(self._wanted):
+            lifetime, _ = self._open.pop(key)
+            lifetime.close()
+            rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
+        for endpoint in endpoints:
+            self._opened(endpoint)
+
+    def _opened(self, endpoint: Endpoint) -> Any:
+        key = _key(endpoint)
+        if key in self._open:
+            one = self._open[key][1]
+            one.adopt(endpoint)
+            return one
+        self._wanted.setdefault(key, endpoint)
+        lifetime = self._maker.lifetime()
+        try:
+            one = self._made(lifetime, endpoint)
+            words = _WORDS[endpoint.kind]
+            rospy.loginfo("the board %s %s (%s)", words, endpoint.name, endpoint.type)
+        except (TypeRefused, IllegalName, rospy.ROSException) as error:
+            lifetime.close()
+            rospy.logerr("%s is refused: %s", endpoint.name, error)
+            one = RefusedEndpoint(self._tally)
+        except Exception:
+            lifetime.close()
+            raise
+        self._open[key] = (lifetime, one)
+        return one
+
+    def _made(self, maker: Maker, endpoint: Endpoint) -> Any:
+        link, tally = self._link, self._tally
+        if endpoint.kind == PUBLISHER:
+            return PublishedTopic(maker, endpoint)
+        if endpoint.kind == SUBSCRIBER:
+            return SubscribedTopic(maker, endpoint, link, tally)
+        kind = OfferedService if endpoint.kind == SERVICE_SERVER else CalledService
+        return kind(maker, endpoint, link, tally, self._timeout)
+
+    def _answer(self, name: str) -> None:
+        """Send a parameter to the board; one that there is not as nothing, so that it goes on."""
+        values = Values()
+        try:
+            resolved = self._maker.resolve(name)
+            raw = self._find_parameter(resolved)
+            if raw is None:
+                rospy.logwarn("the board asks for %s, which is not set", resolved)
+            else:
+                values = values_of(raw)
+        except (NotForBoards, IllegalName, ConnectionError) as error:
+            rospy.logwarn("the board asks for %s: %s", name, error)
+        self._link.answer(PARAMETER, encode_values(values))
+
+
+def _key(endpoint: Endpoint) -> _Key:
+    sums = (info.md5sum for info in (endpoint.incoming, endpoint.outgoing) if info is not None)
+    return (endpoint.kind, endpoint.name, endpoint.type, *sums)

@@ -1,0 +1,41 @@
+"""A parameter as a board can take it. Pure."""
+
+import math
+import struct
+from typing import Any, List
+
+from serial_link.negotiation.payloads import Values
+
+_INT32 = range(-(2**31), 2**31)
+
+
+class NotForBoards(ValueError):
+    """A parameter that no board can take; the text says why."""
+
+
+def values_of(raw: Any) -> Values:
+    """Return the value of a parameter as the answer to a board.
+
+    Whole numbers are among the floats too: YAML reads ``1`` for the gain that a sketch asks for as
+    a float.
+
+    :param raw: as the parameter server holds it
+    :raises NotForBoards: if it is neither a number, a truth value, a text nor a list of one of them
+    """
+    values: List[Any] = list(raw) if isinstance(raw, (list, tuple)) else [raw]
+    if all(isinstance(value, str) for value in values):
+        return Values(texts=values)
+    if not all(isinstance(value, (bool, int, float)) for value in values):
+        raise NotForBoards("it must be a number, true or false, text, or a list of one kind")
+    floats = [_as_float32(value) for value in values]
+    if not all(math.isfinite(value) for value in floats):
+        raise NotForBoards("it does not fit into a 32-bit float")
+    ints = [int(value) for value in values if not isinstance(value, float) and value in _INT32]
+    return Values(ints if len(ints) == len(values) else (), floats)
+
+
+def _as_float32(value: float) -> float:
+    try:
+        return float(struct.unpack("<f", struct.pack("<f", value))[0])
+    except OverflowError:
+        return math.inf

@@ -1,0 +1,149 @@
+"""The services of a board in ROS."""
+
+import threading
+from functools import partial
+from typing import Any, Optional
+
+import rospy
+
+from nodekit import CallError, CallFuture, Maker
+from serial_link.endpoints.types import Malformed, decode, encode, md5sums_of, service_class
+from serial_link.host.counts import TOO_LARGE, Counts
+from serial_link.link.board_link import BoardLink
+from serial_link.link.sayings import Sayings
+from serial_link.negotiation.payloads import SERVICE_SERVER
+from serial_link.negotiation.topic_book import Endpoint
+
+_WARN_EVERY_S = 10.0
+
+
+class _Service:
+    """What both kinds of service have in common.
+
+    :param endpoint: of the board
+    :param link: sends to the board
+    :param tally: counts what is too large
+    :raises TypeRefused: if its type is not the one here
+    """
+
+    def __init__(self, endpoint: Endpoint, name: str, link: BoardLink, tally: Counts) -> None:
+        self.adopt(endpoint)
+        sums = md5sums_of(endpoint.incoming, endpoint.outgoing, endpoint.kind, SERVICE_SERVER)
+        self.service_class = service_class(endpoint.type, *sums)
+        self.name, self._link, self._tally = name, link, tally
+
+    def adopt(self, endpoint: Endpoint) -> None:
+        """Have the same service under another id, or with another buffer."""
+        assert endpoint.outgoing is not None
+        self._info = endpoint.outgoing
+
+    def enter(self) -> None:
+        """Begin with a board that was started anew: of no matter here."""
+
+    def send(self, message: Any) -> None:
+        """Send a request or a response to the board.
+
+        :raises CallError: if it cannot be
+        """
+        payload = encode(message)
+        size = self._info.buffer_size
+        if len(payload) > size:
+            self._tally.add(TOO_LARGE)
+            raise CallError(
+                f"{self.name}: a message of {len(payload)} bytes is not sent: the board's buffer "
+                f"has {size}"
+            )
+        if not self._link.send_all(self._info.topic_id, payload):
+            raise CallError(f"{self.name}: {self._link.trouble or 'too much waits to be sent'}")
+
+
+class OfferedService(_Service):
+    """A service that the board offers. The board answers one call after the other.
+
+    :param maker: makes the service
+    :param endpoint: of the board
+    :param timeout: returns how long the board may take to answer, s
+    """
+
+    def __init__(
+        self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts, timeout: Any
+    ) -> None:
+        super().__init__(endpoint, maker.resolve(endpoint.name), link, tally)
+        self._timeout = timeout
+        self._is_done = threading.Event()
+        self._response: Any = None
+        self._failure = ""
+        maker.service(endpoint.name, self.service_class, self._call, group=maker.group())
+
+    def receive(self, payload: bytes) -> None:
+        """Hand over the board's response.
+
+        :raises Malformed: if it is none
+        """
+        self._response = decode(self.service_class._response_class, payload)
+        self._is_done.set()
+
+    def fail(self, why: str) -> None:
+        """Have a call that is under way fail at once."""
+        self._failure = why
+        self._is_done.set()
+
+    def _call(self, request: Any) -> Any:
+        self._is_done.clear()  # also of a response that came too late
+        self._response, self._failure = None, ""
+        self.send(request)
+        timeout = self._timeout()
+        if not self._is_done.wait(timeout):
+            raise CallError(f"{self.name}: the board has not answered within {timeout:g} s")
+        if self._response is None:
+            raise CallError(f"{self.name}: {self._failure}")
+        return self._response
+
+
+class CalledService(_Service):
+    """A service that the board calls.
+
+    A failure cannot be told to the board, which goes on waiting; so the log has it.
+
+    :param maker: makes the client
+    :param endpoint: of the board
+    :param timeout: returns how long the service may take to answer, s
+    """
+
+    def __init__(
+        self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts, timeout: Any
+    ) -> None:
+        super().__init__(endpoint, maker.resolve(endpoint.name), link, tally)
+        self._timeout = timeout
+        self._era = 0
+        self._sayings = Sayings(_WARN_EVERY_S)
+        group = maker.group(exclusive=False)
+        self._client = maker.client(endpoint.name, self.service_class, group=group)
+
+    def receive(self, payload: bytes) -> None:
+        """Call the service for the board.
+
+        :raises Malformed: if the request is none
+        """
+        request = decode(self.service_class._request_class, payload)
+        try:
+            future = self._client.call_async(request, self._timeout())
+        except CallError as error:
+            self._warn(error)
+        else:
+            future.add_done_callback(partial(self._answer, self._era))
+
+    def fail(self, why: str) -> None:
+        """Let the answers that are under way go: who waited for them is gone."""
+        self._era += 1
+
+    def _answer(self, era: int, future: CallFuture) -> None:
+        try:
+            response: Optional[Any] = future.result()
+            if era == self._era:
+                self.send(response)
+        except (CallError, Malformed) as error:
+            self._warn(error)
+
+    def _warn(self, error: Exception) -> None:
+        self._sayings.say(rospy.logwarn, f"the board's call failed: {error}")

@@ -1,0 +1,115 @@
+"""The topics of a board in ROS."""
+
+from typing import Any
+
+import rospy
+
+from nodekit import Maker
+from serial_link.endpoints.types import decode, message_class
+from serial_link.host.counts import TOO_LARGE, Counts
+from serial_link.link.board_link import BoardLink
+from serial_link.link.sayings import Sayings
+from serial_link.negotiation.topic_book import Endpoint
+
+_WARN_EVERY_S = 10.0
+#: rosserial's library drops a frame that is not whole by then, s.
+_LONGEST_FRAME_S = 0.02
+_BITS, _OVERHEAD = 10, 8
+
+
+class PublishedTopic:
+    """A topic that the board publishes.
+
+    :param maker: makes the publisher
+    :param endpoint: of the board
+    :raises TypeRefused: if its type is not the one here
+    """
+
+    def __init__(self, maker: Maker, endpoint: Endpoint) -> None:
+        assert endpoint.incoming is not None
+        self._class = message_class(endpoint.type, endpoint.incoming.md5sum)
+        self._publisher = maker.publisher(endpoint.name, self._class)
+
+    def adopt(self, endpoint: Endpoint) -> None:
+        """Have the same topic under other ids: of no matter here."""
+
+    def receive(self, payload: bytes) -> None:
+        """Publish a message of the board.
+
+        :raises Malformed: if it is none
+        """
+        self._publisher.publish(decode(self._class, payload))
+
+    def enter(self) -> None:
+        """Begin with a board that was started anew: of no matter here."""
+
+    def fail(self, why: str) -> None:
+        """Do without an answer: there is none to wait for."""
+
+
+class SubscribedTopic:
+    """A topic that the board subscribes to. Its messages are handed on as they are.
+
+    What is latched is sent again to a board that was restarted.
+
+    :param maker: makes the subscription
+    :param endpoint: of the board
+    :param link: sends to the board
+    :param tally: counts what is too large
+    :raises TypeRefused: if its type is not the one here
+    """
+
+    def __init__(self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts) -> None:
+        assert endpoint.outgoing is not None
+        self._link, self._tally, self._info = link, tally, endpoint.outgoing
+        self._sayings = Sayings(_WARN_EVERY_S)
+        self._latched = b""
+        self._is_latched = False
+        self._name = maker.resolve(endpoint.name)
+        data_class = message_class(endpoint.type, self._info.md5sum)
+        kept = ("_type", "_md5sum", "_full_text", "_has_header")
+        attributes = {name: getattr(data_class, name) for name in kept}
+        raw = type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": []})
+        maker.subscribe(endpoint.name, raw, self._on_message, group=maker.group(exclusive=False))
+
+    def adopt(self, endpoint: Endpoint) -> None:
+        """Have the same topic under another id, or with another buffer."""
+        assert endpoint.outgoing is not None
+        self._info = endpoint.outgoing
+
+    def receive(self, payload: bytes) -> None:
+        """Receive nothing: the board only listens."""
+
+    def enter(self) -> None:
+        """Send what is latched to a board that was started anew."""
+        if self._is_latched:
+            self._link.send_all(self._info.topic_id, self._latched)
+
+    def fail(self, why: str) -> None:
+        """Do without an answer: there is none to wait for."""
+
+    def _on_message(self, message: Any) -> None:
+        payload, info = message._buff, self._info
+        if len(payload) > info.buffer_size:
+            self._tally.add(TOO_LARGE)
+            self._sayings.say(
+                rospy.logwarn,
+                f"{self._name}: a message of {len(payload)} bytes is not sent: the board's buffer "
+                f"has {info.buffer_size}",
+                "size",
+            )
+            return
+        baud = self._link.baud
+        if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
+            self._sayings.say(
+                rospy.logwarn,
+                f"{self._name}: {len(payload)} bytes take longer than the "
+                f"{1e3 * _LONGEST_FRAME_S:g} ms in which rosserial's library expects a message "
+                f"({baud} baud): it drops it",
+                "time",
+            )
+        if message._connection_header.get("latching") == "1":
+            self._latched, self._is_latched = payload, True
+            self._link.send_all(info.topic_id, payload)
+        else:
+            self._link.send(info.topic_id, payload)

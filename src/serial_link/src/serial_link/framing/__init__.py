@@ -1,0 +1,1 @@
+"""Frames of the wire: made, and found again in whatever arrives. Pure."""

@@ -1,0 +1,1 @@
+"""Ports that a board may be at."""

@@ -1,0 +1,52 @@
+"""Who has a file open."""
+
+import os
+from typing import List, NamedTuple
+
+_LONGEST = 80
+
+
+class Holder(NamedTuple):
+    """A process that has a file open."""
+
+    pid: int
+    command: str
+
+    def __str__(self) -> str:
+        return f"process {self.pid} ({self.command})"
+
+
+def holders_of(path: str) -> List[Holder]:
+    """Return the other processes that have a file open, as far as this user may see them.
+
+    :param path: of the file; links are followed
+    """
+    target, found = os.path.realpath(path), []
+    for entry in os.listdir("/proc"):
+        if entry.isdecimal() and int(entry) != os.getpid() and _has_open(entry, target):
+            found.append(Holder(int(entry), _command(entry)))
+    return found
+
+
+def _has_open(pid: str, target: str) -> bool:
+    folder = f"/proc/{pid}/fd"
+    try:
+        return any(_points_to(f"{folder}/{number}", target) for number in os.listdir(folder))
+    except OSError:  # it has ended, or is another user's
+        return False
+
+
+def _points_to(link: str, target: str) -> bool:
+    try:
+        return os.readlink(link) == target
+    except OSError:
+        return False
+
+
+def _command(pid: str) -> str:
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as words:
+            text = words.read().replace(b"\0", b" ").decode("utf-8", "replace").strip()
+    except OSError:
+        text = "ended just now"
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

@@ -1,0 +1,122 @@
+"""A serial port, by pyserial."""
+
+import errno
+import fcntl
+import grp
+import os
+import select
+import termios
+from typing import Optional
+
+import serial
+
+from serial_link.hardware.holders import holders_of
+from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
+
+#: Longest time in which the port has to take a frame, s.
+_WRITE_S = 0.5
+_READ_AT_ONCE = 4096
+#: Between the bytes of a frame there are no pauses but those of the adapter, s.
+_GAP_S = 0.1
+#: The group whose users may open serial ports, on Debian and what comes from it.
+_GROUP = "dialout"
+
+
+class SerialPort:
+    """A serial port that this process has for itself.
+
+    A name below /dev/serial/by-id stays with a board that comes back under another number.
+
+    :param name: path of the port, or of a link to it
+    :param baud: bits a second
+    """
+
+    gap = _GAP_S
+
+    def __init__(self, name: str, baud: int) -> None:
+        self.name, self.baud = name, baud
+        self._serial: Optional[serial.Serial] = None
+
+    def open(self, timeout: float) -> bool:
+        """Open the port; see :class:`.Port`. There is no wait."""
+        if not os.path.exists(self.name):
+            raise PortUnavailable(f"{self.name} is not there: is the board plugged in?")
+        held = self._held()
+        if held:
+            raise PortUnavailable(held)
+        try:
+            opened = serial.Serial(
+                self.name, self.baud, timeout=0, write_timeout=_WRITE_S, exclusive=True
+            )
+            # The lock of pyserial is known to those alone who ask for it.
+            fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
+        except (OSError, ValueError, termios.error) as error:
+            raise PortUnavailable(self._why(error)) from None
+        self._serial = opened
+        return True
+
+    def read(self, timeout: float) -> bytes:
+        """Return what has arrived; see :class:`.Port`."""
+        port = self._open_port()
+        try:
+            if not select.select([port.fileno()], [], [], timeout)[0]:
+                return b""
+            return bytes(port.read(_READ_AT_ONCE))
+        except (OSError, TypeError, ValueError) as error:  # of a port that is closed meanwhile
+            raise PortLost(f"{self.name} is gone: {error}") from None
+
+    def write(self, data: bytes) -> None:
+        """Send bytes; see :class:`.Port`."""
+        port = self._open_port()
+        try:
+            port.write(data)
+        except serial.SerialTimeoutException:
+            raise PortStuck(f"{self.name} takes nothing for {_WRITE_S:g} s") from None
+        except (OSError, TypeError, ValueError) as error:
+            raise PortLost(f"{self.name} is gone: {error}") from None
+
+    def close(self) -> None:
+        """Close the port."""
+        opened, self._serial = self._serial, None
+        if opened is not None:
+            try:
+                opened.close()
+            except OSError:
+                pass  # it is gone already
+
+    def release(self) -> None:
+        """Close the port."""
+        self.close()
+
+    def _open_port(self) -> serial.Serial:
+        port = self._serial
+        if port is None:
+            raise PortLost(f"{self.name} is closed")
+        return port
+
+    def _held(self) -> str:
+        """Return a sentence about who has the port open, empty if nobody is seen."""
+        holders = holders_of(self.name)
+        if not holders:
+            return ""
+        return f"{self.name} is in use by {holders[0]}: only one program can talk to a board"
+
+    def _why(self, error: Exception) -> str:
+        """Return a sentence that says why the port cannot be opened, and what helps."""
+        number = getattr(error, "errno", None)
+        if number in (errno.EACCES, errno.EPERM):
+            return f"{self.name}: permission denied: {self._permission()}"
+        if number in (errno.EBUSY, errno.EAGAIN):
+            return self._held() or f"{self.name} is in use by a program of another user"
+        return f"{self.name} cannot be opened: {error}"
+
+    def _permission(self) -> str:
+        try:
+            group = grp.getgrgid(os.stat(self.name).st_gid).gr_name
+        except (KeyError, OSError):
+            group = _GROUP
+        group = _GROUP if group == "root" else group
+        return (
+            f"users of the group {group} may open it: sudo usermod -aG {group} $USER, then log "
+            "out and in again"
+        )

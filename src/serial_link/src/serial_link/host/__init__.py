@@ -1,0 +1,1 @@
+"""The side of the host: when to ask, what to send first, how fast. Pure."""

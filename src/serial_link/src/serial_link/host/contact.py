@@ -1,0 +1,65 @@
+"""The host's contact with a board, as a table."""
+
+from typing import Dict, NamedTuple, Tuple
+
+#: States: the port is not open; it is, and the board is asked for its topics; the board answers;
+#: it has said nothing for a moment; it has asked for the time in such a moment.
+CLOSED, ASKING, IN_STEP, SILENT, DOUBTED = "closed", "asking", "in step", "silent", "doubted"
+STATES = (CLOSED, ASKING, IN_STEP, SILENT, DOUBTED)
+
+#: Events: the port was opened or lost; a frame came that tells of a topic, asks for the time, or is
+#: anything else that is known, or about a topic that is not known; it is time to do something
+#: again; nothing was heard for so long that a board would have forgotten the host.
+OPENED, LOST = "opened", "lost"
+TOPIC, TIME, MESSAGE, UNKNOWN = "topic", "time", "message", "unknown"
+DUE, OVERDUE = "due", "overdue"
+EVENTS = (OPENED, LOST, TOPIC, TIME, MESSAGE, UNKNOWN, DUE, OVERDUE)
+
+#: Actions: ask for the topics; send what only a board answers that waits to be asked; have what was
+#: meant for the board before its restart forgotten.
+ASK, PROBE, RESTART = "ask", "probe", "restart"
+
+
+class Move(NamedTuple):
+    """What follows from an event.
+
+    :param state: the next state
+    :param action: what to do, empty for nothing
+    """
+
+    state: str
+    action: str = ""
+
+
+#: A board that was reset says nothing until it is asked, so silence is what shows it. A quick board
+#: is silent for a moment only after a reset; one that only listens always is. So the silent board
+#: is probed: only one that waits to be asked answers, with a request for the time. The others ask
+#: for the time every 2.5 s; hence the second probe, which those do not answer.
+TABLE: Dict[Tuple[str, str], Move] = {
+    (CLOSED, OPENED): Move(ASKING, ASK),
+    (ASKING, LOST): Move(CLOSED, RESTART),
+    (ASKING, TOPIC): Move(IN_STEP),
+    (ASKING, TIME): Move(IN_STEP),
+    (ASKING, DUE): Move(ASKING, ASK),
+    (IN_STEP, LOST): Move(CLOSED, RESTART),
+    (IN_STEP, UNKNOWN): Move(IN_STEP, ASK),
+    (IN_STEP, DUE): Move(SILENT, PROBE),
+    (SILENT, LOST): Move(CLOSED, RESTART),
+    (SILENT, TOPIC): Move(IN_STEP),
+    (SILENT, TIME): Move(DOUBTED, PROBE),
+    (SILENT, MESSAGE): Move(IN_STEP),
+    (SILENT, UNKNOWN): Move(IN_STEP, ASK),
+    (SILENT, DUE): Move(SILENT, PROBE),
+    (SILENT, OVERDUE): Move(ASKING, RESTART),
+    (DOUBTED, LOST): Move(CLOSED, RESTART),
+    (DOUBTED, TOPIC): Move(IN_STEP),
+    (DOUBTED, TIME): Move(ASKING, RESTART),
+    (DOUBTED, MESSAGE): Move(IN_STEP),
+    (DOUBTED, UNKNOWN): Move(IN_STEP, ASK),
+    (DOUBTED, DUE): Move(SILENT, PROBE),
+}
+
+
+def move(state: str, event: str) -> Move:
+    """Return what follows from an event in a state; without a row in the table, nothing does."""
+    return TABLE.get((state, event), Move(state))

@@ -1,0 +1,97 @@
+"""What waits for a line, or for a thread, that may be slower than what comes."""
+
+import threading
+from collections import OrderedDict, deque
+from typing import Any, Deque, Optional
+
+#: Values of one stream that may wait, so that those that come together all go out. One more, and
+#: the line has fallen behind: only the newest is of use then.
+DEPTH = 8
+#: Most messages that are kept, come what may: beyond, whoever sends them has gone mad.
+MOST_KEPT = 1000
+
+
+class Mailbox:
+    """Holds messages until they are fetched. Safe for several threads at once.
+
+    What is kept, as calls of services are, comes first and in order. Of each stream, the newest
+    values come; when too many wait all but the newest are dropped, and counted. Streams take turns.
+    """
+
+    def __init__(self) -> None:
+        self._condition = threading.Condition()
+        self._kept: Deque[Any] = deque()
+        self._streams: "OrderedDict[Any, Deque[Any]]" = OrderedDict()
+        self._is_closed = False
+        self._dropped = self._refused = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many values of streams were dropped for newer ones."""
+        return self._dropped
+
+    @property
+    def refused(self) -> int:
+        """How many messages were not kept, as far too many wait."""
+        return self._refused
+
+    def put(self, stream: Any, message: Any) -> None:
+        """Add a value of a stream.
+
+        :param stream: which one
+        :param message: the value
+        """
+        with self._condition:
+            waiting = self._streams.setdefault(stream, deque())
+            if len(waiting) >= DEPTH:
+                self._dropped += len(waiting)
+                waiting.clear()
+            waiting.append(message)
+            self._condition.notify()
+
+    def keep(self, message: Any) -> bool:
+        """Add a message that must not be lost.
+
+        :param message: the message
+        :returns: whether it is kept; not where :data:`MOST_KEPT` wait already
+        """
+        with self._condition:
+            if len(self._kept) >= MOST_KEPT:
+                self._refused += 1
+                return False
+            self._kept.append(message)
+            self._condition.notify()
+            return True
+
+    def fetch(self, timeout: float) -> Optional[Any]:
+        """Take out the next message.
+
+        :param timeout: longest wait for one, s
+        :returns: None if there is none in time, or the mailbox is closed
+        """
+        with self._condition:
+            self._condition.wait_for(self._has_news, timeout)
+            if self._kept:
+                return self._kept.popleft()
+            if not self._streams:
+                return None
+            stream, waiting = self._streams.popitem(last=False)
+            message = waiting.popleft()
+            if waiting:
+                self._streams[stream] = waiting  # behind the others
+            return message
+
+    def clear(self) -> None:
+        """Drop all that waits, uncounted: whom it was meant for is gone."""
+        with self._condition:
+            self._kept.clear()
+            self._streams.clear()
+
+    def close(self) -> None:
+        """Have nobody wait any more."""
+        with self._condition:
+            self._is_closed = True
+            self._condition.notify_all()
+
+    def _has_news(self) -> bool:
+        return bool(self._kept or self._streams or self._is_closed)

@@ -1,0 +1,86 @@
+"""The contact with a board in time: the table of :mod:`.contact`, and its deadlines."""
+
+import math
+from typing import List
+
+from serial_link.host.contact import (
+    ASK,
+    ASKING,
+    CLOSED,
+    DUE,
+    IN_STEP,
+    OPENED,
+    OVERDUE,
+    PROBE,
+    RESTART,
+    SILENT,
+    UNKNOWN,
+    move,
+)
+
+#: A board that has said nothing for this long is silent, s.
+QUIET_S = 0.3
+#: How often a board is asked that does not answer, and probed while it is silent, s.
+ASK_EVERY_S, PROBE_EVERY_S = 0.25, 0.25
+#: A board asks for the time every 2.5 s; one that has not for this long is not in contact, s.
+OVERDUE_S = 6.0
+
+
+class Session:
+    """Tells what to do as the time passes and frames come. Time is an argument, s.
+
+    :ivar state: of the table
+    :ivar restarts: how often the board began anew
+    """
+
+    def __init__(self) -> None:
+        self.state = CLOSED
+        self.restarts = 0
+        self._heard_at = self._asked_at = self._probed_at = -math.inf
+
+    def handle(self, now: float, event: str) -> List[str]:
+        """Follow an event.
+
+        :param now: the time, s
+        :param event: of the table
+        :returns: actions of the table, in order
+        """
+        if event not in (DUE, OVERDUE):
+            self._heard_at = now
+        was = self.state
+        self.state, action = move(was, event)
+        if event == UNKNOWN and now - self._asked_at < ASK_EVERY_S:
+            action = ""  # what it tells when it is asked is under way
+        if event == OPENED:
+            self._asked_at = now
+        actions = [action] if action else []
+        if action == RESTART:
+            self.restarts += was not in (CLOSED, ASKING) and self.state == ASKING
+            if self.state == ASKING:
+                actions.append(ASK)
+        if ASK in actions:
+            self._asked_at = now
+        if PROBE in actions:
+            self._probed_at = now
+        return actions
+
+    def poll(self, now: float) -> List[str]:
+        """Do what is due.
+
+        :param now: the time, s
+        :returns: actions of the table, in order
+        """
+        if now < self.next_due():
+            return []
+        is_overdue = self.state == SILENT and now - self._heard_at >= OVERDUE_S
+        return self.handle(now, OVERDUE if is_overdue else DUE)
+
+    def next_due(self) -> float:
+        """Return when :meth:`poll` has something to do, s."""
+        if self.state == CLOSED:
+            return math.inf
+        if self.state == ASKING:
+            return self._asked_at + ASK_EVERY_S
+        if self.state == IN_STEP:
+            return self._heard_at + QUIET_S
+        return self._probed_at + PROBE_EVERY_S

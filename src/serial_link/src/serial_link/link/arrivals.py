@@ -1,0 +1,44 @@
+"""What a board's frames come to, for whoever makes messages of ROS of them."""
+
+from typing import List, NamedTuple, Union
+
+from serial_link.negotiation.topic_book import Endpoint
+
+
+class Topics(NamedTuple):
+    """The board has told of its topics: what there is now, in place of what was."""
+
+    endpoints: List[Endpoint]
+
+
+class Message(NamedTuple):
+    """A message, a request to a service, or a response."""
+
+    endpoint: Endpoint
+    payload: bytes
+
+
+class ParameterWanted(NamedTuple):
+    """The board asks for a parameter."""
+
+    name: str
+
+
+class LogLine(NamedTuple):
+    """A line of the board's log."""
+
+    level: int
+    text: str
+
+
+class Restarted(NamedTuple):
+    """What was under way will not be answered: the board was restarted, or is gone."""
+
+    why: str
+
+
+class InStep(NamedTuple):
+    """All that the board has told is known: it listens."""
+
+
+Arrival = Union[Topics, Message, ParameterWanted, LogLine, Restarted, InStep]

@@ -1,0 +1,361 @@
+"""The link to one board: a thread that reads and keeps contact, and one that writes."""
+
+import threading
+import time
+import traceback
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import rospy
+
+from serial_link.framing.decoder import Decoder
+from serial_link.framing.frames import (
+    LONGEST,
+    OLD_REQUEST,
+    OVERHEAD,
+    PROBE,
+    count_old_frames,
+    encode,
+)
+from serial_link.hardware.ports import Port, PortLost, PortStuck, PortUnavailable
+from serial_link.host import contact, counts
+from serial_link.host.counts import Counts
+from serial_link.host.mailbox import Mailbox
+from serial_link.host.pace import Pace
+from serial_link.host.session import Session
+from serial_link.link.arrivals import (
+    InStep,
+    LogLine,
+    Message,
+    ParameterWanted,
+    Restarted,
+    Topics,
+)
+from serial_link.link.sayings import Sayings
+from serial_link.negotiation import payloads
+from serial_link.negotiation.payloads import FIRST_TOPIC, LOG, PARAMETER, STOP, TIME, TOPICS
+from serial_link.negotiation.topic_book import TopicBook
+
+#: Longest wait for bytes, for a port or for something to send, s: the node may end meanwhile.
+_LONGEST_WAIT_S = 0.1
+#: How often a port is tried that cannot be opened, s, and the same is said again.
+_OPEN_EVERY_S, _SAY_EVERY_S = 0.2, 10.0
+#: A board that does not answer for this long is told of, s, and asked in the old way as well.
+_NO_ANSWER_S = 3.0
+#: How much is kept of what came before the first good frame, bytes.
+_MOST_UNREAD = 4096
+#: Returns the time that a board is told, as s and ns.
+TimeOf = Callable[[], Tuple[int, int]]
+
+
+class BoardLink:
+    """Finds a board at a port, keeps contact with it, and carries its frames.
+
+    The thread that reads does nothing that could keep it waiting: what arrives goes into a mailbox.
+    So does what is to be sent, for the thread that writes, at the pace of the line.
+
+    :param port: where the board is; belongs to this from now on
+    :param tally: counts all that happens
+    :param time_of: returns the time that the board is told
+
+    :ivar inbox: what has arrived, see :mod:`.arrivals`
+    """
+
+    def __init__(self, port: Port, tally: Counts, time_of: TimeOf) -> None:
+        self.inbox, self._outbox = Mailbox(), Mailbox()
+        self._port, self._tally, self._time_of = port, tally, time_of
+        self._decoder, self._session, self._book = Decoder(), Session(), TopicBook()
+        self._pace = Pace(port.baud)
+        self._is_over = threading.Event()
+        self._is_open = self._is_ending = False
+        #: Why the port is not open, or the board does not answer; empty where all is well.
+        self._trouble = ""
+        self._sayings = Sayings(_SAY_EVERY_S)
+        self._arrived_at = self._opened_at = self._spoke_at = 0.0
+        self._unread = bytearray()
+        self._is_known = False
+        self._threads = [
+            threading.Thread(target=self._guard, args=(work,), name=name, daemon=True)
+            for work, name in ((self._read, "reader"), (self._write, "writer"))
+        ]
+
+    def start(self) -> None:
+        """Begin."""
+        for thread in self._threads:
+            thread.start()
+
+    def close(self) -> None:
+        """End it, and close the port."""
+        self._is_over.set()
+        for mailbox in (self.inbox, self._outbox):
+            mailbox.close()
+        for thread in self._threads:
+            if thread.ident is not None:
+                thread.join(2.0 * _LONGEST_WAIT_S)
+        self._port.release()
+
+    @property
+    def port_name(self) -> str:
+        """Where the board is."""
+        return self._port.name
+
+    @property
+    def baud(self) -> int:
+        """Bits a second of the line; 0 where there is none."""
+        return self._port.baud
+
+    @property
+    def is_in_step(self) -> bool:
+        """Whether the board listens."""
+        return self._session.state in (contact.IN_STEP, contact.SILENT, contact.DOUBTED)
+
+    @property
+    def trouble(self) -> str:
+        """Why there is no contact; empty where there is."""
+        return "" if self.is_in_step else self._trouble or "waiting for the board's answer"
+
+    def figures(self) -> Dict[str, int]:
+        """Return all counts by name."""
+        faults = {f"fault: {kind}": count for kind, count in self._decoder.faults.items()}
+        return {
+            **self._tally.all(),
+            **faults,
+            "restarts of the board": self._session.restarts,
+            "dropped for newer ones, to the board": self._outbox.dropped,
+            "dropped for newer ones, to ROS": self.inbox.dropped,
+            "not kept": self._outbox.refused + self.inbox.refused,
+        }
+
+    def send(self, topic_id: int, payload: bytes) -> None:
+        """Send a value of a stream, unless too many newer ones come before its turn.
+
+        :param topic_id: of the topic
+        :param payload: the serialised message
+        """
+        if self.is_in_step:
+            self._outbox.put(topic_id, encode(topic_id, payload))
+        else:
+            self._tally.add(counts.NO_CONTACT)
+
+    def send_all(self, topic_id: int, payload: bytes) -> bool:
+        """Send a message that must not be lost.
+
+        :param topic_id: of the topic, or a special one
+        :param payload: the serialised message
+        :returns: whether it will be sent, if the contact lasts
+        """
+        return self.is_in_step and self._outbox.keep(encode(topic_id, payload))
+
+    def answer(self, topic_id: int, payload: bytes) -> None:
+        """Answer a board that may not be in step yet.
+
+        :param topic_id: a special one
+        :param payload: the serialised message
+        """
+        if self._is_open:
+            self._outbox.keep(encode(topic_id, payload))
+
+    def say_stop(self) -> None:
+        """Have the board publish no longer, as the host ends."""
+        self._is_ending = True
+        if self._is_open:
+            self._outbox.keep(encode(STOP, b""))
+
+    def _guard(self, work: Callable[[], None]) -> None:
+        """Do something again and again; an exception is logged, and ends nothing."""
+        while not self._is_over.is_set():
+            try:
+                work()
+            except Exception:
+                rospy.logerr_throttle(_SAY_EVERY_S, traceback.format_exc())
+                self._is_over.wait(_LONGEST_WAIT_S)
+
+    def _read(self) -> None:
+        """Open the port, or read once and do what is due."""
+        if not self._is_open:
+            self._try_to_open()
+            return
+        now = time.monotonic()
+        due = self._session.next_due()
+        if not self._book.is_settled:
+            due = min(due, now + 0.05)
+        try:
+            data = self._port.read(max(0.0, min(due - now, _LONGEST_WAIT_S)))
+        except PortLost as error:
+            self._lose(error)
+            return
+        if self._is_ending:  # the board was told to be silent
+            return
+        now = time.monotonic()
+        self._take(now, data)
+        self._do(now, self._session.poll(now))
+        self._settle(now)
+        self._tell_if_silent(now)
+
+    def _try_to_open(self) -> None:
+        try:
+            is_open = self._port.open(_OPEN_EVERY_S)
+        except PortUnavailable as error:
+            self._trouble = str(error)
+            self._sayings.say(rospy.logwarn, str(error))
+            self._is_over.wait(_OPEN_EVERY_S)
+            return
+        if not is_open:
+            self._trouble = f"{self._port.name}: no board has connected yet"
+            return
+        now = time.monotonic()
+        self._sayings.forget()
+        self._trouble = ""
+        self._decoder.reset()
+        self._unread.clear()
+        self._is_known = False
+        self._opened_at = self._spoke_at = now
+        self._pace = Pace(self._port.baud)
+        self._tally.add(counts.OPENINGS)
+        at = f" at {self._port.baud} baud" if self._port.baud else ""
+        rospy.loginfo("%s: open%s", self._port.name, at)
+        self._is_open = True
+        self._do(now, self._session.handle(now, contact.OPENED))
+
+    def _lose(self, error: PortLost) -> None:
+        self._is_open = False
+        self._port.close()
+        self._trouble = str(error)
+        rospy.logwarn("%s", error)
+        self._do(time.monotonic(), self._session.handle(time.monotonic(), contact.LOST))
+
+    def _take(self, now: float, data: bytes) -> None:
+        """Handle what has arrived, or that nothing has."""
+        before = self._damage()
+        if data:
+            self._arrived_at = now
+            self._tally.add(counts.RECEIVED_BYTES, len(data))
+            frames = self._decoder.feed(data)
+        elif self._decoder.is_waiting and now - self._arrived_at > self._port.gap:
+            frames = self._decoder.give_up()
+        else:
+            return
+        if not (frames or self._is_known):
+            self._unread += data
+            del self._unread[:-_MOST_UNREAD]
+        if self._damage() != before:
+            self._book.note_damage()
+        self._tally.add(counts.RECEIVED, len(frames))
+        for frame in frames:
+            self._is_known = True
+            self._spoke_at = now
+            self._handle(now, *frame)
+
+    def _handle(self, now: float, topic_id: int, payload: bytes) -> None:
+        try:
+            if topic_id in TOPICS:
+                event = contact.TOPIC
+                self._learn(now, topic_id, payload)
+            elif topic_id == TIME:
+                event = contact.TIME
+                answer = encode(TIME, payloads.encode_time(*self._time_of()))
+                self._outbox.keep(answer)
+            elif topic_id == PARAMETER:
+                event = contact.MESSAGE
+                self.inbox.keep(ParameterWanted(payloads.decode_name(payload)))
+            elif topic_id == LOG:
+                event = contact.MESSAGE
+                self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))
+            else:
+                event = self._deliver(topic_id, payload)
+        except payloads.PayloadError:
+            self._tally.add(counts.MALFORMED)
+            self._book.note_damage()
+            return
+        self._do(now, self._session.handle(now, event))
+
+    def _learn(self, now: float, told_by: int, payload: bytes) -> None:
+        info = payloads.decode_topic(payload)
+        if not self._book.add(now, told_by, info):
+            self._sayings.say(rospy.logwarn, f"{self._port.name}: the board has too many topics")
+
+    def _deliver(self, topic_id: int, payload: bytes) -> str:
+        endpoint = self._book.incoming(topic_id)
+        if endpoint is None:
+            self._tally.add(counts.UNKNOWN_ID)
+            # What no board has is no reason to ask: it was damaged, and its sum held all the same.
+            return contact.UNKNOWN if topic_id >= FIRST_TOPIC else contact.MESSAGE
+        message = Message(endpoint, payload)
+        if endpoint.is_service:
+            self.inbox.keep(message)
+        else:
+            self.inbox.put(topic_id, message)
+        return contact.MESSAGE
+
+    def _do(self, now: float, actions: List[str], is_first: bool = True) -> None:
+        for action in actions:
+            if action == contact.ASK:
+                self._tally.add(counts.ASKED)
+                self._book.begin(now, is_first)
+                self._outbox.keep(encode(payloads.PUBLISHER, b""))
+                if self._session.state == contact.ASKING and now - self._spoke_at > _NO_ANSWER_S:
+                    self._outbox.keep(OLD_REQUEST)
+            elif action == contact.PROBE:
+                self._outbox.keep(PROBE)
+            else:
+                self._outbox.clear()
+                self.inbox.keep(Restarted(self._trouble or "the board was restarted"))
+                if self._is_open:
+                    rospy.logwarn("%s: the board was restarted, or lost contact", self._port.name)
+
+    def _settle(self, now: float) -> None:
+        is_complete = self._book.settle(now)
+        if is_complete is None or not self.is_in_step:
+            return
+        if not is_complete:
+            self._do(now, [contact.ASK], is_first=False)
+        longest = self._book.longest
+        self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
+        self.inbox.keep(Topics(self._book.endpoints()))
+        self.inbox.keep(InStep())
+
+    def _tell_if_silent(self, now: float) -> None:
+        """Say why there may be no answer, once there was none for long enough."""
+        if self._session.state != contact.ASKING or now - self._spoke_at < _NO_ANSWER_S:
+            return
+        name, baud = self._port.name, self._port.baud
+        if count_old_frames(self._unread) >= 2:
+            text = (
+                "the board speaks rosserial's protocol of before ROS Hydro (version byte 0xff; "
+                "0xfe is spoken here): build its sketch with a newer library"
+            )
+        elif self._unread:
+            text = (
+                "what arrives is no message of rosserial: does the "
+                f"sketch use {baud} baud too, and nothing else write to its serial port?"
+            )
+        else:
+            text = "the board says nothing: does its sketch call initNode and, again and again, "
+            text += "spinOnce, " + (f"at {baud} baud?" if baud else "with this address?")
+        self._trouble = text
+        self._sayings.say(rospy.logwarn, f"{name}: {text}")
+
+    def _damage(self) -> int:
+        return sum(self._decoder.faults.values())
+
+    def _write(self) -> None:
+        """Send the next frame when the line is free."""
+        now = time.monotonic()
+        delay = self._pace.wait(now)
+        if delay > 0.0:
+            self._is_over.wait(min(delay, _LONGEST_WAIT_S))
+            return
+        frame: Optional[Any] = self._outbox.fetch(_LONGEST_WAIT_S)
+        if frame is None or not self._is_open:
+            return
+        try:
+            self._port.write(frame)
+        except PortStuck as error:
+            self._tally.add(counts.STUCK)
+            self._sayings.say(rospy.logwarn, str(error))
+            return
+        except PortLost:
+            self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
+            return
+        self._pace.written(time.monotonic(), len(frame))
+        self._tally.add(counts.SENT)
+        self._tally.add(counts.SENT_BYTES, len(frame))

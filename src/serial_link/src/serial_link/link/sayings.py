@@ -1,0 +1,38 @@
+"""What is said in the log now and then, however often it happens."""
+
+import math
+import threading
+import time
+from typing import Callable, Dict
+
+
+class Sayings:
+    """Logs each thing once in a while. Of rospy's throttles there is one for a line of code: of two
+    topics, one would keep the other quiet.
+
+    :param period: least time between two lines about one thing, s
+    """
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._lock = threading.Lock()
+        self._said_at: Dict[str, float] = {}
+
+    def say(self, log: Callable[[str], None], text: str, about: str = "") -> None:
+        """Log a sentence, unless it was a moment ago.
+
+        :param log: logs it
+        :param text: the sentence
+        :param about: what it is about; the sentence itself by default
+        """
+        now = time.monotonic()
+        with self._lock:
+            if now - self._said_at.get(about or text, -math.inf) < self._period:
+                return
+            self._said_at[about or text] = now
+        log(text)
+
+    def forget(self) -> None:
+        """Say all of it again when it happens next."""
+        with self._lock:
+            self._said_at.clear()

@@ -1,0 +1,1 @@
+"""What board and host tell each other of topics, services, parameters and logs. Pure."""

@@ -1,0 +1,215 @@
+"""What the frames below id 100 carry, as ros-drivers/rosserial defines it in rosserial_msgs.
+
+A text is its length as 32 bits, then its bytes, as in any message of ROS. What does not fit, and
+what no board would send, is refused: an 8-bit checksum lets one damaged frame in 256 pass.
+"""
+
+import re
+import struct
+from typing import List, NamedTuple, Sequence, Tuple
+
+from serial_link.framing.frames import LONGEST
+
+#: Ids of frames: one of the first two, added to one of a kind, tells of a topic.
+PUBLISHER, SUBSCRIBER = 0, 1
+SERVICE_SERVER, SERVICE_CLIENT = 2, 4
+PARAMETER, LOG, TIME, STOP = 6, 7, 10, 11
+#: What tells of a topic or of one half of a service.
+TOPICS = range(PUBLISHER, SERVICE_CLIENT + SUBSCRIBER + 1)
+#: The first id that a topic may have.
+FIRST_TOPIC = 100
+
+#: Levels of a line of a board's log.
+DEBUG, INFO, WARN, ERROR, FATAL = range(5)
+
+_ID, _SIZE, _LENGTH = struct.Struct("<H"), struct.Struct("<i"), struct.Struct("<I")
+_TIME = struct.Struct("<II")
+_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*")
+_TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
+_MD5 = re.compile(r"[0-9a-f]{32}|\*")
+
+
+class PayloadError(ValueError):
+    """A payload that is not what its id says."""
+
+
+class TopicInfo(NamedTuple):
+    """What a board tells of a topic, or of one half of a service.
+
+    :param topic_id: the id of its messages' frames
+    :param name: of the topic or the service
+    :param type: of the message or the service, ``package/Name``
+    :param md5sum: of the message; of a service, of this half of it
+    :param buffer_size: what the board's buffer holds, bytes
+    """
+
+    topic_id: int
+    name: str
+    type: str
+    md5sum: str
+    buffer_size: int
+
+
+def encode_topic(info: TopicInfo) -> bytes:
+    """Return what tells of a topic."""
+    texts = b"".join(_text(text) for text in (info.name, info.type, info.md5sum))
+    return _ID.pack(info.topic_id) + texts + _SIZE.pack(info.buffer_size)
+
+
+def decode_topic(payload: bytes) -> TopicInfo:
+    """Read what tells of a topic.
+
+    :param payload: of a frame
+    :raises PayloadError: if it is malformed, or nothing that a board would tell
+    """
+    reader = _Reader(payload)
+    (topic_id,) = reader.read(_ID)
+    name, datatype, md5sum = reader.text(), reader.text(), reader.text()
+    (buffer_size,) = reader.read(_SIZE)
+    reader.end()
+    if (
+        topic_id < FIRST_TOPIC
+        or not _NAME.fullmatch(name)
+        or not _TYPE.fullmatch(datatype)
+        or not _MD5.fullmatch(md5sum)
+        or not 0 < buffer_size <= LONGEST
+    ):
+        raise PayloadError(f"no topic: {topic_id} {name!r} {datatype!r} {md5sum!r} {buffer_size}")
+    return TopicInfo(topic_id, name, datatype, md5sum, buffer_size)
+
+
+def encode_log(level: int, text: str) -> bytes:
+    """Return a line of a board's log."""
+    return bytes((level,)) + _text(text)
+
+
+def decode_log(payload: bytes) -> Tuple[int, str]:
+    """Read a line of a board's log.
+
+    :param payload: of a frame
+    :returns: its level and its text
+    :raises PayloadError: if it is malformed
+    """
+    if not payload or payload[0] > FATAL:
+        raise PayloadError("no line of a log")
+    reader = _Reader(payload[1:])
+    text = reader.text()
+    reader.end()
+    return payload[0], text
+
+
+def encode_name(name: str) -> bytes:
+    """Return a request for a parameter."""
+    return _text(name)
+
+
+def decode_name(payload: bytes) -> str:
+    """Read the name of the parameter that a board asks for.
+
+    :param payload: of a frame
+    :raises PayloadError: if it is malformed, or no name
+    """
+    reader = _Reader(payload)
+    name = reader.text()
+    reader.end()
+    if not _NAME.fullmatch(name):
+        raise PayloadError(f"no name of a parameter: {name!r}")
+    return name
+
+
+class Values(NamedTuple):
+    """A parameter as a board gets it: it takes the list of the type that it asks for."""
+
+    ints: Sequence[int] = ()
+    floats: Sequence[float] = ()
+    texts: Sequence[str] = ()
+
+
+def encode_values(values: Values) -> bytes:
+    """Return the answer to a request for a parameter.
+
+    :param values: whole numbers of 32 bits, numbers that 32-bit floats hold, and texts
+    """
+    ints, floats = list(values.ints), list(values.floats)
+    texts = [_text(text) for text in values.texts]
+    return b"".join(
+        (
+            struct.pack(f"<I{len(ints)}i", len(ints), *ints),
+            struct.pack(f"<I{len(floats)}f", len(floats), *floats),
+            _LENGTH.pack(len(texts)),
+            *texts,
+        )
+    )
+
+
+def decode_values(payload: bytes) -> Values:
+    """Read the answer to a request for a parameter.
+
+    :param payload: of a frame
+    :raises PayloadError: if it is malformed
+    """
+    reader = _Reader(payload)
+    ints = reader.numbers("i")
+    floats = reader.numbers("f")
+    (count,) = reader.read(_LENGTH)
+    texts: List[str] = []
+    for _ in range(count):
+        texts.append(reader.text())
+    reader.end()
+    return Values(tuple(map(int, ints)), floats, tuple(texts))
+
+
+def encode_time(seconds: int, nanoseconds: int) -> bytes:
+    """Return a time, or with 0 a request for it."""
+    return _TIME.pack(seconds, nanoseconds)
+
+
+def decode_time(payload: bytes) -> Tuple[int, int]:
+    """Read a time, s and ns.
+
+    :param payload: of a frame
+    :raises PayloadError: if it is malformed
+    """
+    reader = _Reader(payload)
+    seconds, nanoseconds = reader.read(_TIME)
+    reader.end()
+    return int(seconds), int(nanoseconds)
+
+
+def _text(text: str) -> bytes:
+    data = text.encode("utf-8")
+    return _LENGTH.pack(len(data)) + data
+
+
+class _Reader:
+    """Reads one value after the other, and no further than there is."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data, self._place = data, 0
+
+    def read(self, form: struct.Struct) -> Tuple[int, ...]:
+        place = self._place
+        self._place += form.size
+        self._check()
+        return form.unpack_from(self._data, place)
+
+    def text(self) -> str:
+        (size,) = self.read(_LENGTH)
+        place = self._place
+        self._place += size
+        self._check()
+        return self._data[place : self._place].decode("utf-8", "replace")
+
+    def numbers(self, kind: str) -> Tuple[float, ...]:
+        (count,) = self.read(_LENGTH)
+        if count > len(self._data):  # or the format would be of any length
+            raise PayloadError("shorter than it says")
+        return self.read(struct.Struct(f"<{count}{kind}"))
+
+    def end(self) -> None:
+        if self._place != len(self._data):
+            raise PayloadError("longer than it says")
+
+    def _check(self) -> None:
+        if self._place > len(self._data):
+            raise PayloadError("shorter than it says")

@@ -1,0 +1,145 @@
+"""What a board has told of its topics and services, round by round."""
+
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+
+from serial_link.negotiation.payloads import (
+    PUBLISHER,
+    SERVICE_CLIENT,
+    SERVICE_SERVER,
+    SUBSCRIBER,
+    TopicInfo,
+)
+
+#: A round is over when nothing has been told for this long, s.
+SETTLED_S = 0.2
+#: A damaged round is followed by another, but by no more than this many.
+MOST_ROUNDS = 20
+#: Most topics and halves of services of a board: rosserial has 25 of either direction, and boards
+#: with more memory may have more.
+MOST_TOPICS = 250
+
+_SERVICES = (SERVICE_SERVER, SERVICE_CLIENT)
+
+
+class Endpoint(NamedTuple):
+    """A topic or a service that a board has.
+
+    :param kind: PUBLISHER, SUBSCRIBER, SERVICE_SERVER or SERVICE_CLIENT, as seen from the board
+    :param name: of the topic or the service
+    :param type: of the message or the service
+    :param incoming: what the board sends; None of a subscriber
+    :param outgoing: what the board receives; None of a publisher
+    """
+
+    kind: int
+    name: str
+    type: str
+    incoming: Optional[TopicInfo]
+    outgoing: Optional[TopicInfo]
+
+    @property
+    def is_service(self) -> bool:
+        """Whether it is a service, none of whose messages may be lost."""
+        return self.kind in _SERVICES
+
+
+class TopicBook:
+    """The topics of a board, as far as it has told of them.
+
+    A board tells of all of them each time that it is asked: that is a round. In a round without any
+    damage, what it does not tell of is gone. Where something was damaged, what is known stays, and
+    another round fills the gaps. Time is an argument, s.
+    """
+
+    def __init__(self) -> None:
+        #: By direction (0 for what the board sends) and id; the id that tells of it, and its info.
+        self._told: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
+        self._seen: Set[Tuple[int, int]] = set()
+        self._ends_at: Optional[float] = None
+        self._is_damaged = False
+        self._rounds = 0
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether no round is under way."""
+        return self._ends_at is None
+
+    def begin(self, now: float, is_first: bool = True) -> None:
+        """Begin a round, as the board was asked.
+
+        :param now: the time, s
+        :param is_first: whether it is not the one before that is repeated
+        """
+        self._rounds = 1 if is_first else self._rounds + 1
+        self._seen.clear()
+        self._ends_at, self._is_damaged = now + SETTLED_S, False
+
+    def add(self, now: float, told_by: int, info: TopicInfo) -> bool:
+        """Add what was told of one topic, or of one half of a service.
+
+        :param now: the time, s
+        :param told_by: the id of the frame that told
+        :param info: what it told
+        :returns: whether there was room for it
+        """
+        key = (told_by % 2, info.topic_id)
+        if key not in self._told and len(self._told) >= MOST_TOPICS:
+            return False
+        self._told[key] = (told_by, info)
+        self._seen.add(key)
+        self._ends_at = now + SETTLED_S
+        return True
+
+    def note_damage(self) -> None:
+        """Note that something arrived damaged: it may have told of a topic."""
+        self._is_damaged = True
+
+    def settle(self, now: float) -> Optional[bool]:
+        """End the round, if it is over.
+
+        :param now: the time, s
+        :returns: None if it is not over, or ended before; else whether all is known now, or another
+            round is needed
+        """
+        if self._ends_at is None or now < self._ends_at:
+            return None
+        self._ends_at = None
+        if self._is_damaged:
+            return self._rounds >= MOST_ROUNDS
+        if self._seen:
+            self._told = {key: told for key, told in self._told.items() if key in self._seen}
+        return True
+
+    def incoming(self, topic_id: int) -> Optional[Endpoint]:
+        """Return what a frame from the board is about, None if that is not known.
+
+        :param topic_id: of the frame
+        """
+        told = self._told.get((PUBLISHER, topic_id))
+        return self._endpoint(*told) if told else None
+
+    def endpoints(self) -> List[Endpoint]:
+        """Return the topics, and those services of which both halves are known."""
+        found = {self._endpoint(*told): None for told in self._told.values()}
+        return [one for one in found if one is not None]
+
+    @property
+    def longest(self) -> int:
+        """The longest message that the board can send, as it tells itself, bytes; 0 if unknown."""
+        sizes = [info.buffer_size for (way, _), (_, info) in self._told.items() if way == PUBLISHER]
+        return max(sizes, default=0)
+
+    def _endpoint(self, told_by: int, info: TopicInfo) -> Optional[Endpoint]:
+        if told_by == PUBLISHER:
+            return Endpoint(PUBLISHER, info.name, info.type, info, None)
+        if told_by == SUBSCRIBER:
+            return Endpoint(SUBSCRIBER, info.name, info.type, None, info)
+        kind = told_by - told_by % 2
+        halves = {
+            other % 2: one
+            for other, one in self._told.values()
+            if other - other % 2 == kind and (one.name, one.type) == (info.name, info.type)
+        }
+        if len(halves) < 2:
+            return None
+        return Endpoint(kind, info.name, info.type, halves[PUBLISHER], halves[SUBSCRIBER])

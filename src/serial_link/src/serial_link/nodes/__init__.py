@@ -1,0 +1,1 @@
+"""The nodes: the link to a board, and a simulated board."""

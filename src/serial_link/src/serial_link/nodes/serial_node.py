@@ -1,0 +1,132 @@
+"""The link to a microcontroller, by rosserial's protocol."""
+
+import sys
+import time
+from typing import Any, Dict, Tuple
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from std_msgs.msg import Header
+
+from nodekit import Node, run, to_wire
+from nodekit.master import MISSING, MasterClient
+from serial_link.endpoints.board_in_ros import BoardInRos
+from serial_link.hardware.ports import Port
+from serial_link.hardware.serial_port import SerialPort
+from serial_link.hardware.tcp_port import TcpPort
+from serial_link.host.counts import Counts
+from serial_link.link.board_link import BoardLink
+from serial_link.serial_parameters import TCP, SerialParameters
+
+#: Longest wait for the master where a board asks for a parameter, s.
+_MASTER_S = 0.5
+#: Least time between two lines about faults, s.
+_LINE_EVERY_S = 10.0
+#: What is no fault: it is on /diagnostics alone.
+_USUAL = {"received", "received bytes", "sent", "sent bytes", "openings", "asked"}
+
+
+class SerialNode:
+    """Has the topics, services, parameters and logs of a board on the graph.
+
+    Which there are the board tells: it is asked when the port opens, and after each of its
+    restarts. In place of rosserial_python's node of this name.
+
+    :ROS Subscribers:
+        - what the board subscribes to
+
+    :ROS Publishers:
+        - what the board publishes
+        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray): all counts, once a second
+        - ``/rosout`` (rosgraph_msgs/Log): the board's log, under the name ``NODE/board``
+
+    :ROS Services:
+        - what the board offers
+
+    :ROS Parameters:
+        - those of :class:`.SerialParameters`, private; and whatever the board asks for
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(SerialParameters)
+        self._adopt_arguments()
+        self._node_name = node.name
+        self._tally = Counts()
+        self._link = BoardLink(self._port(), self._tally, _ros_time)
+        self._board = BoardInRos(
+            node,
+            self._link,
+            self._tally,
+            lambda: self._settings.values.service_timeout,
+            self._find_parameter,
+        )
+        self._has_started = False
+        self._faults: Dict[str, int] = {}
+        self._told: Dict[str, int] = {}
+        self._told_at = -_LINE_EVERY_S
+        self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
+        node.own(self._link)
+        node.own(self._board)
+        node.every(1.0, self._report, steady=True)
+        node.before_end(self._link.say_stop)
+
+    def _adopt_arguments(self) -> None:
+        """Have the port, and with tcp its number, from the command line as rosserial_python has."""
+        words = rospy.myargv(sys.argv)[1:]
+        names = ("port", "tcp_port")
+        if words:
+            self._settings.update(**dict(zip(names, words)))
+
+    def _port(self) -> Port:
+        values = self._settings.values
+        if values.port == TCP:
+            return TcpPort(values.tcp_address, values.tcp_port)
+        return SerialPort(values.port, values.baud)
+
+    def _find_parameter(self, name: str) -> Any:
+        """Return a parameter for the board; None where it is not set.
+
+        :raises MasterUnreachable: if it is not declared here and the master does not answer
+        """
+        private, _, own = name.rpartition("/")
+        if private == self._node_name and own in SerialParameters.declared:
+            return to_wire(getattr(self._settings.values, own))
+        with MasterClient(self._node_name, timeout=_MASTER_S) as master:
+            found = master.read([name]).values[name]
+        return None if found is MISSING else found
+
+    def _report(self, _elapsed: float) -> None:
+        if not self._has_started:  # only now: what the board tells of is opened at once
+            self._has_started = True
+            self._link.start()
+            self._board.start()
+        figures = self._link.figures()
+        faults = {name: count for name, count in figures.items() if count and name not in _USUAL}
+        is_new, self._faults = faults != self._faults, faults
+        trouble = self._link.trouble
+        level = DiagnosticStatus.WARN if is_new else DiagnosticStatus.OK
+        message = "faults in the last second" if is_new else "in step"
+        if trouble:
+            level, message = DiagnosticStatus.ERROR, trouble
+        values = [KeyValue(name, str(count)) for name, count in sorted(figures.items())]
+        name = self._node_name.lstrip("/") + ": board"
+        status = DiagnosticStatus(level, name, message, self._link.port_name, values)
+        self._diagnostics.publish(DiagnosticArray(Header(stamp=rospy.get_rostime()), [status]))
+        now = time.monotonic()
+        if faults != self._told and now - self._told_at >= _LINE_EVERY_S:
+            self._told, self._told_at = faults, now
+            text = ", ".join(f"{name} {count}" for name, count in sorted(faults.items()))
+            received, sent = figures.get("received", 0), figures.get("sent", 0)
+            rospy.loginfo(
+                "%s: %d frames received, %d sent; %s", self._link.port_name, received, sent, text
+            )
+
+
+def _ros_time() -> Tuple[int, int]:
+    now = rospy.get_rostime()
+    return now.secs, now.nsecs
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("serial_node", SerialNode)

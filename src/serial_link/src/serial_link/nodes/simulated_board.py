@@ -1,0 +1,72 @@
+"""A board with a motor, as a microcontroller with rosserial's library would be."""
+
+import time
+from typing import Any
+
+from std_srvs.srv import Trigger
+
+from nodekit import Node, give_up, run
+from serial_link.board.ends import End, PtyEnd, TcpEnd
+from serial_link.board.simulation import SimulatedBoard
+from serial_link.board_parameters import BoardParameters
+from serial_link.device.device import Device
+from serial_link.device.motor import Motor
+from serial_link.device.motor_sketch import MotorSketch, Panel
+
+
+class SimulatedBoardNode:
+    """Is a board behind a serial port or a TCP connection; all its topics come over that.
+
+    On the graph it only has what a person does at a board: the button and the potentiometer, the
+    cable, the reset, and faults, as parameters and a service.
+
+    :ROS Services:
+        - ``~reset`` (std_srvs/Trigger): presses the reset button
+
+    :ROS Parameters:
+        - those of :class:`.BoardParameters`, private and live
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._settings = node.parameters(BoardParameters, on_change=self._on_change)
+        values = self._settings.values
+        self._motor = Motor(values.plant, values.counts_per_turn, time.monotonic())
+        self._panel = Panel()
+        end: End = TcpEnd(values.tcp_address, values.tcp_port)
+        if values.link:
+            end = PtyEnd(values.link)
+        self._board = node.own(
+            SimulatedBoard(end, values.baud, self._make_device, values.boot_time)
+        )
+        self._has_started = False
+        node.service("~reset", Trigger, self._reset)
+        node.every(1.0, self._start, steady=True)
+        self._on_change(values, values)
+
+    def _start(self, _elapsed: float) -> None:
+        if not self._has_started:
+            self._has_started = True
+            try:
+                self._board.start()
+            except OSError as error:
+                give_up(f"the board's port cannot be made: {error}")
+
+    def _make_device(self, now: float) -> Device:
+        values = self._settings.values
+        sketch = MotorSketch(self._motor, self._panel, values.rate, now, values.floods)
+        return Device(sketch, values.buffer_size, values.buffer_size, values.wrong_md5)
+
+    def _on_change(self, new: BoardParameters, _old: BoardParameters) -> None:
+        self._board.faults = new.faults
+        self._board.boot_s = new.boot_time
+        self._plant = new.plant
+        self._panel.button, self._panel.potentiometer = new.button, new.potentiometer
+
+    def _reset(self, _request: Any) -> Any:
+        self._board.reset()
+        return True, "reset"
+
+
+def main() -> None:
+    """Run the node until it is shut down."""
+    run("simulated_board", SimulatedBoardNode)

@@ -1,0 +1,295 @@
+#!/usr/bin/env python3
+"""Boards of the test's own behind the node: services, parameters, logs, time, and sizes."""
+
+import os
+import queue
+import shutil
+import struct
+import tempfile
+import unittest
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+
+import rospkg
+import rospy
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, SetBoolResponse
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Master, Process
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
+from serial_link.board.ends import PtyEnd
+from serial_link.board.simulation import Faults, SimulatedBoard
+from serial_link.device.device import Declared, Device
+from serial_link.endpoints.types import encode
+from serial_link.framing.frames import OLD_REQUEST, PROBE
+from serial_link.negotiation.payloads import (
+    ERROR,
+    PUBLISHER,
+    SERVICE_CLIENT,
+    SERVICE_SERVER,
+    SUBSCRIBER,
+    Values,
+)
+
+SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
+BUFFER = 100
+REQUEST, RESPONSE = SetBool._request_class, SetBool._response_class
+
+
+def declared(kind: int, name: str, data_class: Any) -> Declared:
+    if kind in (SERVICE_SERVER, SERVICE_CLIENT):
+        sums = data_class._request_class._md5sum, data_class._response_class._md5sum
+        return Declared(kind, name, data_class._type, *sums)
+    return Declared(kind, name, data_class._type, data_class._md5sum)
+
+
+class TestSketch:
+    """Notes what it hears, and does what the test puts into its queue."""
+
+    topics: Sequence[Declared] = (
+        declared(PUBLISHER, "said", String),
+        declared(SUBSCRIBER, "told", String),
+        declared(SERVICE_SERVER, "offered", SetBool),
+        declared(SERVICE_CLIENT, "called", SetBool),
+        Declared(PUBLISHER, "strange", "no_such_msgs/Thing", "0" * 32),
+        Declared(SUBSCRIBER, "stranger", "std_msgs/NoSuchThing", "0" * 32),
+    )
+
+    def __init__(self) -> None:
+        self.heard: List[Tuple[str, bytes]] = []
+        self.parameters: List[Values] = []
+        self.todo: "queue.Queue[Callable[[Device], None]]" = queue.Queue()
+        self.answers = True
+
+    def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
+        self.heard.append((name, payload))
+        if name == "offered" and self.answers:
+            wanted = REQUEST().deserialize(payload).data
+            device.publish(name, encode(RESPONSE(wanted, "from the board")))
+
+    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+        self.parameters.append(values)
+
+    def loop(self, device: Device, now: float) -> None:
+        if device.is_configured and not self.todo.empty():
+            self.todo.get()(device)
+
+    def next_due(self, now: float) -> float:
+        return now + 0.01
+
+    def texts(self) -> List[str]:
+        """Return what was told."""
+        return [String().deserialize(data).data for name, data in self.heard if name == "told"]
+
+
+class AnySketch(unittest.TestCase):
+    """Each test has a namespace, a board and a node of its own."""
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.port = os.path.join(self.folder, "board")
+        self.sketch = TestSketch()
+        self.end = PtyEnd(self.port)
+        make = lambda now: Device(self.sketch, BUFFER, 512)  # noqa: E731
+        self.board = SimulatedBoard(self.end, 115200, make)
+
+    def start(self, *words: str, environment: Optional[Dict[str, str]] = None) -> Process:
+        """Switch the board on and start the node; both end with the test."""
+        self.board.start()
+        self.addCleanup(self.board.close)
+        return self.start_node(*words, environment=environment)
+
+    def start_node(self, *words: str, environment: Optional[Dict[str, str]] = None) -> Process:
+        arguments = ["__ns:=" + self.space, f"_port:={self.port}", "_baud:=115200", *words]
+        node = Process(os.path.join(SCRIPTS, "serial_node.py"), arguments, environment)
+        self.addCleanup(node.end)
+        return node
+
+    def publisher(self, **options: Any) -> rospy.Publisher:
+        publisher = rospy.Publisher(self.space + "/told", String, **{"queue_size": 2000, **options})
+        self.addCleanup(publisher.unregister)
+        return publisher
+
+    def wait_until_told(self, *texts: str) -> None:
+        wait_until(
+            lambda: set(texts) <= set(self.sketch.texts()),
+            lambda: f"{texts} not among {self.sketch.texts()[-5:]}",
+        )
+
+    def do(self, work: Callable[[Device], None]) -> None:
+        self.sketch.todo.put(work)
+
+    def test_services_both_ways(self) -> None:
+        """Course 003-serial-2."""
+        called = []
+
+        def answer(request: Any) -> Any:
+            called.append(request.data)
+            return SetBoolResponse(not request.data, "from ROS")
+
+        service = rospy.Service(self.space + "/called", SetBool, answer)
+        self.addCleanup(service.shutdown)
+        self.start()
+        offered = rospy.ServiceProxy(self.space + "/offered", SetBool)
+        offered.wait_for_service(TIMEOUT_S)
+        for wanted in (True, False):
+            answered = offered(wanted)
+            self.assertEqual((answered.success, answered.message), (wanted, "from the board"))
+        self.do(lambda device: device.publish("called", encode(REQUEST(True))))
+        wait_until(
+            lambda: ("called", encode(RESPONSE(False, "from ROS"))) in self.sketch.heard,
+            lambda: str(self.sketch.heard),
+        )
+        self.assertEqual(called, [True])
+
+    def test_calls_that_cannot_be_answered_fail_with_the_reason(self) -> None:
+        node = self.start("_service_timeout:=0.3")
+        offered = rospy.ServiceProxy(self.space + "/offered", SetBool)
+        offered.wait_for_service(TIMEOUT_S)
+        self.sketch.answers = False
+        with self.assertRaisesRegex(rospy.ServiceException, "not answered within 0.3 s"):
+            offered(True)
+        self.do(lambda device: device.publish("called", encode(REQUEST(True))))
+        node.wait_for_log("the board's call failed", "/called", "no node offers it")
+        self.board.faults = Faults(is_plugged=False)
+        node.wait_for_log("is gone")
+        with self.assertRaisesRegex(rospy.ServiceException, "is not there|is gone"):
+            offered(True)
+
+    def test_call_under_way_fails_when_the_board_is_restarted(self) -> None:
+        self.sketch.answers = False
+        node = self.start("_service_timeout:=20.0")
+        offered = rospy.ServiceProxy(self.space + "/offered", SetBool)
+        offered.wait_for_service(TIMEOUT_S)
+        failures: List[str] = []
+
+        def call() -> None:
+            try:
+                offered(True)
+            except rospy.ServiceException as error:
+                failures.append(str(error))
+
+        in_thread(call)
+        wait_until(lambda: self.sketch.heard, lambda: "the board was not called")
+        self.board.reset()
+        wait_until(lambda: failures, lambda: "the call goes on", 15.0)
+        self.assertRegex(failures[0], "the board was restarted")
+        node.wait_for_log("the board was restarted")
+
+    def test_types_that_there_are_not_are_refused_and_the_others_work(self) -> None:
+        said = Ear(self.space + "/said", String)
+        node = self.start()
+        node.wait_for_log(
+            "strange is refused: no_such_msgs/Thing is not known here: is no_such_msgs built"
+        )
+        node.wait_for_log("stranger is refused: std_msgs/NoSuchThing is not known here")
+        wait_until(lambda: said.publishers(), lambda: "nobody publishes")
+        self.do(lambda device: device.publish("strange", b"x"))
+        self.do(lambda device: device.publish("said", encode(String("good"))))
+        # Its sums hold, but it is no text: 200 bytes are said to follow.
+        self.do(lambda device: device.publish("said", struct.pack("<I", 200) + b"bad"))
+        self.do(lambda device: device.publish("said", encode(String("also good"))))
+        said.wait_for(lambda heard: heard.data == "also good")
+        self.assertEqual([heard.data for heard in said.messages()], ["good", "also good"])
+
+    def test_a_message_beyond_the_buffer_is_not_sent_and_both_sizes_are_told(self) -> None:
+        node = self.start()
+        publisher = self.publisher()
+        wait_until(publisher.get_num_connections, lambda: "the board does not listen")
+        publisher.publish("x" * (BUFFER - 4 + 1))
+        node.wait_for_log("/told: a message of 101 bytes is not sent", "the board's buffer has 100")
+        publisher.publish("x" * (BUFFER - 4))
+        self.wait_until_told("x" * (BUFFER - 4))
+        self.assertEqual(self.board.device.receiver.too_long, 0)
+
+    def test_more_than_the_line_takes_leaves_the_newest_and_what_is_latched_all_comes(self) -> None:
+        self.start()
+        stream = self.publisher()
+        wait_until(stream.get_num_connections, lambda: "the board does not listen")
+        for number in range(1500):
+            stream.publish(f"{number:080}")
+        self.wait_until_told(f"{1499:080}")
+        heard = self.sketch.texts()
+        self.assertLess(len(heard), 1500)
+        self.assertEqual(heard, sorted(heard))
+        stream.unregister()
+        latched = self.publisher(latch=True)
+        wait_until(latched.get_num_connections, lambda: "the board does not listen")
+        texts = [f"latched {number}" for number in range(40)]
+        for text in texts:
+            latched.publish(text)
+        self.wait_until_told(*texts)
+
+    def test_parameters_and_a_log_of_its_own(self) -> None:
+        log = Ear("/rosout", Log)
+        rospy.set_param(self.space + "/serial_node/gains", [1, 2.5])
+        rospy.set_param(self.space + "/name", "robot")
+        rospy.set_param(self.space + "/serial_node/tree", {"a": 1})
+        node = self.start()
+        for name in ("~gains", "name", "~baud", "~tree", "~missing"):
+            self.do(lambda device, name=name: device.ask_parameter(name))  # type: ignore[misc]
+        self.do(lambda device: device.log(ERROR, "it is hot"))
+        wait_until(lambda: len(self.sketch.parameters) == 5, lambda: str(self.sketch.parameters))
+        self.assertEqual(
+            self.sketch.parameters,
+            [
+                Values((), (1.0, 2.5), ()),
+                Values((), (), ("robot",)),
+                Values((115200,), (115200.0,), ()),
+                Values((), (), ()),
+                Values((), (), ()),
+            ],
+        )
+        node.wait_for_log("~tree: it must be a number")
+        node.wait_for_log("/serial_node/missing, which is not set")
+        line = log.wait_for(lambda line: line.msg == "it is hot")
+        self.assertEqual((line.name, line.level), (self.space + "/serial_node/board", Log.ERROR))
+        node.wait_for_log("[ERROR]", "/serial_node/board: it is hot")
+
+    def test_the_board_gets_the_time_of_ros(self) -> None:
+        master = Master()
+        self.addCleanup(master.kill)
+        environment = {"ROS_MASTER_URI": master.uri}
+        rostopic, rosparam = shutil.which("rostopic"), shutil.which("rosparam")
+        assert rostopic is not None and rosparam is not None
+        setting = Process(rosparam, ["set", "/use_sim_time", "true"], environment)
+        self.assertEqual(setting.wait(), 0)
+        clock = ["pub", "-r", "20", "-s", "/clock", "rosgraph_msgs/Clock", "{clock: {secs: 77}}"]
+        self.addCleanup(Process(rostopic, clock, environment).end)
+        self.start(environment=environment)
+        wait_until(
+            lambda: self.board.device is not None and self.board.device.host_time == 77.0,
+            lambda: f"its time is {self.board.device and self.board.device.host_time}",
+        )
+
+    def test_a_board_of_the_old_protocol_and_one_of_another_speed_are_told_in_words(self) -> None:
+        old = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
+        self.end.plug()
+        self.addCleanup(self.end.unplug)
+        node = self.start_node()
+        node.wait_for_log("the board says nothing", "at 115200 baud?")
+        self.feed(b"\x00\x80garbled", node, "what arrives is no message of rosserial", "115200")
+        # Such a board answers the request of its own time only.
+        asked = b""
+        while OLD_REQUEST not in asked:
+            self.end.wait(1.0)
+            asked += self.end.read()
+        self.feed(old, node, "protocol of before ROS Hydro (version byte 0xff")
+
+    def feed(self, data: bytes, node: Process, *words: str) -> None:
+        """Send bytes again and again, until the node says something."""
+
+        def is_said() -> bool:
+            self.end.write(data)
+            return bool(node.logged(*words))
+
+        wait_until(is_said, lambda: f"{words} not in {node.logged()}")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_any_sketch")
+    rosrun("serial_link", "any_sketch", AnySketch)

@@ -1,0 +1,137 @@
+"""Frames are found in whatever arrives."""
+
+from typing import List
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from serial_link.framing.decoder import (
+    CHECKSUM,
+    CUT_OFF,
+    GARBAGE,
+    LENGTH,
+    LENGTH_CHECKSUM,
+    Decoder,
+)
+from serial_link.framing.frames import LONGEST, START, Frame, encode
+
+frames = st.builds(Frame, st.integers(0, 0xFFFF), st.binary(max_size=80))
+#: Messages in which nothing looks like the beginning of another frame.
+plain = st.lists(
+    st.builds(
+        Frame, st.integers(0, 0xFE), st.binary(max_size=40).map(lambda b: b.replace(b"\xff", b"."))
+    ),
+    min_size=3,
+    max_size=6,
+)
+
+
+def wire(messages: List[Frame]) -> bytes:
+    return b"".join(encode(*message) for message in messages)
+
+
+def fed_in_pieces(data: bytes, cuts: List[int]) -> "tuple[List[Frame], Decoder]":
+    decoder, found, start = Decoder(), [], 0
+    for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
+        found += decoder.feed(data[start:cut])
+        start = cut
+    return found + decoder.give_up(), decoder
+
+
+@given(st.lists(frames, max_size=5), st.lists(st.integers(0, 10_000)))
+def test_what_was_sent_comes_whatever_the_cut(messages: List[Frame], cuts: List[int]) -> None:
+    found, decoder = fed_in_pieces(wire(messages), cuts)
+    assert found == messages
+    assert not +decoder.faults
+
+
+@given(st.binary(max_size=300), st.lists(st.integers(0, 10_000)))
+def test_noise_raises_nothing_and_the_cut_makes_no_difference(
+    noise: bytes, cuts: List[int]
+) -> None:
+    whole, at_once = fed_in_pieces(noise, [])
+    pieces, cut = fed_in_pieces(noise, cuts)
+    assert whole == pieces
+    assert +at_once.faults == +cut.faults
+    carried = sum(len(encode(*frame)) for frame in whole)
+    assert carried + at_once.faults[GARBAGE] == len(noise)
+
+
+@given(
+    plain,
+    st.lists(
+        st.tuples(st.integers(0, 10_000), st.integers(0, 255), st.sampled_from("=+-")), max_size=8
+    ),
+    st.lists(st.integers(0, 10_000)),
+)
+def test_damage_raises_nothing_and_only_sums_that_hold_come_through(
+    messages: List[Frame], damage: List["tuple[int, int, str]"], cuts: List[int]
+) -> None:
+    data = bytearray(wire(messages))
+    for place, value, how in damage:
+        place %= len(data)
+        if how == "=":
+            data[place] = value
+        elif how == "+":
+            data.insert(place, value)
+        else:
+            del data[place]
+    found, _ = fed_in_pieces(bytes(data), cuts)
+    for frame in found:  # it stands there with its sums, byte by byte
+        assert encode(*frame) in data
+
+
+@settings(max_examples=300)
+@given(st.binary(max_size=60), plain, st.lists(st.integers(0, 10_000)))
+def test_two_good_messages_after_any_damage_it_is_in_step_again(
+    damage: bytes, messages: List[Frame], cuts: List[int]
+) -> None:
+    data = damage + wire(messages)
+    decoder, found, start = Decoder(), [], 0
+    for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
+        found += decoder.feed(data[start:cut])
+        start = cut
+    # Without waiting for silence: a lying length must not hold back what follows for long.
+    assert found[len(found) - len(messages[2:]) :] == messages[2:]
+
+
+@pytest.mark.parametrize("size", [1, 200, 512, LONGEST])
+def test_a_length_that_lies_holds_back_two_messages_and_loses_none(size: int) -> None:
+    lie = encode(125, bytes(size))[:7]
+    messages = [Frame(125, b"one"), Frame(126, b"two"), Frame(125, b"three")]
+    decoder = Decoder()
+    assert decoder.feed(lie + wire(messages[:1])) == ([] if size > 1 else messages[:1])
+    assert decoder.feed(wire(messages[1:])) == messages[size == 1 :]
+    assert sum(decoder.faults[kind] for kind in (LENGTH, CHECKSUM)) == 1
+
+
+@pytest.mark.parametrize(
+    "place, fault",
+    [(2, LENGTH_CHECKSUM), (4, LENGTH_CHECKSUM), (5, CHECKSUM), (8, CHECKSUM), (-1, CHECKSUM)],
+)
+def test_each_fault_is_counted_by_its_kind(place: int, fault: str) -> None:
+    data = bytearray(encode(125, b"some"))
+    data[place] ^= 0x10
+    decoder = Decoder()
+    good = Frame(126, b"good")
+    assert decoder.feed(bytes(data) + encode(*good)) == [good]
+    assert +decoder.faults == {fault: 1, GARBAGE: len(data)}
+
+
+def test_a_length_beyond_all_messages_is_not_waited_for() -> None:
+    decoder, good = Decoder(longest=20), Frame(126, bytes(20))
+    assert decoder.feed(encode(125, bytes(21))[:7] + encode(*good)) == [good]
+    assert decoder.faults[LENGTH] == 1
+
+
+def test_what_does_not_go_on_is_given_up_and_what_it_hid_comes() -> None:
+    decoder, good = Decoder(), Frame(126, b"good")
+    assert decoder.feed(encode(125, bytes(100))[:7] + encode(*good)) == []
+    assert decoder.is_waiting
+    assert decoder.give_up() == [good]
+    assert not decoder.is_waiting
+    assert decoder.faults[CUT_OFF] == 1
+    assert decoder.feed(START) == [] and decoder.is_waiting
+    decoder.reset()
+    assert not decoder.is_waiting

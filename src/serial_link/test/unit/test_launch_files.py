@@ -1,0 +1,29 @@
+"""What the launch file hands to the nodes; nothing is started here."""
+
+import functools
+
+from nodekit.testing.launch_files import load_launch, node_names, private_parameters
+
+load = functools.partial(load_launch, "serial_link", "board.launch")
+
+
+def test_without_hardware_both_nodes_are_at_the_same_port() -> None:
+    config = load("port:=/tmp/some", "baud:=9600")
+    assert node_names(config) == ["/serial_node", "/simulated_board"]
+    link = private_parameters(config, "/serial_node")
+    assert link == {"port": "/tmp/some", "baud": 9600, "tcp_port": 11411}
+    board = private_parameters(config, "/simulated_board")
+    assert board == {"link": "/tmp/some", "baud": 9600, "tcp_port": 11411}
+
+
+def test_with_hardware_the_board_is_the_users() -> None:
+    config = load("simulated:=no", "port:=/dev/ttyUSB0")
+    assert node_names(config) == ["/serial_node"]
+    assert private_parameters(config, "/serial_node")["port"] == "/dev/ttyUSB0"
+
+
+def test_over_the_network_the_simulated_board_connects() -> None:
+    config = load("port:=tcp", "tcp_port:=4000")
+    assert private_parameters(config, "/simulated_board")["link"] == ""
+    assert private_parameters(config, "/simulated_board")["tcp_port"] == 4000
+    assert private_parameters(config, "/serial_node")["port"] == "tcp"

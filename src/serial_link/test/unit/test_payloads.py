@@ -1,0 +1,134 @@
+"""What the special frames carry: there and back, and nothing that no board would send."""
+
+import struct
+from typing import Any, Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from serial_link.negotiation import payloads
+from serial_link.negotiation.payloads import PayloadError, TopicInfo, Values
+
+names = st.from_regex(r"[~/]?[A-Za-z][A-Za-z0-9_]{0,9}(/[A-Za-z0-9_]{1,9}){0,3}", fullmatch=True)
+types = st.from_regex(r"[a-z][a-z0-9_]{0,9}/[A-Z][A-Za-z0-9]{0,9}", fullmatch=True)
+sums = st.text("0123456789abcdef", min_size=32, max_size=32)
+infos = st.builds(TopicInfo, st.integers(100, 0xFFFF), names, types, sums, st.integers(1, 32767))
+DECODERS = [
+    payloads.decode_topic,
+    payloads.decode_log,
+    payloads.decode_name,
+    payloads.decode_values,
+    payloads.decode_time,
+]
+
+
+@given(infos)
+def test_a_topic_comes_back(info: TopicInfo) -> None:
+    assert payloads.decode_topic(payloads.encode_topic(info)) == info
+
+
+@given(st.integers(0, 4), st.text())
+def test_a_line_of_the_log_comes_back(level: int, text: str) -> None:
+    text = text.encode("utf-8", "replace").decode()
+    assert payloads.decode_log(payloads.encode_log(level, text)) == (level, text)
+
+
+@given(
+    st.lists(st.integers(-(2**31), 2**31 - 1), max_size=4),
+    st.lists(st.floats(width=32, allow_nan=False), max_size=4),
+    st.lists(st.text(st.characters(blacklist_categories=["Cs"])), max_size=4),
+)
+def test_values_of_parameters_come_back(ints: Any, floats: Any, texts: Any) -> None:
+    found = payloads.decode_values(payloads.encode_values(Values(ints, floats, texts)))
+    assert found == (tuple(ints), tuple(floats), tuple(texts))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1))
+def test_a_time_comes_back(seconds: int, nanoseconds: int) -> None:
+    data = payloads.encode_time(seconds, nanoseconds)
+    assert payloads.decode_time(data) == (seconds, nanoseconds)
+
+
+def test_a_name_comes_back() -> None:
+    assert payloads.decode_name(payloads.encode_name("~gains/kp")) == "~gains/kp"
+
+
+@pytest.mark.parametrize("decode", DECODERS)
+@given(data=st.binary(max_size=60))
+def test_whatever_comes_is_read_or_refused(decode: Callable[[bytes], Any], data: bytes) -> None:
+    try:
+        decode(data)
+    except PayloadError:
+        pass
+
+
+@given(infos, st.data())
+def test_a_topic_that_is_cut_or_goes_on_is_refused(info: TopicInfo, data: Any) -> None:
+    payload = payloads.encode_topic(info)
+    cut = data.draw(st.integers(0, len(payload) - 1))
+    for wrong in (payload[:cut], payload + b"\0"):
+        with pytest.raises(PayloadError):
+            payloads.decode_topic(wrong)
+
+
+GOOD = TopicInfo(125, "speed", "std_msgs/Float32", "0" * 32, 512)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"topic_id": 99},
+        {"name": ""},
+        {"name": "spe ed"},
+        {"name": "/"},
+        {"type": "Float32"},
+        {"type": "std_msgs/Float32/x"},
+        {"md5sum": "0" * 31},
+        {"md5sum": "G" * 32},
+        {"buffer_size": 0},
+        {"buffer_size": 32768},
+        {"buffer_size": -1},
+    ],
+)
+def test_what_no_board_would_tell_is_refused(wrong: Any) -> None:
+    assert payloads.decode_topic(payloads.encode_topic(GOOD)) == GOOD
+    with pytest.raises(PayloadError, match="no topic"):
+        payloads.decode_topic(payloads.encode_topic(GOOD._replace(**wrong)))
+
+
+def test_the_smallest_and_the_largest_are_taken() -> None:
+    for changed in (
+        {"topic_id": 100},
+        {"topic_id": 65535},
+        {"buffer_size": 1},
+        {"buffer_size": 32767},
+        {"md5sum": "*"},
+    ):
+        info = GOOD._replace(**changed)
+        assert payloads.decode_topic(payloads.encode_topic(info)) == info
+
+
+def test_a_level_that_there_is_not_and_a_name_that_is_none_are_refused() -> None:
+    with pytest.raises(PayloadError, match="log"):
+        payloads.decode_log(payloads.encode_log(5, "text"))
+    with pytest.raises(PayloadError, match="log"):
+        payloads.decode_log(b"")
+    with pytest.raises(PayloadError, match="no name"):
+        payloads.decode_name(payloads.encode_name("a b"))
+
+
+def test_more_numbers_than_there_are_bytes_are_refused_before_they_are_read() -> None:
+    with pytest.raises(PayloadError, match="shorter"):
+        payloads.decode_values(struct.pack("<I", 0xFFFFFFFF))
+
+
+def test_the_bytes_are_those_of_the_published_definitions() -> None:
+    assert payloads.encode_log(2, "hi") == b"\x02\x02\0\0\0hi"
+    assert payloads.encode_topic(TopicInfo(0x0102, "a", "b/C", "*", 512)) == (
+        b"\x02\x01" b"\x01\0\0\0a" b"\x03\0\0\0b/C" b"\x01\0\0\0*" b"\0\x02\0\0"
+    )
+    assert payloads.encode_values(Values([1], [1.0], ["a"])) == (
+        b"\x01\0\0\0\x01\0\0\0" b"\x01\0\0\0\0\0\x80?" b"\x01\0\0\0\x01\0\0\0a"
+    )
+    assert list(payloads.TOPICS) == [0, 1, 2, 3, 4, 5]

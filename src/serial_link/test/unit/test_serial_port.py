@@ -1,0 +1,156 @@
+"""A serial port: its bytes, its loss, and the sentences where it cannot be had."""
+
+import fcntl
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import termios
+from typing import Iterator, Tuple
+
+import pytest
+
+from nodekit.testing.waiting import wait_until
+from serial_link.board.ends import PtyEnd
+from serial_link.hardware.ports import PortLost, PortUnavailable
+from serial_link.hardware.serial_port import SerialPort
+
+#: Opens a port as a user without rights, and prints why it cannot.
+AS_NOBODY = """
+import os, sys
+from serial_link.hardware.ports import PortUnavailable
+from serial_link.hardware.serial_port import SerialPort
+if os.getuid() == 0:
+    os.setgroups([])
+    os.setgid(65534)
+    os.setuid(65534)
+try:
+    SerialPort(sys.argv[1], 57600).open(0.0)
+except PortUnavailable as error:
+    print(error)
+"""
+#: Opens a port without a lock, as a terminal program may, and waits.
+HOLD = "import sys; port = open(sys.argv[1], 'rb+', buffering=0); print('open'); sys.stdin.read()"
+
+
+@pytest.fixture
+def plugged(tmp_path: pathlib.Path) -> Iterator[Tuple[PtyEnd, SerialPort]]:
+    """The two ends of a cable."""
+    end = PtyEnd(str(tmp_path / "by-id" / "board"))
+    end.plug()
+    port = SerialPort(str(tmp_path / "by-id" / "board"), 115200)
+    yield end, port
+    port.release()
+    end.unplug()
+
+
+def test_all_bytes_go_both_ways(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+    end, port = plugged
+    assert port.open(0.0)
+    every = bytes(range(256))
+    port.write(every)
+    assert end.read() == every
+    end.write(every)
+    assert port.read(5.0) == every
+    assert port.read(0.0) == b""
+
+
+def test_what_was_sent_before_it_is_open_does_not_come_back(
+    plugged: Tuple[PtyEnd, SerialPort]
+) -> None:
+    end, port = plugged
+    end.write(b"nobody listens")
+    assert end.read() == b""
+    assert port.open(0.0) and port.read(0.0) == b""
+
+
+def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
+    plugged: Tuple[PtyEnd, SerialPort]
+) -> None:
+    end, port = plugged
+    port.open(0.0)
+    end.unplug()
+    with pytest.raises(PortLost, match="by-id/board is gone"):
+        port.read(5.0)
+    port.close()
+    with pytest.raises(PortLost, match="is closed"):
+        port.read(0.0)
+    with pytest.raises(PortLost, match="is closed"):
+        port.write(b"")
+    with pytest.raises(PortUnavailable, match="is not there: is the board plugged in"):
+        port.open(0.0)
+    end.plug()
+    assert port.open(0.0)
+    end.write(b"back")
+    assert port.read(5.0) == b"back"
+
+
+def test_a_second_program_is_told_who_has_the_port(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+    _, port = plugged
+    holder = subprocess.Popen(
+        [sys.executable, "-c", HOLD, port.name],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        universal_newlines=True,
+    )
+    assert holder.stdout is not None and holder.stdout.readline() == "open\n"
+    with pytest.raises(PortUnavailable, match=rf"in use by process {holder.pid} \(.*python"):
+        port.open(0.0)
+    holder.communicate("")
+    assert port.open(0.0)
+
+
+def test_it_has_the_port_for_itself(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+    _, port = plugged
+    port.open(0.0)
+    fd = os.open(port.name, os.O_RDWR | os.O_NOCTTY)  # this process may: it is the holder itself
+    with pytest.raises(BlockingIOError):
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    # TIOCEXCL stands: the superuser alone opens it all the same.
+    assert (
+        fcntl.ioctl(
+            fd, termios.TIOCGEXCL if hasattr(termios, "TIOCGEXCL") else 0x80045440, b"\0" * 4
+        )
+        != b"\0" * 4
+    )
+    os.close(fd)
+    with pytest.raises(PortUnavailable, match="in use by a program of another user|cannot be"):
+        SerialPort(port.name, 57600).open(0.0)
+
+
+def test_without_permission_the_sentence_names_the_group() -> None:
+    with tempfile.TemporaryDirectory() as folder:  # unlike pytest's
+        os.chmod(folder, 0o755)
+        place = pathlib.Path(folder) / "ttyUSB0"
+        place.touch(0)
+        words = subprocess.run(
+            [sys.executable, "-c", AS_NOBODY, str(place)], stdout=subprocess.PIPE, check=True
+        ).stdout.decode()
+    assert "permission denied: users of the group" in words
+    assert "sudo usermod -aG" in words and "$USER" in words
+
+
+def test_a_port_that_is_none_is_told(tmp_path: pathlib.Path) -> None:
+    place = tmp_path / "file"
+    place.touch()
+    with pytest.raises(PortUnavailable, match="file cannot be opened: "):
+        SerialPort(str(place), 57600).open(0.0)
+
+
+def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
+    plugged: Tuple[PtyEnd, SerialPort]
+) -> None:
+    _, port = plugged
+    port.open(0.0)
+    stuck = []
+
+    def is_stuck() -> bool:
+        try:
+            port.write(bytes(1000))
+        except OSError as error:
+            stuck.append(str(error))
+        return bool(stuck)
+
+    wait_until(is_stuck, lambda: "it takes everything")
+    assert "takes nothing for 0.5 s" in stuck[0]

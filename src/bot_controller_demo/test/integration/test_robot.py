@@ -19,7 +19,7 @@ from stepping import SteppedClock
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.laws.straight_line import distance_left
 from bot_controller_demo.laws.velocities import STOP, Velocity
-from bot_controller_demo.nodes.random_controller import Wanderer
+from bot_controller_demo.laws.wandering import Wanderer
 from bot_controller_demo_msgs.msg import (
     GoToActionFeedback,
     GoToActionGoal,
@@ -337,6 +337,14 @@ class Robots(unittest.TestCase):
         expected = [wanderer.draw((0.1, 0.2), (-1.0, 1.0)) for _ in range(3)]
         self.until(lambda: drawn()[-3:] == expected, "it draws otherwise", 10.0)
         self.assertEqual(gaps()[-2:], [1.0] * 2)
+        contact = rospy.Publisher("/any/contact", Bool, queue_size=1)
+        wait_until(contact.get_num_connections, lambda: "nobody hears of contacts")
+        contact.publish(Bool(True))
+        contact.publish(Bool(False))  # as soon as it turns
+        self.until(
+            lambda: drawn()[-2:] in ([(0.0, 1.0)] * 2, [(0.0, -1.0)] * 2), "no turn away", 10.0
+        )
+        self.until(lambda: drawn()[-1].linear >= 0.1, "it turns on", 10.0)
         self.assertEqual(node.interrupt(), 0)
         wait_until(lambda: drawn()[-1] == (0.0, 0.0), lambda: "it drives on")
 

@@ -234,6 +234,30 @@ def test_it_turns_at_a_wall_and_drives_away() -> None:
     assert robot.pose.x == pytest.approx(1.0 - BURGER.robot_radius - 0.2, abs=1e-6)
 
 
+@pytest.mark.parametrize("steps", [1, 3, 300])
+@pytest.mark.parametrize("acceleration", [0.0, 20.0])
+def test_a_wall_takes_the_speed_forward_and_not_the_turn(steps: int, acceleration: float) -> None:
+    settings = forever(max_wheel_acceleration=acceleration)
+    robot = Robot(settings, World([(1.0, -9.0, 1.0, 9.0)]))
+    robot.command(0.2, 0.0)
+    robot.step(10.0)
+    x = robot.pose.x
+    robot.command(0.2, 0.5)
+    for _ in range(steps):
+        robot.step(1.0 / steps)
+    assert robot.touches
+    # Wheels with a limit get to the rate of the turn later.
+    assert robot.pose.theta == pytest.approx(0.4 if acceleration else 0.5, abs=0.07)
+    assert robot.pose.x == pytest.approx(x, abs=1e-6)
+    assert robot.speeds == pytest.approx((0.0, 0.5), rel=0.1, abs=1e-9)
+    # Along the wall and away from it the way is free again.
+    for _ in range(30 * steps):
+        robot.step(0.15 / steps)
+    assert not robot.touches
+    assert robot.pose.x < x - 0.1
+    assert robot.speeds == pytest.approx((0.2, 0.5))
+
+
 def test_it_can_leave_a_wall_in_which_it_was_put_and_gets_no_deeper() -> None:
     robot = Robot(forever(), World([(0.05, -1.0, 0.05, 1.0)]))
     robot.command(0.2, 0.0)

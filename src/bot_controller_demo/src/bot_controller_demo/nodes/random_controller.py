@@ -1,15 +1,11 @@
 """The random controller: drives a robot at random."""
 
-import random
-from typing import Tuple
+from std_msgs.msg import Bool
 
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import controller_type
-from bot_controller_demo.laws.velocities import Velocity
+from bot_controller_demo.laws.wandering import Wanderer
 from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
-
-#: The least and the largest value.
-Interval = Tuple[float, float]
 
 
 def _speed(default: float, help: str) -> FloatParameter:
@@ -48,26 +44,13 @@ class RandomControllerParameters(ParameterSet):
             raise ValueError("angular_min must be at most angular_max")
 
 
-class Wanderer:
-    """Draws velocities.
-
-    :param seed: what the sequence is made from; 0 for another one each time
-    """
-
-    def __init__(self, seed: int) -> None:
-        self._random = random.Random(seed or None)
-
-    def draw(self, linear: Interval, angular: Interval) -> Velocity:
-        """Return the next velocity.
-
-        :param linear: least and largest speed, m/s
-        :param angular: least and largest turning rate, rad/s
-        """
-        return Velocity(self._random.uniform(*linear), self._random.uniform(*angular))
-
-
 class RandomController:
     """Publishes a new random velocity each period, and a zero when it ends.
+
+    Where the robot touches a wall, it turns away on the spot.
+
+    :ROS Subscribers:
+        - ``contact`` (std_msgs/Bool): whether the robot touches a wall; not every robot has it
 
     :ROS Publishers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped)
@@ -80,20 +63,27 @@ class RandomController:
         self._parameters = node.parameters(RandomControllerParameters, self._on_change)
         self._wanderer = Wanderer(self._parameters.values.seed)
         self._commands = Commands(node, self._parameters.values.controller_type)
+        self._has_touched = False
+        node.subscribe("contact", Bool, self._on_contact)
         node.every(lambda: 1000.0 / self._parameters.values.timer_period_ms, self._drive)
 
     def _on_change(self, new: RandomControllerParameters, old: RandomControllerParameters) -> None:
         if new.seed != old.seed:
             self._wanderer = Wanderer(new.seed)
 
+    def _on_contact(self, contact: Bool) -> None:
+        self._has_touched = self._has_touched or contact.data
+
     def _drive(self, _elapsed: float) -> None:
         settings = self._parameters.values
-        self._commands.publish(
-            self._wanderer.draw(
-                (settings.linear_min, settings.linear_max),
-                (settings.angular_min, settings.angular_max),
-            )
+        velocity = self._wanderer.draw(
+            (settings.linear_min, settings.linear_max),
+            (settings.angular_min, settings.angular_max),
+            settings.timer_period_ms / 1000.0,
+            self._has_touched,
         )
+        self._has_touched = False
+        self._commands.publish(velocity)
 
 
 def main() -> None:

@@ -21,6 +21,8 @@ from diff_drive_sim.simulation.world import World
 _RAMP_PIECE_S = 0.01
 #: Longest path of a wheel for which the errors of odometry are taken as linear, m.
 _NOISE_PIECE_M = 0.02
+#: What it turns at a wall before it tries to drive on, rad.
+_TURN_AT_WALL_RAD = 0.05
 #: Longest time that is driven in one step, s: the pieces of a jump by years would take days.
 LONGEST_STEP_S = 3600.0
 
@@ -28,9 +30,9 @@ LONGEST_STEP_S = 3600.0
 class Robot:
     """Its state, which steps from one moment to the next; any step, without losing exactness.
 
-    A command acts until the next one, or until it is too old; then the robot stops. Where it
-    touches a wall it stops at once, and can turn on the spot or drive away. Not safe for several
-    threads at once.
+    A command acts until the next one, or until it is too old; then the robot stops. A wall stops
+    it where it touches that, but not its turn: it drives on as soon as its way is free. Not safe
+    for several threads at once.
 
     :param settings: what it is like
     :param world: what is in its way
@@ -64,6 +66,7 @@ class Robot:
         self.wheels = Wheels()
         self.odometry = Odometry(pose, seed)
         self.touches = False
+        self._is_held = False
         self._wanted = (0.0, 0.0)
         self._acts_for = math.inf
 
@@ -112,22 +115,36 @@ class Robot:
         driven = min(ramp, dt)
         for start_s, end_s in _pieces(driven, _RAMP_PIECE_S):
             self._roll(between(start, target, 0.5 * (start_s + end_s) / ramp), end_s - start_s)
-            if self.touches:
-                return
         self.wheels = between(start, target, driven / ramp) if driven < ramp else target
         self._roll(self.wheels, dt - driven)
+        if self._is_held:
+            # The wall has taken the speed forward, and that of the turn is left.
+            self.wheels = wheel_speeds(0.0, self.speeds[1], *self._geometry)
 
     def _roll(self, wheels: Wheels, dt: float) -> None:
-        """Roll at constant speeds until the time is over or a wall is in the way."""
-        separation, radius = self._geometry
-        linear, angular = body_speeds(wheels, separation, radius)
+        """Roll at constant speeds until the time is over; where a wall is in the way only turn."""
+        if dt <= 0.0:
+            return
+        linear, angular = body_speeds(wheels, *self._geometry)
         distance, turn = linear * dt, angular * dt
-        free = self.world.free_part(self.pose, distance, turn, self.settings.robot_radius)
-        if free < 1.0:
+        while True:
+            free = self.world.free_part(self.pose, distance, turn, self.settings.robot_radius)
+            self._move(free * distance, free * turn)
+            self._is_held = free < 1.0
+            if not self._is_held:
+                return
             self.touches = True
-            self.wheels = Wheels()
-            distance, turn = free * distance, free * turn
+            distance, turn = (1.0 - free) * distance, (1.0 - free) * turn
+            turned = min(1.0, _TURN_AT_WALL_RAD / abs(turn)) if turn else 1.0
+            self._move(0.0, turned * turn)
+            if turned == 1.0:
+                return
+            distance, turn = (1.0 - turned) * distance, (1.0 - turned) * turn
+
+    def _move(self, distance: float, turn: float) -> None:
+        """Drive an arc that is free; the wheels' measured paths have their errors on it."""
         self.pose = self.pose.moved(distance, turn)
+        separation, radius = self._geometry
         k = self.settings.odometry_noise
         longest = abs(distance) + 0.5 * separation * abs(turn)  # path of the outer wheel
         pieces = math.ceil(longest / _NOISE_PIECE_M) if k > 0.0 else 1

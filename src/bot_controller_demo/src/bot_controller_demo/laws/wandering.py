@@ -1,0 +1,45 @@
+"""Velocities drawn at random, and a way out where a wall ends them."""
+
+import math
+import random
+from typing import Tuple
+
+from bot_controller_demo.laws.velocities import Velocity
+
+#: The least and the largest value.
+Interval = Tuple[float, float]
+
+#: What is turned at a wall, rad: from along it to straight back.
+_TURN_AWAY: Interval = (0.5 * math.pi, math.pi)
+
+
+class Wanderer:
+    """Draws velocities.
+
+    :param seed: what the sequence is made from; 0 for another one each time
+    """
+
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed or None)
+        self._turning_rate, self._turning_s = 0.0, 0.0
+
+    def draw(
+        self, linear: Interval, angular: Interval, period: float = 0.0, touches: bool = False
+    ) -> Velocity:
+        """Return the next velocity.
+
+        At a wall it is a turn on the spot, the fastest that is allowed, until the robot has turned
+        away by a random angle; where no turn is allowed, there is none.
+
+        :param linear: least and largest speed, m/s
+        :param angular: least and largest turning rate, rad/s
+        :param period: how long it will last, s
+        :param touches: whether the robot has touched a wall since the last one
+        """
+        if touches and self._turning_s <= 0.0 and any(angular):
+            self._turning_rate = max(angular, key=lambda rate: (abs(rate), self._random.random()))
+            self._turning_s = self._random.uniform(*_TURN_AWAY) / abs(self._turning_rate)
+        if self._turning_s > 0.0:
+            self._turning_s -= period
+            return Velocity(0.0, self._turning_rate)
+        return Velocity(self._random.uniform(*linear), self._random.uniform(*angular))

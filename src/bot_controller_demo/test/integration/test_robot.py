@@ -243,6 +243,26 @@ class Robots(unittest.TestCase):
         self.assertEqual(fifth.status.status, GoalStatus.SUCCEEDED)
         self.assertLessEqual(fifth.result.progress.distance, 0.1)
 
+    def test_a_goal_behind_a_wall_is_aborted_and_the_robot_stands(self) -> None:
+        walls = "/lab/diff_drive/walls"
+        self.graph.set_parameter(walls, [[0.6, -5.0, 0.6, 5.0]])
+        self.addCleanup(self.graph.set_parameter, walls, [])
+        self.graph.set_parameter(CONTROLLER + "/no_progress_timeout", 3.0)
+        self.addCleanup(self.graph.set_parameter, CONTROLLER + "/no_progress_timeout", 10.0)
+        self.act("behind", pose(2.0, 0.0, 0.0))
+        aborted = self.outcome("behind")
+        self.assertEqual(aborted.status.status, GoalStatus.ABORTED)
+        self.assertIn("no progress: the robot has stopped 1.5", aborted.status.text)
+        self.assertEqual(aborted.result.progress.phase, Progress.GIVEN_UP)
+        self.logged("no progress for 3 s: the goal is given up and the robot stopped; 1.5")
+        self.until(lambda: self.commands()[-1] == STOP, "it drives on", 1.0, PROGRESS)
+        commands = len(self.commands())
+        for _ in range(60):
+            self.clock.step(PROGRESS)
+        self.assertEqual(len(self.commands()), commands, "silence leaves the robot to others")
+        self.assertEqual(self.odometry().twist.twist, Twist())
+        self.assertEqual(self.phase(), Progress.GIVEN_UP)
+
     def test_old_odometry_stops_the_robot(self) -> None:
         self.set_goal(5.0, 0.0, 0.0)
         self.until(lambda: self.odometry().twist.twist.linear.x > 0.0, "it stays")

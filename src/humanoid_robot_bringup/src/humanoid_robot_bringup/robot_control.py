@@ -6,7 +6,7 @@ import rospy
 
 from bot_controller_demo_msgs.msg import Progress
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest
-from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, run
+from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, give_up, run
 
 _CONTROLLER = "proportional_controller"
 
@@ -24,7 +24,8 @@ class RobotControlParameters(ParameterSet):
 
 
 class RobotControl:
-    """Calls the controller until it accepts the goal; ends on arrival.
+    """Calls the controller until it accepts the goal; ends on arrival, with status 0, or when the
+    controller gives the goal up, with status 1.
 
     :ROS Services called:
         - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)
@@ -74,11 +75,13 @@ class RobotControl:
         is_new = self._set_at is not None and progress.header.stamp > self._set_at
         if is_new and progress.phase == Progress.ARRIVED:
             rospy.signal_shutdown("arrived")
+        elif is_new and progress.phase == Progress.GIVEN_UP:
+            give_up(f"the robot makes no progress: {progress.distance:.2f} m are left")
 
     def _on_change(self, new: RobotControlParameters, old: RobotControlParameters) -> None:
         self._set_at = self._call = None
 
 
 def main() -> None:
-    """Run the node until the robot has arrived."""
+    """Run the node until the robot has arrived, or does not get there."""
     run("robot_control", RobotControl)

@@ -8,6 +8,7 @@ import rospy
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
@@ -26,6 +27,18 @@ class Bringup(unittest.TestCase):
         self.assertTrue(script.logged("the robot goes to x 0.3 m, y 0 m, theta 0 rad"))
         wait_until(odometry.count, lambda: "no odometry")
         self.assertAlmostEqual(odometry.messages()[-1].pose.pose.position.x, 0.25, delta=0.06)
+
+    def test_the_script_ends_with_a_status_where_the_robot_does_not_get_there(self) -> None:
+        graph = Graph()
+        walls = graph.parameter("/base/walls")
+        self.addCleanup(graph.set_parameter, "/base/walls", walls)
+        graph.set_parameter("/base/walls", [[-1.0, 1.0, 2.0, 1.0]])
+        graph.set_parameter("/proportional_controller/no_progress_timeout", 1.0)
+        self.addCleanup(graph.set_parameter, "/proportional_controller/no_progress_timeout", 10.0)
+        script = Process(SCRIPT, ["_y:=1.5"])
+        self.addCleanup(script.end)
+        self.assertEqual(script.wait(), 1)
+        self.assertTrue(script.logged("the robot makes no progress: ", " m are left"), script.lines)
 
     def test_what_it_sees_is_processed_as_it_is_configured(self) -> None:
         """Course 002-pkg-14."""

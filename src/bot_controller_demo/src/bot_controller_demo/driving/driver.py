@@ -12,7 +12,8 @@ from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.laws.freshness import Freshness
 from bot_controller_demo.laws.geometry import Goal, Pose, heading_of
-from bot_controller_demo.laws.pursuit import ARRIVED, Pursuit
+from bot_controller_demo.laws.pursuit import ARRIVED, Guidance, Pursuit
+from bot_controller_demo.laws.standstill import Standstill
 from bot_controller_demo.laws.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
 from bot_controller_demo.laws.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
@@ -25,12 +26,16 @@ _ODOM = "odom"
 class Driver:
     """Drives to one goal at a time, and stays there; a new goal replaces the last one.
 
+    A goal to which it makes no progress for ``~no_progress_timeout``, as where a wall is in the
+    way, is given up: the robot is stopped.
+
     :ROS Subscribers:
         - ``odom`` (nav_msgs/Odometry); the robot stops while it is older than ``~odom_timeout``
 
     :ROS Publishers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped): while it drives, and one zero to stop
-        - ``~progress`` (bot_controller_demo_msgs/Progress): with each command, and at the goal
+        - ``~progress`` (bot_controller_demo_msgs/Progress): with each command, at the goal, and
+          when it is given up
         - ``~arrived`` (std_msgs/Bool), latched
         - ``~current_goal`` (geometry_msgs/PoseStamped), latched
 
@@ -51,6 +56,7 @@ class Driver:
         self._pose = Pose(0.0, 0.0, 0.0)
         self._stamp = rospy.Time()
         self._freshness = Freshness()
+        self._standstill = Standstill()
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
         self._is_waiting = False
@@ -64,6 +70,7 @@ class Driver:
         """
         rospy.loginfo("goal: %s", goal)
         self._pursuit = Pursuit(goal)
+        self._standstill.forget()
         self._arrived.publish(Bool(False))
         self._publish_goal(goal)
 
@@ -88,8 +95,8 @@ class Driver:
     def step(self) -> Optional[Progress]:
         """Command the robot; to be called ``~control_frequency`` times a second.
 
-        :returns: how far it is, the same message each time; None without a goal, or while it is
-            not known where the robot is
+        :returns: how far it is, the same message each time; None without a goal, also after one
+            that was given up, or while it is not known where the robot is
         """
         settings: DrivingParameters = self._parameters.values
         self._warn_of_circling(settings)
@@ -97,19 +104,38 @@ class Driver:
             return None
         before = self._pursuit.phase
         guidance = self._pursuit.step(self._pose, settings.tuning)
-        self._commands.publish(guidance.velocity)
+        phase = guidance.phase
+        if self._makes_no_progress(guidance, settings.no_progress_timeout):
+            phase = Progress.GIVEN_UP
+            self.stop()
+        else:
+            self._commands.publish(guidance.velocity)
         progress = self._progress_message
-        progress.phase = guidance.phase
+        progress.phase = phase
         progress.distance = guidance.errors.distance
         progress.heading_error = guidance.errors.heading
         progress.header.stamp = self._stamp
         progress.header.frame_id = self.frame
-        if (guidance.phase == ARRIVED) != (before == ARRIVED):
-            self._arrived.publish(Bool(guidance.phase == ARRIVED))
-            left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
-            rospy.loginfo("%s: %s", guidance.phase, left)
+        left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
+        if phase == Progress.GIVEN_UP:
+            rospy.logwarn(
+                "no progress for %g s: the goal is given up and the robot stopped; %s",
+                settings.no_progress_timeout,
+                left,
+            )
+        elif (phase == ARRIVED) != (before == ARRIVED):
+            self._arrived.publish(Bool(phase == ARRIVED))
+            rospy.loginfo("%s: %s", phase, left)
         self._progress.publish(progress)
         return progress
+
+    def _makes_no_progress(self, guidance: Guidance, limit: float) -> bool:
+        """Tell whether the robot has come no closer to its goal for some time, s; 0 for never."""
+        if guidance.phase == ARRIVED:
+            self._standstill.forget()
+            return False
+        lasted = self._standstill.lasted(guidance.phase, guidance.errors, rospy.get_time())
+        return 0.0 < limit <= lasted
 
     def _on_odometry(self, message: Odometry) -> None:
         position, turn = message.pose.pose.position, message.pose.pose.orientation
@@ -128,6 +154,7 @@ class Driver:
         age = self._freshness.age(rospy.get_time())
         is_waiting = age > limit
         if is_waiting:
+            self._standstill.forget()
             self._commands.publish(STOP)
         if is_waiting != self._is_waiting:
             self._is_waiting = is_waiting

@@ -80,6 +80,9 @@ class GoToServer:
         self._server.publish_feedback(GoToFeedback(progress))
         if progress.phase == ARRIVED:
             self._server.set_succeeded(GoToResult(progress), "arrived")
+        elif progress.phase == Progress.GIVEN_UP:
+            why = f"no progress: the robot has stopped {progress.distance:.2f} m from its goal"
+            self._server.set_aborted(GoToResult(progress), why)
 
     def preempt(self) -> None:
         """Preempt the client's goal: another one has replaced it."""

@@ -60,6 +60,13 @@ class DrivingParameters(ParameterSet):
         unit="s",
         help="age of the odometry at which the robot is stopped",
     )
+    no_progress_timeout = FloatParameter(
+        10.0,
+        minimum=0.0,
+        maximum=3600.0,
+        unit="s",
+        help="time without progress after which a goal is given up; 0 for never",
+    )
 
     @rule("kp_linear", "kp_angular", "control_frequency")
     def is_stable(self) -> None:

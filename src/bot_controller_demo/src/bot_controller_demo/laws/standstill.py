@@ -1,0 +1,47 @@
+"""Whether a robot gets any closer to its goal."""
+
+import math
+
+from bot_controller_demo.laws.geometry import Errors
+from bot_controller_demo.laws.pursuit import TURNING
+
+#: An error that falls to this part of its least counts as progress: a slow robot makes it too, and
+#: what odometry's noise makes of a robot at rest does not for long.
+_CLOSER = 0.99
+#: Below this an angle is not followed any further, rad.
+_LEAST_ANGLE = 0.01
+
+
+class Standstill:
+    """Measures for how long a pursuit has made no progress.
+
+    Progress is a distance below all before, or a turn towards where the robot is to drive or to
+    look.
+    """
+
+    def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Start over: a new goal, or a robot that was stopped for another reason."""
+        self._phase = ""
+        self._distance = self._angle = math.inf
+        self._since = math.inf
+
+    def lasted(self, phase: str, seen: Errors, now: float) -> float:
+        """Return for how long there has been no progress, s.
+
+        :param phase: of the pursuit
+        :param seen: what separates the robot from its goal
+        :param now: s
+        """
+        angle = abs(seen.heading if phase == TURNING else seen.direction)
+        is_closer = seen.distance < _CLOSER * self._distance
+        if phase != self._phase or is_closer:
+            self._distance, self._angle = seen.distance, angle
+        elif max(angle, _LEAST_ANGLE) < _CLOSER * self._angle:
+            self._angle = max(angle, _LEAST_ANGLE)
+        elif now >= self._since:
+            return now - self._since
+        self._phase, self._since = phase, now
+        return 0.0

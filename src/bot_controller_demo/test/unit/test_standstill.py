@@ -1,0 +1,50 @@
+"""What counts as progress, and what does not."""
+
+import math
+
+import pytest
+
+from bot_controller_demo.laws.geometry import Errors
+from bot_controller_demo.laws.pursuit import DRIVING, TURNING
+from bot_controller_demo.laws.standstill import Standstill
+
+
+def test_a_robot_that_stands_has_stood_since_it_stopped() -> None:
+    standstill = Standstill()
+    for step in range(100):
+        assert standstill.lasted(DRIVING, Errors(2.0 - 0.01 * step, 0.0, 0.0), 0.1 * step) < 0.3
+    for step in range(100, 200):
+        lasted = standstill.lasted(DRIVING, Errors(1.01, 0.0, 0.0), 0.1 * step)
+    assert lasted == pytest.approx(10.0, abs=0.2)
+
+
+@pytest.mark.parametrize("gain", [0.5, 0.01])
+def test_a_slow_approach_is_progress(gain: float) -> None:
+    standstill = Standstill()
+    for step in range(5000):
+        distance = 2.0 * math.exp(-gain * 0.1 * step)
+        assert standstill.lasted(DRIVING, Errors(distance, 0.0, 0.0), 0.1 * step) < 1.5
+
+
+@pytest.mark.parametrize("phase", [DRIVING, TURNING])
+def test_a_turn_is_progress_and_going_round_and_round_is_not(phase: str) -> None:
+    standstill = Standstill()
+    for step in range(300):
+        angle = 3.0 - 0.01 * step
+        seen = Errors(1.0, angle, 0.0) if phase == DRIVING else Errors(0.05, 0.0, angle)
+        assert standstill.lasted(phase, seen, 0.1 * step) < 0.7
+    for step in range(300, 3000):
+        seen = Errors(1.0 + 0.1 * math.sin(step), math.sin(0.1 * step), math.sin(0.1 * step))
+        lasted = standstill.lasted(phase, seen, 0.1 * step)
+    assert lasted > 200.0
+
+
+def test_a_new_goal_and_a_clock_that_goes_back_start_over() -> None:
+    standstill = Standstill()
+    seen = Errors(1.0, 0.0, 0.0)
+    standstill.lasted(DRIVING, seen, 100.0)
+    assert standstill.lasted(DRIVING, seen, 109.0) == 9.0
+    assert standstill.lasted(DRIVING, seen, 50.0) == 0.0
+    assert standstill.lasted(DRIVING, seen, 52.0) == 2.0
+    standstill.forget()
+    assert standstill.lasted(DRIVING, seen, 60.0) == 0.0

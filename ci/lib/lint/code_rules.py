@@ -79,7 +79,15 @@ ROOMS: Dict[str, List[str]] = {
         "nodes",
     ],
     "motor_control": ["enable_sequence", "motor_enabler", "motor_parameters", "nodes"],
-    "pid_control": ["motor", "law", "course_names", "set_point_parameters", "nodes"],
+    "pid_control": [
+        "motor",
+        "law",
+        "judging",
+        "course_names",
+        "set_point_parameters",
+        "trial",
+        "nodes",
+    ],
     "serial_link": [
         "framing",
         "negotiation",
@@ -208,6 +216,7 @@ PURE = (
     "launch_files_demo.temperature",
     "pid_control.motor",
     "pid_control.law",
+    "pid_control.judging",
     "serial_link.framing",
     "serial_link.negotiation",
     "serial_link.device",
@@ -264,9 +273,11 @@ CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load
 #: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
 MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
 #: Where tests start processes, and pip and a compiler are called: by what an author wrote, not by
-#: input.
+#: input. The judge starts what its user names, as rosrun does.
 MAY_START_PROCESSES = (
     "nodekit.testing",
+    "pid_control.trial.controller_process",
+    "pid_control.trial.target",
     "ros2_bridge.environment.environment",
     "ros2_bridge.environment.twin_builder",
 )

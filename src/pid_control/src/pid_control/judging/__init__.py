@@ -1,0 +1,1 @@
+"""How a controller is judged: scenarios, figures, limits, causes and reports. Pure."""

@@ -1,0 +1,136 @@
+"""A scenario at work: what the controller is sent, and what its answers do to the motor."""
+
+import math
+import random
+from typing import List, NamedTuple, Optional
+
+from first_order_sys_sim.first_order_plant import FirstOrderPlant
+from pid_control.judging.record import Row
+from pid_control.judging.scenarios import (
+    OUTPUT,
+    SET_POINT,
+    SET_POINT_S,
+    SLOW_STEP_S,
+    STEP_S,
+    Scenario,
+    value_at,
+)
+from pid_control.motor.status import status_of
+
+#: How much too early a moment may be and still be meant, s: times are sums.
+_EDGE_S = 1e-6
+
+
+class Output(NamedTuple):
+    """What the motor says: a motor_output."""
+
+    speed: float
+    time: float
+    status: str
+
+
+class Outgoing(NamedTuple):
+    """What the controller is sent at one moment; None where nothing is due."""
+
+    set_point: Optional[float]
+    output: Optional[Output]
+
+
+class Experiment:
+    """The motor and the set point of a scenario, by any clock.
+
+    Before the scenario begins the motor stands, or is held, and does not follow its input: that is
+    when the controller finds its topics.
+
+    :param scenario: what happens
+    :param clock: what the clock says as the motor is started, s
+
+    :ivar rows: all moments of the scenario so far
+    """
+
+    def __init__(self, scenario: Scenario, clock: float) -> None:
+        self._scenario = scenario
+        self._plant = FirstOrderPlant(scenario.motor)
+        self._noise = random.Random(scenario.name)
+        self._plant_start, self._set_point_due = clock, clock
+        self._zero = math.inf
+        self._nan_left = list(scenario.not_a_number)
+        self._was_silent = False
+        #: The latest input that is a number.
+        self._input = 0.0
+        self.rows: List[Row] = []
+
+    def begin_at(self, clock: float) -> None:
+        """Have the scenario begin.
+
+        :param clock: its time 0, s
+        """
+        self._zero = clock
+
+    def send(self, clock: float) -> Outgoing:
+        """Return what the controller is sent at a moment.
+
+        :param clock: the moment, s; never decreasing
+        """
+        scenario, time = self._scenario, clock - self._zero
+        wanted = value_at(scenario.set_point, time)
+        speed = self._write_down(time, wanted)
+        set_point: Optional[float] = None
+        if clock >= self._set_point_due - _EDGE_S:
+            next_due = self._set_point_due + SET_POINT_S
+            self._set_point_due = next_due if next_due > clock else clock + SET_POINT_S
+            set_point = math.nan if self._is_nan(SET_POINT, time) else wanted
+        begin, end = scenario.silence
+        if begin - _EDGE_S <= time < end - _EDGE_S:
+            self._was_silent = True
+            return Outgoing(set_point, None)
+        if self._was_silent and scenario.restarts:
+            self._plant_start, self._was_silent = clock, False
+        speed += self._noise.gauss(0.0, scenario.noise) if time >= 0.0 else 0.0
+        status = status_of(speed, scenario.motor.max_output)
+        if self._is_nan(OUTPUT, time):
+            speed = math.nan
+        return Outgoing(set_point, Output(speed, clock - self._plant_start, status))
+
+    def step_after(self, clock: float) -> float:
+        """Return the time from a moment to the next one, s."""
+        is_slow = clock - self._zero >= self._scenario.slow_from - _EDGE_S
+        return SLOW_STEP_S if is_slow else STEP_S
+
+    def answer(self, clock: float, value: float) -> None:
+        """Let the motor have another input.
+
+        :param clock: from which moment on, s
+        :param value: what the controller sent; what is not finite is left out, as the motor does
+        """
+        if math.isfinite(value):
+            self._input = value
+            self._hold(clock - self._zero)
+
+    def _write_down(self, time: float, wanted: float) -> float:
+        """Write a moment down, and return the motor's speed, rad/s."""
+        scenario = self._scenario
+        if scenario.held_speed is not None:
+            speed = value_at(scenario.held_speed, time)
+        elif time < 0.0:
+            speed = 0.0
+        else:
+            begin, end = scenario.silence
+            if scenario.restarts and begin <= time < end:
+                self._plant.set_output(time, 0.0)
+            speed = self._plant.output(time)
+        if time >= 0.0:
+            self.rows.append(Row(time, wanted, speed, self._input))
+            self._hold(time)
+        return speed
+
+    def _hold(self, time: float) -> None:
+        if time >= 0.0:
+            self._plant.hold(time, self._input + value_at(self._scenario.load, time))
+
+    def _is_nan(self, topic: str, time: float) -> bool:
+        """Tell whether NaN is due on a topic; once for each."""
+        due = [one for one in self._nan_left if one[1] == topic and time >= one[0] - _EDGE_S]
+        if due:
+            self._nan_left.remove(due[0])
+        return bool(due)

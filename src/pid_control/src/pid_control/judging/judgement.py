@@ -1,0 +1,166 @@
+"""The judgement of a controller: its figures, what is beyond its limit, and why."""
+
+import math
+from typing import Dict, List, NamedTuple, Optional, Sequence
+
+from pid_control.judging.causes import Cause, Figures, cause_of, cause_of_fate
+from pid_control.judging.limits import Limits
+from pid_control.judging.measures import MEASURED, MEASURES, figures_of
+from pid_control.judging.record import Record
+
+PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
+#: Exit status of each verdict.
+STATUS = {PASSED: 0, FAILED: 1, NOT_JUDGED: 125}
+#: What a controller is judged for first: whoever has one of these is not tried further, as all else
+#: would follow from it, or take for ever.
+_FATAL = (
+    "flood",
+    "restless",
+    "machine clock",
+    "too seldom",
+    "stale",
+    "deaf",
+    "sign",
+    "too slow",
+)
+#: Inputs are float32.
+_ROUNDING = 1e-6
+
+
+class Finding(NamedTuple):
+    """A figure.
+
+    :ivar scenario: name of the scenario
+    :ivar measure: name of the measure
+    :ivar value: the figure; None where it cannot be told
+    :ivar limit: its limit, if any
+    :ivar passed: whether it is kept
+    """
+
+    scenario: str
+    measure: str
+    value: Optional[float]
+    limit: Optional[float]
+    passed: bool
+
+
+class Failure(NamedTuple):
+    """What is wrong.
+
+    :ivar scenario: where that showed
+    :ivar what: the figure and its limit, or what happened
+    :ivar cause: what it comes from
+    """
+
+    scenario: str
+    what: str
+    cause: Cause
+
+
+class Judgement(NamedTuple):
+    """What there is to say of a controller.
+
+    :ivar verdict: PASSED, FAILED or NOT_JUDGED
+    :ivar findings: all figures
+    :ivar failures: what is wrong, in the order of the scenarios
+    :ivar reason: why it was not judged, where it was not
+    """
+
+    verdict: str
+    findings: List[Finding]
+    failures: List[Failure]
+    reason: str = ""
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return STATUS[self.verdict]
+
+    def flaws(self) -> List[str]:
+        """Return the names of what is wrong, each once."""
+        return list(dict.fromkeys(failure.cause.flaw for failure in self.failures))
+
+
+def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgement:
+    """Judge a controller.
+
+    :param records: what came of its scenarios
+    :param limits: what it has to keep
+    :param reason: why not all could be tried, if so
+    """
+    figures: Figures = {}
+    for record in records:
+        if not record.fate:
+            for measure, value in figures_of(record).items():
+                figures[record.scenario.name, measure] = value
+    findings: List[Finding] = []
+    failures: List[Failure] = []
+    for record in records:
+        name = record.scenario.name
+        if record.fate:
+            failures.append(Failure(name, record.fate, cause_of_fate(record)))
+            continue
+        for measure in MEASURED[name]:
+            finding = _found(name, measure, figures[name, measure], limits)
+            findings.append(finding)
+            if not finding.passed:
+                failures.append(Failure(name, text_of(finding), cause_of(name, measure, figures)))
+    if any(failure.cause.flaw == "machine clock" for failure in failures):
+        clock = next(one for one in failures if one.cause.flaw == "machine clock")
+        return Judgement(NOT_JUDGED, findings, failures, clock.cause.sentence)
+    if failures:
+        return Judgement(FAILED, findings, failures)
+    if reason or not findings:
+        return Judgement(NOT_JUDGED, findings, failures, reason or "nothing was measured")
+    return Judgement(PASSED, findings, failures)
+
+
+def is_fatal(record: Record, limits: Limits) -> bool:
+    """Tell whether it makes no sense to try a controller further.
+
+    :param record: what came of the latest scenario
+    :param limits: what it has to keep
+    """
+    return bool(record.fate) or any(flaw in _FATAL for flaw in judge([record], limits).flaws())
+
+
+def _found(scenario: str, measure: str, value: Optional[float], limits: Limits) -> Finding:
+    limit = limits.get(scenario, {}).get(measure)
+    passed = True
+    if value is not None and limit is not None:
+        if MEASURES[measure].is_least:
+            passed = value >= limit - _ROUNDING
+        else:
+            passed = value <= limit + _ROUNDING
+    return Finding(scenario, measure, value, limit, passed)
+
+
+def text_of(finding: Finding) -> str:
+    """Return a figure and its limit in words."""
+    measure = MEASURES[finding.measure]
+    allowed = "at least" if measure.is_least else "at most"
+    limit = number(finding.limit, measure.unit)
+    return f"{measure.label} {number(finding.value, measure.unit)}, {allowed} {limit}"
+
+
+def number(value: Optional[float], unit: str = "") -> str:
+    """Return a figure for people.
+
+    :param value: the figure, if any
+    :param unit: its unit
+    """
+    if value is None:
+        return "-"
+    if math.isinf(value):
+        return "never" if unit == "s" else "endless"
+    if abs(value) < 5e-4:
+        value = 0.0
+    return f"{value:.3g} {unit}".strip()
+
+
+def causes(judgement: Judgement) -> Dict[Cause, List[Failure]]:
+    """Return what is wrong by its cause, in the order in which that showed."""
+    found: Dict[Cause, List[Failure]] = {}
+    for failure in judgement.failures:
+        found.setdefault(failure.cause, []).append(failure)
+    return found

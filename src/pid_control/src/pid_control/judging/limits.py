@@ -1,0 +1,87 @@
+"""The limits that figures are judged against, from YAML."""
+
+import math
+from typing import Any, Dict, Mapping, Optional
+
+import yaml
+
+from pid_control.judging.measures import MEASURED
+
+#: The limits of a scenario by the name of the measure; None where there is none.
+Limits = Dict[str, Dict[str, Optional[float]]]
+
+
+class LimitsError(ValueError):
+    """Limits are not as they have to be; the text says which, and what is allowed."""
+
+
+class _Loader(yaml.SafeLoader):
+    """Reads YAML whose keys differ: of two limits for one figure nobody knows which is meant."""
+
+
+def _mapping_of(loader: _Loader, node: yaml.MappingNode) -> Dict[Any, Any]:
+    found: Dict[Any, Any] = {}
+    for key_node, value_node in node.value:
+        key = loader.construct_object(key_node, deep=True)
+        if not isinstance(key, str):
+            raise LimitsError(f"line {key_node.start_mark.line + 1}: {key!r} is not a name")
+        if key in found:
+            raise LimitsError(f"line {key_node.start_mark.line + 1}: {key} is there twice")
+        found[key] = loader.construct_object(value_node, deep=True)
+    return found
+
+
+_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping_of)
+
+
+def read_limits(text: str) -> Limits:
+    """Return the limits that a file holds.
+
+    :param text: what is in it
+    :raises LimitsError: if it is not YAML, or names what there is not, or a limit is no number
+    """
+    try:
+        content = yaml.load(text, _Loader)  # a SafeLoader
+    except LimitsError:
+        raise
+    except (yaml.YAMLError, RecursionError, ValueError) as error:  # ValueError: no such date
+        raise LimitsError(f"it is not YAML: {' '.join(str(error).split())}") from None
+    if content is None:
+        return {}
+    if not isinstance(content, dict):
+        raise LimitsError(f"it must hold scenarios, each with its limits, not {content!r:.60}")
+    return {scenario: _of_scenario(scenario, limits) for scenario, limits in content.items()}
+
+
+def merged(limits: Limits, own: Limits) -> Limits:
+    """Return limits, of which some are replaced.
+
+    :param limits: all of them
+    :param own: those that replace them
+    """
+    return {name: {**limits.get(name, {}), **own.get(name, {})} for name in MEASURED}
+
+
+def _of_scenario(scenario: str, limits: Any) -> Dict[str, Optional[float]]:
+    if scenario not in MEASURED:
+        raise LimitsError(f"{scenario}: no such scenario; there are {', '.join(MEASURED)}")
+    if not isinstance(limits, Mapping):
+        raise LimitsError(f"{scenario}: must hold limits by name, not {limits!r:.60}")
+    for name, limit in limits.items():
+        if name not in MEASURED[scenario]:
+            allowed = ", ".join(MEASURED[scenario])
+            raise LimitsError(f"{scenario}: {name}: not measured there, but {allowed}")
+        if limit is not None and not _is_limit(limit):
+            raise LimitsError(
+                f"{scenario}: {name}: {limit!r:.60} must be a number of at least 0, or null"
+            )
+    return {name: None if limit is None else float(limit) for name, limit in limits.items()}
+
+
+def _is_limit(value: Any) -> bool:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    try:
+        return math.isfinite(value) and value >= 0
+    except OverflowError:
+        return False

@@ -1,0 +1,221 @@
+"""The command ``rosrun pid_control judge [OPTION…] PACKAGE NAME [ARGUMENT…]``."""
+
+import argparse
+import os
+import signal
+import sys
+import time
+from typing import List, NoReturn, Optional, Sequence, Tuple
+
+from pid_control.judging.judgement import NOT_JUDGED, STATUS, Judgement, is_fatal, judge
+from pid_control.judging.limits import Limits, LimitsError, merged, read_limits
+from pid_control.judging.picture import as_svg
+from pid_control.judging.record import Record
+from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
+from pid_control.judging.scenarios import BY_NAME, Scenario
+
+#: How long a judgement may take unless another time is given, s.
+_TIME_LIMIT_S = 60.0
+#: The largest limit for that, s.
+_LONGEST_S = 3600.0
+#: What rostest and roslaunch add to a command line.
+_XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
+#: How late the judge itself may be where it goes by the machine's clock, s.
+_LATEST_S = 0.05
+
+
+class CannotJudge(Exception):
+    """There is nothing to be judged; the text says why."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.print_usage(sys.stderr)
+        self.exit(STATUS[NOT_JUDGED], f"judge: {message}\n")
+
+
+def main() -> None:
+    """Judge a controller, or a class of them, and end with 0, 1, or 125 where that cannot be."""
+    words, xml = _without_rostest(sys.argv[1:])
+    del sys.argv[1:]  # the rest is for the controller, and rospy would go by it
+    arguments = _parser().parse_args(words)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    try:
+        limits = _limits(arguments.limits)
+        if arguments.class_folder is not None:
+            from pid_control.trial.class_run import judge_class
+
+            sys.exit(judge_class(arguments))
+        judgement, records = _judge(arguments, limits)
+        _report(judgement, records, arguments, xml)
+    except CannotJudge as error:
+        judgement = Judgement(NOT_JUDGED, [], [], str(error))
+        _report(judgement, [], arguments, xml)
+    except OSError as error:
+        print(f"judge: {error.filename or 'the file'}: {error.strerror}", file=sys.stderr)
+        sys.exit(STATUS[NOT_JUDGED])
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+    sys.exit(judgement.status)
+
+
+def _without_rostest(words: Sequence[str]) -> Tuple[List[str], Optional[str]]:
+    """Take out what rostest adds; return the rest, and the file that it wants, if any."""
+    files = [word[len(_XML) :] for word in words if word.startswith(_XML)]
+    if not files:
+        return list(words), None
+    return [word for word in words if not word.startswith((_XML, *_ADDED))], files[-1]
+
+
+def _parser() -> argparse.ArgumentParser:
+    scenarios = "\n".join(f"  {one.name:9}{one.about}" for one in BY_NAME.values())
+    parser = _Parser(
+        prog="judge",
+        description="Judge a controller of the course's motor, unchanged, on a master and a clock"
+        " of its own.",
+        epilog=f"scenarios:\n{scenarios}\n\n"
+        "exit status: 0 passed, 1 failed, 125 could not be judged",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "words",
+        metavar="PACKAGE NAME",
+        nargs=argparse.REMAINDER,
+        help="a program or a launch file in a package, or its path, and its arguments; with"
+        " --class, the name that it has in each package, controller.py by default",
+    )
+    parser.add_argument("--node", metavar="NAME", help="which node of a launch file")
+    parser.add_argument("--workspace", metavar="DIR", help="the built workspace that it is in")
+    parser.add_argument("--limits", metavar="FILE", help="YAML file of limits")
+    parser.add_argument("--only", metavar="NAME,…", type=_scenarios, help="only these scenarios")
+    parser.add_argument(
+        "--real-time", action="store_true", help="go by the machine's clock, not a simulated one"
+    )
+    parser.add_argument(
+        "--time-limit",
+        metavar="S",
+        type=_seconds,
+        default=_TIME_LIMIT_S,
+        help=f"how long it may take, s; {_TIME_LIMIT_S:g} by default",
+    )
+    parser.add_argument("--picture", metavar="FILE.svg", help="draw all scenarios there")
+    parser.add_argument("--csv", metavar="FILE", help="write all figures there")
+    parser.add_argument(
+        "--class",
+        dest="class_folder",
+        metavar="DIR",
+        help="judge each package in a folder, and write class.csv and class.html",
+    )
+    parser.add_argument(
+        "--output", metavar="DIR", default=".", help="where a class's files go; here by default"
+    )
+    return parser
+
+
+def _scenarios(text: str) -> List[Scenario]:
+    names = text.split(",")
+    for name in names:
+        if name not in BY_NAME:
+            allowed = ", ".join(BY_NAME)
+            raise argparse.ArgumentTypeError(f"no scenario {name!r}; there are {allowed}")
+    return [one for one in BY_NAME.values() if one.name in names]
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 1.0 <= seconds <= _LONGEST_S:
+        raise argparse.ArgumentTypeError(f"{text!r} must be from 1 to {_LONGEST_S:g} s")
+    return seconds
+
+
+def _limits(path: Optional[str]) -> Limits:
+    """Return the limits of a file, or what is given without one."""
+    limits = read_limits(_text_of(_default_limits()))
+    if path is None:
+        return limits
+    try:
+        return merged(limits, read_limits(_text_of(path)))
+    except (LimitsError, UnicodeDecodeError) as error:
+        print(f"judge: {path}: {error}", file=sys.stderr)
+        sys.exit(STATUS[NOT_JUDGED])
+
+
+def _default_limits() -> str:
+    import rospkg
+
+    return os.path.join(rospkg.RosPack().get_path("pid_control"), "config", "judge_limits.yaml")
+
+
+def _text_of(path: str) -> str:
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
+    from pid_control.trial.own_master import OwnMaster
+    from pid_control.trial.target import TargetError, find_target
+
+    if not arguments.words:
+        raise CannotJudge("what? a package and a name in it, or a path")
+    deadline = time.monotonic() + arguments.time_limit
+    try:
+        target = find_target(arguments.words, arguments.node, arguments.workspace)
+    except TargetError as error:
+        raise CannotJudge(str(error)) from None
+    print(f"judge: {target.name}", flush=True)
+    master = OwnMaster()
+    try:
+        from pid_control.trial.stage import Rivals, Stage
+        from pid_control.trial.trial import OutOfTime, Trial
+
+        trial = Trial(Stage(), target, master.environment, arguments.real_time, deadline)
+        records: List[Record] = []
+        reason = ""
+        for scenario in arguments.only or BY_NAME.values():
+            try:
+                records.append(trial.run(scenario))
+            except OutOfTime:
+                reason = f"{arguments.time_limit:g} s are over in {scenario.name}"
+                break
+            except Rivals as error:
+                raise CannotJudge(str(error)) from None
+            except OSError as error:
+                raise CannotJudge(f"{target.name}: {error.strerror}") from None
+            if is_fatal(records[-1], limits):
+                break
+        if trial.latest > _LATEST_S:
+            reason = f"this machine is too busy: the judge itself was {trial.latest:.2f} s late"
+    finally:
+        master.close()
+    return judge(records, limits, reason), records
+
+
+def _report(
+    judgement: Judgement,
+    records: Sequence[Record],
+    arguments: argparse.Namespace,
+    xml: Optional[str],
+) -> None:
+    if judgement.findings:
+        print(as_table(judgement), end="\n\n")
+    print(as_sentences(judgement))
+    name = " ".join(arguments.words)
+    if arguments.picture is not None:
+        title = f"{name}: {judgement.verdict}"
+        failed = [failure.scenario for failure in judgement.failures]
+        _write(arguments.picture, as_svg(records, title, failed))
+    if arguments.csv is not None:
+        _write(arguments.csv, as_csv([(name, judgement)]))
+    if xml is not None:
+        _write(xml, as_junit(judgement, name))
+
+
+def _write(path: str, text: str) -> None:
+    # The file appears when it is complete.
+    partial = path + ".part"
+    with open(partial, "w", encoding="utf-8") as file:
+        file.write(text)
+    os.replace(partial, path)

@@ -1,0 +1,163 @@
+"""What a controller is: a program, or one node of a launch file."""
+
+import os
+import subprocess
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import roslaunch.config
+import rospkg
+from roslaunch.core import Node, RLException, local_machine, setup_env
+from roslaunch.node_args import NodeParamsException, create_local_process_args
+
+#: Longest time for a workspace to say what its environment is, s.
+_ENVIRONMENT_S = 20.0
+
+
+class TargetError(Exception):
+    """What is to be judged cannot be started; the text says why."""
+
+
+class Target(NamedTuple):
+    """What to start.
+
+    :ivar name: as the reports have it
+    :ivar command: the program and its arguments
+    :ivar environment: all its variables
+    :ivar parameters: what is to be on the parameter server, by global name
+    """
+
+    name: str
+    command: List[str]
+    environment: Dict[str, str]
+    parameters: Dict[str, Any]
+
+
+def find_target(
+    words: Sequence[str], node: Optional[str] = None, workspace: Optional[str] = None
+) -> Target:
+    """Find what the command line names.
+
+    :param words: a path and arguments, or a package, a name in it and arguments; those are as
+        rosrun's for a program, as roslaunch's for a launch file
+    :param node: which of the nodes of a launch file; where it is not given, the one whose name or
+        program says that it is a controller
+    :param workspace: another workspace that it is in: its folder, or its devel or install
+    :raises TargetError: if there is no such thing
+    """
+    environment = _environment(workspace) if workspace is not None else dict(os.environ)
+    path, arguments = _path(words, environment)
+    if not path.endswith(".launch"):
+        if node is not None:
+            raise TargetError(f"--node is for launch files: {path} is none")
+        if not os.access(path, os.X_OK):
+            raise TargetError(f"{path} is not executable: chmod +x {path}")
+        return Target(path, [path, *arguments], environment, {})
+    return _launched(path, arguments, node, environment)
+
+
+def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[str]]:
+    first, rest = words[0], list(words[1:])
+    if os.path.isfile(first):
+        return os.path.abspath(first), rest
+    if os.sep in first:
+        raise TargetError(f"there is no file {first}")
+    if not rest:
+        raise TargetError(f"there is no file {first}; of a package, name a program as well")
+    name = rest.pop(0)
+    rospack = rospkg.RosPack(rospkg.get_ros_paths(env=environment))
+    try:
+        place = rospack.get_path(first)
+    except rospkg.ResourceNotFound:
+        raise TargetError(f"there is no package {first} in ROS_PACKAGE_PATH") from None
+    found = find_in(place, name)
+    if name.endswith(".py") or not found:
+        # What was built or installed stands elsewhere.
+        found = [*_libexec(environment, first, name), *found]
+    if not found:
+        raise TargetError(f"there is no {name} in the package {first} ({place})")
+    return found[0], rest
+
+
+def find_in(place: str, name: str) -> List[str]:
+    """Return the files of a name below a folder, those that can be executed first.
+
+    :param place: the folder
+    :param name: name of a file
+    """
+    found = [
+        os.path.join(folder, name)
+        for folder, folders, files in os.walk(place)
+        if name in files and not _hide(folders)
+    ]
+    return sorted(found, key=lambda path: (not os.access(path, os.X_OK), path))
+
+
+def _hide(folders: List[str]) -> bool:
+    """Leave out hidden folders on the way down; False."""
+    folders[:] = sorted(name for name in folders if not name.startswith("."))
+    return False
+
+
+def _libexec(environment: Dict[str, str], package: str, name: str) -> List[str]:
+    prefixes = environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+    paths = [os.path.join(prefix, "lib", package, name) for prefix in prefixes if prefix]
+    return [path for path in paths if os.path.isfile(path)]
+
+
+def _environment(workspace: str) -> Dict[str, str]:
+    """Return the environment of a workspace."""
+    places = [os.path.join(workspace, part) for part in ("devel", "install", "")]
+    scripts = [os.path.join(place, "env.sh") for place in places]
+    found = [script for script in scripts if os.path.isfile(script)]
+    if not found:
+        raise TargetError(f"{workspace} is no built workspace: it has no devel/env.sh")
+    try:
+        done = subprocess.run(
+            [found[0], "env", "-0"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            timeout=_ENVIRONMENT_S,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError) as error:
+        raise TargetError(f"{found[0]} fails: {error}") from None
+    pairs = (entry.partition("=") for entry in done.stdout.decode().split("\0"))
+    return {name: value for name, is_one, value in pairs if is_one}
+
+
+def _launched(
+    path: str, arguments: List[str], wanted: Optional[str], environment: Dict[str, str]
+) -> Target:
+    # $(find …) goes by this process's own.
+    before = dict(os.environ)
+    os.environ.update(environment)
+    try:
+        config = roslaunch.config.load_config_default([(path, arguments)], None)
+        node = _choose(config.nodes, wanted, path)
+        command = create_local_process_args(node, local_machine(), environment)
+        variables = setup_env(node, local_machine(), "", environment)
+    except (RLException, NodeParamsException, ValueError) as error:
+        raise TargetError(f"{path}: {error}") from None
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+    parameters = {parameter.key: parameter.value for parameter in config.params.values()}
+    return Target(f"{path} {_name(node)}", command, variables, parameters)
+
+
+def _name(node: Node) -> str:
+    return str(node.namespace) + str(node.name)
+
+
+def _choose(nodes: List[Node], wanted: Optional[str], path: str) -> Node:
+    names = ", ".join(_name(node) for node in nodes) or "none"
+    if wanted is not None:
+        found = [node for node in nodes if wanted in (_name(node), node.name)]
+        if len(found) != 1:
+            raise TargetError(f"{path} has no node {wanted}; its nodes are {names}")
+        return found[0]
+    found = [node for node in nodes if "control" in (node.name + node.type).lower()]
+    found = found or nodes
+    if len(found) != 1:
+        raise TargetError(f"{path}: which node is the controller? --node NAME, of {names}")
+    return found[0]

@@ -1,0 +1,8 @@
+#!/usr/bin/env python3
+"""It does not even start."""
+
+import no_such_module  # noqa: F401
+from student import Student, main
+
+if __name__ == "__main__":
+    main(Student)

@@ -1,0 +1,13 @@
+#!/usr/bin/env python3
+"""It announces motor_input, and sends nothing."""
+
+from student import Student, main
+
+
+class Mute(Student):
+    def send(self, value: float) -> None:
+        pass
+
+
+if __name__ == "__main__":
+    main(Mute)

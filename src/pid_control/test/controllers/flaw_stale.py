@@ -1,0 +1,14 @@
+#!/usr/bin/env python3
+"""The callback keeps the output in a variable of its own: global was forgotten."""
+
+from pid_control.msg import motor_output
+from student import Student, main
+
+
+class Stale(Student):
+    def on_output(self, message: motor_output) -> None:
+        output = message.output  # noqa: F841
+
+
+if __name__ == "__main__":
+    main(Stale)

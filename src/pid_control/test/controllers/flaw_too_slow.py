@@ -1,0 +1,18 @@
+#!/usr/bin/env python3
+"""Each turn computes for longer than its period."""
+
+import time
+
+from student import Student, main
+
+
+class TooSlow(Student):
+    def law(self, error: float, dt: float) -> float:
+        end = time.thread_time() + 0.03
+        while time.thread_time() < end:
+            pass
+        return super().law(error, dt)
+
+
+if __name__ == "__main__":
+    main(TooSlow)

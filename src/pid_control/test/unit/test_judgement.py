@@ -1,0 +1,281 @@
+"""What is said of controllers: limits kept or not, likely causes, reports."""
+
+import csv
+import io
+import math
+from typing import Dict, Optional
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+from played import default_limits, pi, play_all, play_one
+
+from pid_control.judging.causes import cause_of, cause_of_fate
+from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, is_fatal, judge, number
+from pid_control.judging.limits import LimitsError, merged, read_limits
+from pid_control.judging.measures import MEASURED, MEASURES
+from pid_control.judging.picture import as_svg
+from pid_control.judging.record import (
+    ENDED,
+    NOT_CONNECTED,
+    RESTLESS,
+    SILENT,
+    WRITES_WITHOUT_END,
+    Record,
+)
+from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
+from pid_control.judging.scenarios import BY_NAME
+
+LIMITS = default_limits()
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_the_default_limits_are_all_of_them() -> None:
+    for scenario, names in MEASURED.items():
+        assert set(LIMITS[scenario]) == set(names)
+        assert all(limit is not None for limit in LIMITS[scenario].values())
+
+
+def test_own_limits_replace_what_they_name() -> None:
+    own = read_limits("steps: {overshoot: 5, rise_time: null}\nwindup:\n  leave_time: 0.1\n")
+    found = merged(LIMITS, own)
+    assert (found["steps"]["overshoot"], found["steps"]["rise_time"]) == (5.0, None)
+    assert found["windup"] == {**LIMITS["windup"], "leave_time": 0.1}
+    assert found["nan"] == LIMITS["nan"] and LIMITS["steps"]["overshoot"] == 25.0
+    assert read_limits("") == {} and merged(LIMITS, {}) == LIMITS
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("steps: {overshoot: -1}", "steps: overshoot: -1 must be a number of at least 0, or null"),
+        ("steps: {overshoot: lots}", "steps: overshoot: 'lots' must be a number"),
+        ("steps: {overshoot: true}", "steps: overshoot: True must be a number"),
+        ("steps: {overshoot: .nan}", "steps: overshoot: nan must be a number"),
+        ("steps: {overshoot: .inf}", "steps: overshoot: inf must be a number"),
+        ("steps: {overshoot: [1]}", r"steps: overshoot: \[1\] must be a number"),
+        ("steps: {overshot: 1}", "steps: overshot: not measured there, but rise_time, overshoot"),
+        ("step: {overshoot: 1}", "step: no such scenario; there are held, rate, steps"),
+        ("steps: 5", "steps: must hold limits by name, not 5"),
+        ("[steps]", r"it must hold scenarios, each with its limits, not \['steps'\]"),
+        ("steps: {overshoot: 1", "it is not YAML"),
+        ("steps: {overshoot: 1}\nsteps: {late: 1}", "line 2: steps is there twice"),
+        ("steps:\n  late: 1\n  late: 2\n", "line 3: late is there twice"),
+        ("7: {late: 1}", "line 1: 7 is not a name"),
+        ("steps: !!python/object/apply:os.getcwd []", "it is not YAML"),
+        ("a: &a [*a]", "it is not YAML"),
+        ("steps: {overshoot: 2001-99-99}", "it is not YAML"),
+    ],
+)
+def test_limits_that_are_wrong_are_refused_by_name(text: str, says: str) -> None:
+    with pytest.raises(LimitsError, match=says):
+        read_limits(text)
+
+
+@given(some.text(max_size=40))
+def test_whatever_the_limits_are_the_only_error_is_one_that_says_why(text: str) -> None:
+    try:
+        read_limits(text)
+    except LimitsError as error:
+        assert str(error)
+
+
+def test_a_good_controller_passes() -> None:
+    judgement = judge(play_all(pi()), LIMITS)
+    assert judgement.failures == []
+    assert (judgement.verdict, judgement.status, judgement.flaws()) == (PASSED, 0, [])
+    assert as_sentences(judgement) == "passed: all 50 figures of 14 scenarios"
+
+
+def test_windup_is_named_and_the_sentence_has_the_figure() -> None:
+    judgement = judge(play_all(pi(anti_windup="none")), LIMITS)
+    assert (judgement.verdict, judgement.status) == (FAILED, 1)
+    assert judgement.flaws() == ["windup"]
+    text = as_sentences(judgement)
+    assert "windup: time to leave the limit 1." in text
+    assert "the integral goes on growing while the output is limited; stop it there" in text
+    assert text.endswith("failed: windup")
+
+
+def test_p_alone_is_told_to_integrate() -> None:
+    judgement = judge(play_all(pi(kp=0.1, ki=0.0)), LIMITS)
+    assert judgement.flaws() == ["no integral"]
+
+
+@pytest.mark.parametrize(
+    "figures, scenario, measure, flaw",
+    [
+        ({}, "held", "kick", "derivative kick"),
+        ({("held", "standstill_rest"): 0.1}, "held", "processor", "restless"),
+        (
+            {("held", "standstill_rest"): 0.1, ("held", "standstill_answers"): 900.0},
+            "held",
+            "processor",
+            "flood",
+        ),
+        ({("held", "standstill_answers"): 20.0}, "held", "late", "machine clock"),
+        ({("held", "standstill_jump"): 0.3}, "held", "output_response", "machine clock"),
+        ({("held", "late"): 1.0}, "held", "standstill_jump", "too seldom"),
+        ({}, "held", "processor", "too slow"),
+        ({("held", "output_response"): 0.0}, "held", "output_response", "stale"),
+        ({("held", "output_response"): 0.3}, "held", "set_point_response", "other"),
+        ({("held", "set_point_response"): 0.0}, "held", "set_point_response", "deaf"),
+        ({("held", "output_response"): -0.3}, "held", "output_response", "sign"),
+        ({}, "steps", "peak_input", "no clamp"),
+        ({("windup", "leave_time"): 1.0}, "windup", "recovery_time", "windup"),
+        ({("windup", "leave_time"): 1.0}, "load", "recovery_time", "gains"),
+        ({}, "rate", "interval_error", "interval"),
+        ({("rate", "interval_error"): 0.9}, "steps", "steady_error", "interval"),
+        ({("rate", "interval_error"): None}, "steps", "steady_error", "no integral"),
+        ({("nan", "not_finite"): 5.0}, "nan", "recovery_time", "nan"),
+        ({("nan", "recovery_time"): math.inf}, "nan", "recovery_time", "nan"),
+        ({("nan", "recovery_time"): 0.7}, "nan", "recovery_time", "gains"),
+        ({}, "steps", "chatter", "chatter"),
+        ({}, "steps", "overshoot", "gains"),
+        ({}, "steps", "effort", "gains"),
+    ],
+)
+def test_the_likely_cause(
+    figures: Dict[tuple, Optional[float]], scenario: str, measure: str, flaw: str
+) -> None:
+    assert cause_of(scenario, measure, figures).flaw == flaw
+
+
+def test_every_figure_has_a_cause() -> None:
+    for scenario, names in MEASURED.items():
+        for name in names:
+            beyond = -1.0 if MEASURES[name].is_least else 1e9
+            cause = cause_of(scenario, name, {(scenario, name): beyond})
+            if (scenario, name) != ("held", "set_point_response"):  # it has never one alone
+                assert cause.flaw != "other", (scenario, name)
+
+
+STEPS = BY_NAME["steps"]
+
+
+@pytest.mark.parametrize(
+    "record, flaw, says",
+    [
+        (Record(STEPS, ENDED, "KeyError: 9"), "crash", "ended by itself: KeyError: 9"),
+        (Record(STEPS, WRITES_WITHOUT_END), "endless output", "without end"),
+        (Record(STEPS, RESTLESS), "restless", "computes without a pause"),
+        (Record(STEPS, RESTLESS, answers=[(0.0, 0.0)] * 900), "flood", "sends without a pause"),
+        (Record(STEPS, SILENT), "silent", "sends nothing on motor_input"),
+        (Record(STEPS, SILENT, answers=[(1.5, 0.0)]), "crash", "nothing any more after 1.50 s"),
+        (
+            Record(STEPS, NOT_CONNECTED, missing=["motor_input"], hint="it publishes /u"),
+            "silent",
+            "does not publish motor_input; it publishes /u",
+        ),
+        (
+            Record(STEPS, NOT_CONNECTED, missing=["motor_output", "set_point"]),
+            "not connected",
+            "does not subscribe to motor_output and set_point",
+        ),
+    ],
+)
+def test_why_a_scenario_did_not_come_to_its_end(record: Record, flaw: str, says: str) -> None:
+    cause = cause_of_fate(record)
+    assert cause.flaw == flaw and says in cause.sentence
+    judgement = judge([record], LIMITS)
+    assert (judgement.verdict, judgement.flaws()) == (FAILED, [flaw])
+    assert is_fatal(record, LIMITS)
+
+
+def test_whoever_goes_by_another_clock_is_not_judged() -> None:
+    record = play_one("held", pi())._replace(standstill_answers=25)
+    judgement = judge([record], LIMITS)
+    assert (judgement.verdict, judgement.status) == (NOT_JUDGED, 125)
+    assert "judge it with --real-time" in judgement.reason
+    assert is_fatal(record, LIMITS)
+
+
+def test_what_ran_out_of_time_has_not_passed_and_a_failure_remains_one() -> None:
+    good = judge([play_one("held", pi())], LIMITS, "60 s are over in rate")
+    assert (good.verdict, good.reason) == (NOT_JUDGED, "60 s are over in rate")
+    bad = judge([play_one("windup", pi(anti_windup="none"))], LIMITS, "60 s are over")
+    assert bad.verdict == FAILED
+    assert judge([], LIMITS).verdict == NOT_JUDGED
+
+
+def test_flaws_that_only_cost_marks_are_not_fatal() -> None:
+    assert not is_fatal(play_one("windup", pi(anti_windup="none")), LIMITS)
+    assert is_fatal(play_one("held", pi(kp=-0.1, ki=-1.0)), LIMITS)
+
+
+def test_a_limit_of_none_is_kept_by_all_and_float32_of_1_is_1() -> None:
+    record = play_one("windup", pi(anti_windup="none"))
+    free = merged(LIMITS, {"windup": {"leave_time": None, "recovery_time": None}})
+    assert judge([record], free).verdict == PASSED
+    answers = [(time, 1.00000001) for time, _ in record.answers]
+    assert judge([record._replace(answers=answers)], free).verdict == PASSED
+    answers = [(time, 1.001) for time, _ in record.answers]
+    assert judge([record._replace(answers=answers)], free).flaws() == ["no clamp"]
+
+
+def test_figures_for_people() -> None:
+    assert [number(value, "s") for value in (None, math.inf, 1e-5, 0.12345)] == [
+        "-",
+        "never",
+        "0 s",
+        "0.123 s",
+    ]
+    assert number(math.inf, "rad") == "endless" and number(2.0) == "2"
+
+
+def bad_judgement() -> tuple:
+    records = play_all(pi(anti_windup="none"))
+    return judge(records, LIMITS), records
+
+
+def test_the_table_fits_a_terminal_and_marks_what_failed() -> None:
+    lines = as_table(bad_judgement()[0]).splitlines()
+    assert max(map(len, lines)) <= 80
+    assert [line.split()[0] for line in lines if line.endswith("FAILED")] == ["windup", "time"]
+    assert len(lines) == 1 + sum(map(len, MEASURED.values()))
+
+
+def test_junit_has_a_case_for_each_scenario_and_takes_any_words() -> None:
+    judgement, _ = bad_judgement()
+    suite = ElementTree.fromstring(as_junit(judgement, "a \x00 & b"))
+    cases = {case.get("name"): case for case in suite}
+    assert list(cases) == list(MEASURED)
+    failed = [name for name, case in cases.items() if case.find("failure") is not None]
+    assert failed == ["windup"] and suite.get("failures") == "1"
+    assert "stop it there" in str(cases["windup"].find("failure").text)
+    none = ElementTree.fromstring(as_junit(judge([], LIMITS, "no <master>"), "x"))
+    assert none.get("errors") == "1"
+    assert none[0].find("error").get("message") == "no <master>"
+
+
+def test_csv_has_a_line_for_each_controller_and_is_no_formula() -> None:
+    judgement, _ = bad_judgement()
+    rows = list(csv.DictReader(io.StringIO(as_csv([("=1+1", judgement), ("b", judge([], {}))]))))
+    assert [row["controller"] for row in rows] == ["'=1+1", "b"]
+    assert (rows[0]["verdict"], rows[0]["flaws"]) == ("failed", "windup")
+    assert float(rows[0]["windup.leave_time"]) > 0.5 and rows[1]["windup.leave_time"] == ""
+
+
+def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
+    judgement, records = bad_judgement()
+    records.append(Record(STEPS, ENDED))
+    svg = as_svg(records, "<a> & b", ["windup"])
+    root = ElementTree.fromstring(svg)
+    panels = root.findall(f"{SVG}g")
+    assert len(panels) == len(records)
+    headings = [panel.find(f"{SVG}text") for panel in panels]
+    wrong = [one.text for one in headings if one.get("fill") != "black"]
+    assert len(wrong) == 1 and wrong[0].startswith("windup: ")
+    assert all(len(panel.findall(f"{SVG}polyline")) == 3 for panel in panels[:-1])
+    assert "nan" not in svg.replace("nan: NaN", "").lower().replace("nan as", "")
+    assert len(svg) < 400_000
+    # The leap of the input is in the picture, however many rows are left out.
+    windup = panels[list(MEASURED).index("windup")]
+    points = windup.findall(f"{SVG}polyline")[2].get("points").split()
+    heights = [float(point.split(",")[1]) for point in points]
+    assert max(heights) - min(heights) > 10.0
+
+
+def test_every_measure_has_words() -> None:
+    assert all(measure.label for measure in MEASURES.values())

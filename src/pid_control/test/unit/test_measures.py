@@ -1,0 +1,190 @@
+"""The figures of controllers whose answers are known."""
+
+import math
+from typing import Callable, Optional
+
+import pytest
+from played import Law, pi, play, play_all, play_one
+
+from pid_control.judging.experiment import Output
+from pid_control.judging.lines import fit_line
+from pid_control.judging.measures import MEASURED, MEASURES, figures_of
+from pid_control.judging.record import Record, Row
+from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, steps
+
+
+def figure(record: Record, name: str) -> Optional[float]:
+    return MEASURES[name].of(record)
+
+
+def test_a_line_through_points() -> None:
+    line = fit_line([(x, 3.0 - 2.0 * x) for x in (0.0, 1.0, 2.0, 5.0)])
+    assert line == pytest.approx((-2.0, 3.0))
+    assert line is not None and line.at(10.0) == pytest.approx(-17.0)
+    assert fit_line([(0.0, 1.0), (1.0, 2.0), (2.0, 3.0)]) is None
+    assert fit_line([(1.0, float(y)) for y in range(4)]) is None
+
+
+def test_every_figure_is_taken_and_a_good_controller_has_small_ones() -> None:
+    for record in play_all(pi()):
+        figures = figures_of(record)
+        assert list(figures) == list(MEASURED[record.scenario.name])
+        assert all(value is None or math.isfinite(value) for value in figures.values())
+    assert set(MEASURES) == {name for names in MEASURED.values() for name in names}
+
+
+#: Up by 10 at once, and down by 4 a second later.
+TWO_STEPS = Scenario("steps", "", 2.0, steps((0.0, 10.0), (1.0, 6.0)))
+
+
+def rows_of(speed: Callable[[float], float], scenario: Scenario = TWO_STEPS) -> Record:
+    rows = [
+        Row(index * 0.01, 10.0 if index < 100 else 6.0, speed(index * 0.01), 0.5)
+        for index in range(200)
+    ]
+    return Record(scenario, rows=rows)
+
+
+def test_rise_time_of_an_exponential() -> None:
+    def speed(time: float) -> float:
+        if time < 1.0:
+            return 10.0 - 10.0 * math.exp(-time / 0.1)
+        return 6.0 + 4.0 * math.exp(-(time - 1.0) / 0.1)
+
+    record = rows_of(speed)
+    # From 10 % to 90 % takes tau ln 9, and from the step to 95 % tau ln 20.
+    assert figure(record, "rise_time") == pytest.approx(0.1 * math.log(9.0), abs=0.02)
+    assert figure(record, "settling_time") == pytest.approx(0.1 * math.log(20.0), abs=0.02)
+    assert figure(record, "overshoot") == 0.0
+    assert figure(record, "steady_error") == pytest.approx(0.0, abs=0.01)
+    assert figure(record, "absolute_error") == pytest.approx(10 * 0.1 + 4 * 0.1, rel=0.1)
+    assert figure(record, "effort") == pytest.approx(0.25 * 2.0, rel=0.01)
+
+
+def test_what_never_arrives_never_rises_and_never_settles() -> None:
+    record = rows_of(lambda time: 5.0 if time < 1.0 else 6.0)
+    assert figure(record, "rise_time") == math.inf
+    assert figure(record, "settling_time") == math.inf
+    assert figure(record, "steady_error") == pytest.approx(5.0)
+
+
+def test_the_overshoot_is_that_of_the_worst_step() -> None:
+    def speed(time: float) -> float:
+        if time < 1.0:
+            return 11.0 if time < 0.1 else 10.0
+        return 5.0 if time < 1.1 else 6.0
+
+    assert figure(rows_of(speed), "overshoot") == pytest.approx(25.0)
+
+
+def test_late_answers_and_trembling_ones() -> None:
+    answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(100)]
+    record = rows_of(lambda time: 0.0)._replace(answers=answers)
+    assert figure(record, "late") == pytest.approx(1.01 / 2.0)
+    answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(200)]
+    record = record._replace(answers=answers)
+    assert figure(record, "late") == 0.0
+    assert figure(record, "chatter") == pytest.approx(0.1)
+    assert not record.is_silent and record._replace(answers=answers[:100]).is_silent
+    assert record._replace(answers=()).is_silent
+
+
+def test_the_peak_is_of_either_sign_and_of_numbers() -> None:
+    record = rows_of(lambda time: 0.0)._replace(
+        answers=[(0.0, 0.5), (0.1, -3.0), (0.2, math.nan), (0.3, math.inf)]
+    )
+    assert figure(record, "peak_input") == 3.0
+    assert figure(record._replace(answers=()), "peak_input") is None
+
+
+def test_nan_is_excused_only_just_after_nan_was_sent() -> None:
+    scenario = BY_NAME["nan"]
+    answers = [(0.5, math.nan), (0.95, math.nan), (1.2, math.inf), (1.3, 0.1)]
+    assert figure(Record(scenario, answers=answers), "not_finite") == 2.0
+
+
+def test_processor_time_is_that_of_a_second() -> None:
+    assert figure(Record(TWO_STEPS, busy=3.0), "processor") == 1.5
+
+
+def test_windup_keeps_the_input_at_its_limit() -> None:
+    good = play_one("windup", pi())
+    assert figure(good, "leave_time") == pytest.approx(0.0, abs=0.01)
+    bad = play_one("windup", pi(anti_windup="none"))
+    # At 20 rad/s wanted and 13 there, the integral has grown by ki 7 rad/s 1.3 s and more.
+    assert figure(bad, "leave_time") > 0.5
+
+
+def slow_pi(interval: Optional[float]) -> Callable[[], Law]:
+    """PI that takes a constant for dt, or the outputs' own times."""
+
+    def make() -> Law:
+        state = {"integral": 0.0, "before": 0.0}
+
+        def answer(set_point: float, output: Output) -> float:
+            dt = output.time - state["before"] if interval is None else interval
+            state["before"] = output.time
+            error = set_point - output.speed
+            state["integral"] += error * dt
+            return 0.06 * error + 1.2 * state["integral"]
+
+        return answer
+
+    return make
+
+
+def test_a_constant_interval_shows_where_the_loop_is_slow() -> None:
+    assert figure(play_one("rate", slow_pi(None)), "interval_error") < 0.05
+    # 2 ms are taken for what lasts 70 ms.
+    error = figure(play_one("rate", slow_pi(0.002)), "interval_error")
+    assert error == pytest.approx(1.0 - 2.0 / 70.0, abs=0.02)
+    assert figure(play_one("rate", pi(ki=0.0)), "interval_error") is None
+
+
+def test_both_responses_and_their_signs() -> None:
+    record = play_one("held", pi())
+    assert figure(record, "set_point_response") > 0.08
+    assert figure(record, "output_response") > 0.08
+    inverse = play_one("held", pi(kp=-0.08, ki=-1.5))
+    assert figure(inverse, "set_point_response") < 0.0
+    assert figure(inverse, "output_response") < 0.0
+
+    def make_deaf() -> Law:
+        return lambda set_point, output: 0.1 * set_point
+
+    deaf = play_one("held", make_deaf)
+    assert figure(deaf, "output_response") == pytest.approx(0.0, abs=1e-9)
+    assert figure(deaf, "set_point_response") == pytest.approx(0.1)
+
+
+def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> None:
+    def make_kicking() -> Law:
+        law, before = pi()(), [0.0]
+
+        def answer(set_point: float, output: Output) -> float:
+            error = set_point - output.speed
+            kick, before[0] = 0.2 * (error - before[0]), error
+            return law(set_point, output) + kick
+
+        return answer
+
+    assert figure(play_one("held", make_kicking), "kick") == pytest.approx(0.2, abs=0.01)
+    assert figure(play_one("held", pi()), "kick") < 0.001
+
+
+def test_an_integral_that_goes_on_while_the_clock_stands_still_shows() -> None:
+    record = play_one("held", pi())
+    assert figure(record, "standstill_jump") < 0.005
+    slope = 1.5 * 0.1
+    rows = [
+        row._replace(input=row.input + 0.2 * slope) if row.time > 0.6 else row
+        for row in record.rows
+    ]
+    assert figure(record._replace(rows=rows), "standstill_jump") == pytest.approx(0.2, abs=0.01)
+
+
+def test_recovery_is_counted_from_the_event() -> None:
+    record = play(BY_NAME["load"]._replace(motor=MOTOR), pi()())
+    assert 0.05 < figure(record, "recovery_time") < 0.5
+    lost = play_one("load", pi(ki=0.0))
+    assert figure(lost, "recovery_time") == math.inf

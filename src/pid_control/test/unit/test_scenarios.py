@@ -1,0 +1,135 @@
+"""What a controller has to go through, and what it is sent."""
+
+import math
+
+import pytest
+from played import pi, play_one
+
+from pid_control.judging.experiment import Experiment
+from pid_control.judging.measures import MEASURED
+from pid_control.judging.scenarios import (
+    BY_NAME,
+    SLOW_STEP_S,
+    STEP_S,
+    Scenario,
+    sine,
+    steps,
+    value_at,
+)
+
+each_scenario = pytest.mark.parametrize("name", sorted(BY_NAME))
+
+
+def test_a_signal_is_straight_between_its_corners_and_new_at_a_step() -> None:
+    corners = ((0.0, 1.0), (2.0, 3.0), (2.0, 7.0))
+    moments = {-1.0: 1.0, 0.0: 1.0, 0.5: 1.5, 1.999: 2.999, 2.0: 7.0, 9.0: 7.0}
+    for time, value in moments.items():
+        assert value_at(corners, time) == pytest.approx(value)
+
+
+def test_steps_begin_at_0() -> None:
+    found = steps((0.2, 5.0), (1.0, -2.0))
+    assert [value_at(found, time) for time in (0.0, 0.19, 0.2, 0.99, 1.0, 9.0)] == [
+        0.0,
+        0.0,
+        5.0,
+        5.0,
+        -2.0,
+        -2.0,
+    ]
+
+
+def test_a_sine_is_one() -> None:
+    found = sine(5.0, 3.0, 1.0, 0.2, 2.2)
+    assert value_at(found, 0.1) == 0.0
+    for time in (0.2, 0.45, 0.7, 1.33, 2.1):
+        expected = 5.0 + 3.0 * math.sin(2.0 * math.pi * (time - 0.2))
+        assert value_at(found, time) == pytest.approx(expected, abs=0.01)
+
+
+@each_scenario
+def test_each_is_measured_and_begins_at_rest(name: str) -> None:
+    scenario = BY_NAME[name]
+    assert MEASURED[name]
+    held = scenario.held_speed
+    asked = value_at(scenario.set_point, 0.0)
+    if held is not None:
+        assert asked == value_at(held, 0.0)
+    elif scenario.silence[0] > 0.0:
+        assert asked == 0.0
+
+
+@each_scenario
+def test_each_covers_its_time(name: str) -> None:
+    record = play_one(name, pi())
+    times = [row.time for row in record.rows]
+    assert times == sorted(times) and 0.0 <= times[0] < STEP_S
+    assert record.scenario.duration - times[-1] < SLOW_STEP_S + 1e-9
+
+
+def sent_at(scenario: Scenario, *moments: float) -> list:
+    experiment = Experiment(scenario, -1.0)
+    experiment.begin_at(0.0)
+    return [experiment.send(moment) for moment in moments]
+
+
+def test_set_points_come_at_100_hz_and_outputs_with_each_step() -> None:
+    scenario = BY_NAME["steps"]._replace(silence=(math.inf, math.inf))
+    sent = sent_at(scenario, *(index * STEP_S for index in range(51)))
+    assert [one.set_point is not None for one in sent] == [i % 5 == 0 for i in range(51)]
+    assert all(one.output is not None for one in sent)
+    assert sent[50].output.time == pytest.approx(1.0 + 50 * STEP_S)
+
+
+def test_a_restarted_motor_is_silent_and_begins_anew() -> None:
+    before, silent, after, later = sent_at(BY_NAME["restart"], 0.99, 1.05, 1.1, 1.2)
+    assert before.output.time == pytest.approx(1.99)
+    assert silent.output is None and silent.set_point is not None
+    assert (after.output.time, after.output.speed) == (0.0, 0.0)
+    assert later.output.time == pytest.approx(0.1)
+
+
+def test_a_motor_that_only_falls_silent_keeps_its_time_and_its_speed() -> None:
+    before, silent, after = sent_at(BY_NAME["missing"], 0.99, 1.1, 1.2)
+    assert silent.output is None
+    assert after.output.time == pytest.approx(2.2)
+
+
+def test_nan_comes_once_on_each_topic() -> None:
+    scenario = BY_NAME["nan"]
+    sent = sent_at(scenario, *(index * STEP_S for index in range(1200)))
+    outputs = [i * STEP_S for i, one in enumerate(sent) if math.isnan(one.output.speed)]
+    points = [
+        i * STEP_S
+        for i, one in enumerate(sent)
+        if one.set_point is not None and math.isnan(one.set_point)
+    ]
+    assert outputs == [pytest.approx(0.9)] and points == [pytest.approx(1.5)]
+
+
+def test_noise_is_measured_and_does_not_move_the_motor() -> None:
+    experiment = Experiment(BY_NAME["noise"], -1.0)
+    assert experiment.send(-0.5).output.speed == 0.0
+    experiment.begin_at(0.0)
+    heard = [experiment.send(index * STEP_S).output.speed for index in range(400)]
+    deviation = math.sqrt(sum(value**2 for value in heard) / len(heard))
+    assert deviation == pytest.approx(0.1, rel=0.15)
+    assert {row.speed for row in experiment.rows} == {0.0}
+
+
+def test_the_motor_follows_its_input_its_load_and_nothing_that_is_not_finite() -> None:
+    experiment = Experiment(BY_NAME["load"], -1.0)
+    experiment.begin_at(0.0)
+    experiment.answer(0.0, 0.5)
+    experiment.answer(0.1, math.nan)
+    assert experiment.send(0.9).output.speed == pytest.approx(6.55, abs=1e-3)
+    experiment.send(1.0)
+    assert experiment.send(1.9).output.speed == pytest.approx(13.1 * 0.3, abs=1e-3)
+    assert experiment.rows[-1].input == 0.5
+
+
+def test_the_clock_becomes_slow() -> None:
+    experiment = Experiment(BY_NAME["rate"], -1.0)
+    experiment.begin_at(0.0)
+    assert experiment.step_after(0.4) == STEP_S
+    assert experiment.step_after(0.5) == SLOW_STEP_S

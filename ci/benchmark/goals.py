@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
+import boards
 import bridging
 import robots
 import startup
@@ -197,6 +198,11 @@ GOALS: List[Goal] = [
     _itself("robots", "a robot and its controller: CPU", 2.5, "cpu_percent", " %", robots.HOSTED),
     _itself("robots", "the same in two processes", 2.5, "cpu_percent", " %", robots.PAIR),
     _itself("robots", "start to first odom", 0.3, "first_odom_s", " s", robots.START),
+    _itself("serial", "board's round trip, host's part", 500.0, "p50_us", " us", boards.ROUND_TRIP),
+    _itself("serial", "lost to it at 90 %", 0.0, "lost_to_board", "", boards.CAPACITY),
+    _itself("serial", "lost of it at 90 %", 0.0, "lost_from_board", "", boards.CAPACITY),
+    _itself("serial", "CPU at 100 Hz both ways", 5.0, "cpu_percent", " %", boards.BUSY),
+    _itself("serial", "CPU of an idle link", 0.5, "cpu_percent", " %", boards.IDLE),
     *_bridge(bridging.TO_ROS2, "ROS 2", 15.0),
     *_bridge(bridging.TO_ROS1, "ROS 1", 20.0),
     _against("bridge", "p50 to ROS 2", 1.35, "p50_us", " us", bridging.TO_ROS2, bridging.BARE),

@@ -2,6 +2,7 @@
 
 from typing import Callable, List, NamedTuple
 
+import boards
 import bridging
 import callbacks
 import executors
@@ -137,6 +138,13 @@ MEASUREMENTS = [
     ),
     Measurement(
         "robots", "simulated robots", robots.SUBJECTS, robots.measure, repeats=3, warm_up=True
+    ),
+    Measurement(
+        "serial",
+        "the link to a board at 115 200 baud: the host's part",
+        boards.SUBJECTS,
+        boards.measure,
+        repeats=3,
     ),
     Measurement(
         "bridge",

@@ -6,6 +6,7 @@ import pathlib
 import sys
 from typing import Iterator, List
 
+import run_board
 import run_bridge
 import run_crowd
 import run_interrupt
@@ -25,6 +26,7 @@ RUNS: List[Run[Soak]] = [
     Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
     Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
     Run("scope", "ten traces of 1 kHz on the page of the oscilloscope", run_scope.run),
+    Run("board", "a board behind a bad cable that is reset and unplugged", run_board.run),
     Run("bridge", "1 kHz through the bridge, then kill -9 of it and of each side", run_bridge.run),
     Run("crowd", "20 subscribers that come and go", run_crowd.run),
 ]

@@ -35,7 +35,7 @@ from serial_link.negotiation.payloads import (
 )
 from serial_link.negotiation.topic_book import Endpoint
 
-_LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 0.1, 1.0, 10.0
+_LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 1.0, 1.0, 10.0
 _WORDS = {
     PUBLISHER: "publishes",
     SUBSCRIBER: "subscribes to",

@@ -6,7 +6,7 @@ from typing import Any, Deque, Optional
 
 #: Values of one stream that may wait, so that those that come together all go out. One more, and
 #: the line has fallen behind: only the newest is of use then.
-DEPTH = 8
+DEPTH = 16
 #: Most messages that are kept, come what may: beyond, whoever sends them has gone mad.
 MOST_KEPT = 1000
 
@@ -16,9 +16,12 @@ class Mailbox:
 
     What is kept, as calls of services are, comes first and in order. Of each stream, the newest
     values come; when too many wait all but the newest are dropped, and counted. Streams take turns.
+
+    :param depth: how many values of one stream may wait
     """
 
-    def __init__(self) -> None:
+    def __init__(self, depth: int = DEPTH) -> None:
+        self._depth = depth
         self._condition = threading.Condition()
         self._kept: Deque[Any] = deque()
         self._streams: "OrderedDict[Any, Deque[Any]]" = OrderedDict()
@@ -43,7 +46,7 @@ class Mailbox:
         """
         with self._condition:
             waiting = self._streams.setdefault(stream, deque())
-            if len(waiting) >= DEPTH:
+            if len(waiting) >= self._depth:
                 self._dropped += len(waiting)
                 waiting.clear()
             waiting.append(message)

@@ -35,8 +35,12 @@ from serial_link.negotiation import payloads
 from serial_link.negotiation.payloads import FIRST_TOPIC, LOG, PARAMETER, STOP, TIME, TOPICS
 from serial_link.negotiation.topic_book import TopicBook
 
-#: Longest wait for bytes, for a port or for something to send, s: the node may end meanwhile.
-_LONGEST_WAIT_S = 0.1
+#: Longest wait for bytes or for the line, s: the node may end meanwhile.
+_LONGEST_WAIT_S = 0.25
+#: Longest wait for something to send, s; it ends when the node does.
+_IDLE_S = 1.0
+#: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
+_INBOX_DEPTH = 200
 #: How often a port is tried that cannot be opened, s, and the same is said again.
 _OPEN_EVERY_S, _SAY_EVERY_S = 0.2, 10.0
 #: A board that does not answer for this long is told of, s, and asked in the old way as well.
@@ -61,7 +65,7 @@ class BoardLink:
     """
 
     def __init__(self, port: Port, tally: Counts, time_of: TimeOf) -> None:
-        self.inbox, self._outbox = Mailbox(), Mailbox()
+        self.inbox, self._outbox = Mailbox(_INBOX_DEPTH), Mailbox()
         self._port, self._tally, self._time_of = port, tally, time_of
         self._decoder, self._session, self._book = Decoder(), Session(), TopicBook()
         self._pace = Pace(port.baud)
@@ -344,7 +348,7 @@ class BoardLink:
         if delay > 0.0:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))
             return
-        frame: Optional[Any] = self._outbox.fetch(_LONGEST_WAIT_S)
+        frame: Optional[Any] = self._outbox.fetch(_IDLE_S)
         if frame is None or not self._is_open:
             return
         try:

@@ -42,7 +42,7 @@ SIBLINGS: Dict[str, Set[str]] = {
         "parameters_demo.sensors",
     },
     "executors_demo": {"nodekit"},
-    "lifecycle_demo": {"nodekit"},
+    "lifecycle_demo": {"nodekit", "lifecycle_msgs"},
     "lifecycle_manager": {"nodekit", "nodekit_msgs", "lifecycle_msgs"},
     "my_robot_package": {"nodekit", "my_robot_package_interfaces"},
     "robot_interfaces_demo": {"nodekit", "robot_custom_interfaces"},

@@ -51,7 +51,8 @@ class ManagedNodes(unittest.TestCase):
             f"basic_comms process.launch managed:=on __ns:={SPACE}",
             f"first_order_sys_sim system.launch managed:=yes __ns:={SPACE}",
             f"motor_control motor.launch managed:=1 __ns:={SPACE}",
-            f"lifecycle_demo lifecycle_aware_node.launch robot_name:=marvin __ns:={SPACE}",
+            "lifecycle_demo lifecycle_aware_node.launch robot_name:=marvin "
+            f"wait_for_manager:=on __ns:={SPACE}",
             f"lifecycle_demo example_node.launch rate:=5 __ns:={SPACE}",
         ) as launch:
             self.graph = launch.graph

@@ -22,7 +22,7 @@ def state(ros: both.Both) -> Any:
 
 
 def test_managed_node_is_one_in_ros2(ros: both.Both, bridge: both.Bridge) -> None:
-    with both.Running("lifecycle_demo", "lifecycle_aware_node"):
+    with both.Running("lifecycle_demo", "lifecycle_aware_node", "_wait_for_manager:=true"):
         assert state(ros) == "unconfigured"
         # What "ros2 lifecycle nodes" looks for: the services stand at a node of this name.
         offered = dict(ros.node.get_service_names_and_types_by_node("lifecycle_aware_node", "/"))

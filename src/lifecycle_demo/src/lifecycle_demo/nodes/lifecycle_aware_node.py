@@ -2,33 +2,64 @@
 
 import rospy
 
-from nodekit import Maker, ManagedNode, Node, ParameterSet, StringParameter, run
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, ChangeStateRequest
+from nodekit import (
+    BoolParameter,
+    CallFuture,
+    Maker,
+    ManagedNode,
+    Node,
+    ParameterSet,
+    StringParameter,
+    read_once,
+    run,
+)
 
 
 class LifecycleAwareNodeParameters(ParameterSet):
-    """Parameters of lifecycle_aware_node, which it has from configuring to cleanup."""
+    """Parameters of lifecycle_aware_node."""
 
     robot_name = StringParameter("default_robot", help="the robot whose heartbeat it logs")
+    wait_for_manager = read_once(
+        BoolParameter(
+            False,
+            help="wait until others configure and activate the node; otherwise it does itself",
+        )
+    )
 
 
 class LifecycleAwareNode(ManagedNode):
     """Logs a heartbeat each second while it is active, and each of its transitions.
 
+    It configures and activates itself at the start, unless it is to wait for a manager.
+
     :ROS Publishers and Services:
         - those of every :class:`nodekit.ManagedNode`
 
     :ROS Parameters:
-        - those of :class:`LifecycleAwareNodeParameters`, private; live once it is configured
+        - those of :class:`LifecycleAwareNodeParameters`, private and live
     """
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
+        self.settings = node.parameters(LifecycleAwareNodeParameters)
         rospy.loginfo("Node created (unconfigured)")
+        if not self.settings.values.wait_for_manager:
+            self._change_state = node.client("~change_state", ChangeState)
+            self._start = node.every(1.0, self._bring_up)
+
+    def _bring_up(self, _elapsed: float) -> None:
+        """Do once what a manager would."""
+        self._start.close()
+        self._request("configure").add_done_callback(lambda _: self._request("activate"))
+
+    def _request(self, label: str) -> CallFuture:
+        return self._change_state.call_async(ChangeStateRequest(Transition(label=label)))
 
     def on_configure(self, made: Maker) -> None:
-        """Read the parameters."""
+        """Get ready for the robot that the parameters name."""
         rospy.loginfo("Configuring...")
-        self.settings = made.parameters(LifecycleAwareNodeParameters)
         rospy.loginfo("Configured for robot: %s", self.settings.values.robot_name)
 
     def on_activate(self, made: Maker) -> None:
@@ -43,7 +74,7 @@ class LifecycleAwareNode(ManagedNode):
         rospy.loginfo("Deactivated")
 
     def on_cleanup(self) -> None:
-        """Log it; the parameters are given up by themselves."""
+        """Log it; what :meth:`on_configure` made would be given up by itself."""
         rospy.loginfo("Cleaning up...")
 
     def on_shutdown(self) -> None:

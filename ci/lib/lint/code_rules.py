@@ -276,6 +276,7 @@ MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
 #: input. The judge starts what its user names, as rosrun does.
 MAY_START_PROCESSES = (
     "nodekit.testing",
+    "pid_control.trial.class_run",
     "pid_control.trial.controller_process",
     "pid_control.trial.target",
     "ros2_bridge.environment.environment",

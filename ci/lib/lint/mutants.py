@@ -47,6 +47,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "robot_interfaces_demo/problems": ("fleet", "problems"),
     "robot_interfaces_demo/robot": ("fleet",),
     "robot_interfaces_demo/settings": ("fleet", "problems"),
+    "pid_control/class_page": ("judgement",),
     "pid_control/causes": ("judgement",),
     "pid_control/experiment": ("scenarios",),
     "pid_control/limits": ("judgement",),

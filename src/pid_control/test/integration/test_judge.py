@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The judge names what is wrong, refuses what cannot be judged, and leaves nothing behind."""
 
+import csv
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -82,7 +84,7 @@ class Judge(unittest.TestCase):
         self.assertIn("windup: largest |input| 1, at most 0.5", text)
         self.assertTrue(text.endswith("failed: windup, no clamp\n"), text)
         self.assertIn("windup", ElementTree.parse(str(picture)).getroot()[-1][0].text)
-        self.assertIn("failed,windup no clamp", table.read_text())
+        self.assertIn('failed,"windup, no clamp"', table.read_text())
         suite = ElementTree.parse(str(xml)).getroot()
         self.assertEqual((suite.get("tests"), suite.get("failures")), ("1", "1"))
 
@@ -96,6 +98,41 @@ class Judge(unittest.TestCase):
         gains.write_text("{kp: -0.05, ki: -1.0}\n")
         words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
         self.assert_judged(1, "failed: sign", "--only", "held", *words)
+
+    def make_package(self, name: str, controller: str = "") -> None:
+        """Make a package of a class."""
+        scripts = self.folder / "class" / name / "scripts"
+        scripts.mkdir(parents=True)
+        (scripts.parent / "package.xml").write_text(f"<package><name>{name}</name></package>")
+        for file in [controller, "student.py"] if controller else []:
+            shutil.copy(str(CONTROLLERS / file), str(scripts))
+        if controller:
+            (scripts / controller).rename(scripts / "controller.py")
+
+    def test_a_class_with_broken_ones_gets_one_file_and_one_page(self) -> None:
+        self.make_package("anna", "flaw_windup.py")
+        self.make_package("ben/ben_control", "flaw_crash_at_start.py")
+        self.make_package("cleo")
+        output = self.folder / "out"
+        words = ["--output", output, "--only", "windup", "--class", self.folder / "class"]
+        self.assert_judged(1, "anna: failed: the integral goes on growing", *words)
+        with (output / "class.csv").open() as file:
+            rows = {row["controller"]: row for row in csv.DictReader(file)}
+        self.assertEqual(
+            {name: (row["verdict"], row["flaws"]) for name, row in rows.items()},
+            {
+                "anna": ("failed", "windup"),
+                "ben/ben_control": ("failed", "crash"),
+                "cleo": ("not judged", ""),
+            },
+        )
+        self.assertIn("no_such_module", rows["ben/ben_control"]["why"])
+        self.assertEqual(rows["cleo"]["why"], "it has no controller.py")
+        page = (output / "class.html").read_text()
+        self.assertIn("<h1>3 controllers</h1><p>0 passed, 2 failed, 1 not judged</p>", page)
+        self.assertIn('href="anna.svg"', page)
+        self.assertIn("likely cause (windup)", (output / "anna.txt").read_text())
+        self.assertTrue((output / "anna.svg").is_file())
 
     def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
         wrong = self.folder / "wrong.yaml"
@@ -115,6 +152,9 @@ class Judge(unittest.TestCase):
             "has no node motor; its nodes are /system": [
                 *["--node", "motor", "pid_control", "motor_control.launch"]
             ],
+            "there is no folder nowhere": ["--class", "nowhere"],
+            f"no package in {self.folder}": ["--class", self.folder],
+            "are not for a --class": ["--class", self.folder, "--csv", "x"],
             "is no built workspace": ["--workspace", self.folder, "x", "controller.py"],
         }
         for says, words in refused.items():

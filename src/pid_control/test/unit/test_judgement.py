@@ -12,6 +12,7 @@ from hypothesis import strategies as some
 from played import default_limits, pi, play_all, play_one
 
 from pid_control.judging.causes import cause_of, cause_of_fate
+from pid_control.judging.class_page import as_html
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, is_fatal, judge, number
 from pid_control.judging.limits import LimitsError, merged, read_limits
 from pid_control.judging.measures import MEASURED, MEASURES
@@ -275,6 +276,21 @@ def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     points = windup.findall(f"{SVG}polyline")[2].get("points").split()
     heights = [float(point.split(",")[1]) for point in points]
     assert max(heights) - min(heights) > 10.0
+
+
+def test_the_page_of_a_class_counts_and_takes_no_words_for_html() -> None:
+    rows = [
+        {"controller": "a/<b>", "verdict": PASSED, "flaws": "", "why": ""},
+        {"controller": "c", "verdict": FAILED, "flaws": "windup, gains", "why": "<script>"},
+        {"controller": "d", "verdict": NOT_JUDGED, "flaws": "", "why": "no"},
+        {"controller": "e", "verdict": FAILED, "flaws": "windup", "why": "&"},
+    ]
+    page = as_html(rows, {"c": ["c d.svg", "c.txt"]})
+    assert "<h1>4 controllers</h1><p>1 passed, 2 failed, 1 not judged</p>" in page
+    assert "<p>Flaws: windup (2), gains (1)</p>" in page
+    assert '<a href="c%20d.svg">svg</a> <a href="c.txt">txt</a>' in page
+    assert "<script>" not in page and "a/&lt;b&gt;" in page
+    assert '<td class="not-judged">not judged</td>' in page
 
 
 def test_every_measure_has_words() -> None:

@@ -124,7 +124,7 @@ def as_csv(judgements: Sequence[Tuple[str, Judgement]]) -> str:
         values = {(one.scenario, one.measure): one.value for one in judgement.findings}
         figures = [_cell(values.get(key)) for key in measured]
         why = "; ".join(cause.sentence for cause in causes(judgement)) or judgement.reason
-        head = [name, judgement.verdict, " ".join(judgement.flaws()), why]
+        head = [name, judgement.verdict, ", ".join(judgement.flaws()), why]
         writer.writerow([*map(_text_cell, head), *figures])
     return text.getvalue()
 

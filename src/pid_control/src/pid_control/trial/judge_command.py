@@ -43,9 +43,7 @@ def main() -> None:
     try:
         limits = _limits(arguments.limits)
         if arguments.class_folder is not None:
-            from pid_control.trial.class_run import judge_class
-
-            sys.exit(judge_class(arguments))
+            sys.exit(_judge_class(arguments))
         judgement, records = _judge(arguments, limits)
         _report(judgement, records, arguments, xml)
     except CannotJudge as error:
@@ -191,6 +189,25 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     finally:
         master.close()
     return judge(records, limits, reason), records
+
+
+def _judge_class(arguments: argparse.Namespace) -> int:
+    from pid_control.trial.class_run import ClassRun
+
+    if arguments.node or arguments.workspace or arguments.picture or arguments.csv:
+        raise CannotJudge("--node, --workspace, --picture and --csv are not for a --class")
+    if not os.path.isdir(arguments.class_folder):
+        raise CannotJudge(f"there is no folder {arguments.class_folder}")
+    options = ["--time-limit", str(arguments.time_limit)]
+    if arguments.limits is not None:
+        options += ["--limits", os.path.abspath(arguments.limits)]
+    if arguments.only is not None:
+        options += ["--only", ",".join(scenario.name for scenario in arguments.only)]
+    if arguments.real_time:
+        options.append("--real-time")
+    output = os.path.abspath(arguments.output)
+    folder, limit = arguments.class_folder, arguments.time_limit
+    return ClassRun(folder, arguments.words, options, output, limit).run()
 
 
 def _report(

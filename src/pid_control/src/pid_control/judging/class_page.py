@@ -1,0 +1,46 @@
+"""One page about a class: who passed, what is wrong, and each one's picture. HTML."""
+
+from collections import Counter
+from html import escape
+from typing import Dict, List, Sequence
+from urllib.parse import quote
+
+from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED
+
+_STYLE = (
+    "body{font:15px sans-serif;margin:2em;max-width:70em}"
+    "table{border-collapse:collapse;width:100%}"
+    "td,th{border-bottom:1px solid #ccc;padding:.4em .6em;text-align:left;vertical-align:top}"
+    f".passed{{color:#00603a}}.failed{{color:#b00020}}.{NOT_JUDGED.replace(' ', '-')}{{color:#775500}}"
+)
+
+
+def as_html(rows: Sequence[Dict[str, str]], files: Dict[str, List[str]]) -> str:
+    """Return the page.
+
+    :param rows: lines of the CSV file
+    :param files: names of the files that there are of each controller, beside the page
+    """
+    verdicts = Counter(row["verdict"] for row in rows)
+    counts = ", ".join(f"{verdicts[name]} {name}" for name in (PASSED, FAILED, NOT_JUDGED))
+    flaws = Counter(flaw for row in rows for flaw in row["flaws"].split(", ") if flaw)
+    lines = [
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Class</title>',
+        f"<style>{_STYLE}</style></head><body><h1>{len(rows)} controllers</h1><p>{counts}</p>",
+    ]
+    if flaws:
+        said = ", ".join(f"{escape(flaw)} ({count})" for flaw, count in flaws.most_common())
+        lines.append(f"<p>Flaws: {said}</p>")
+    lines.append("<table><tr><th>controller</th><th>verdict</th><th>why</th><th></th></tr>")
+    for row in rows:
+        verdict = row["verdict"]
+        links = " ".join(
+            f'<a href="{quote(name)}">{escape(name.rpartition(".")[2])}</a>'
+            for name in files.get(row["controller"], [])
+        )
+        lines.append(
+            f"<tr><td>{escape(row['controller'])}</td>"
+            f'<td class="{escape(verdict.replace(" ", "-"))}">{escape(verdict)}</td>'
+            f"<td>{escape(row['why'])}</td><td>{links}</td></tr>"
+        )
+    return "\n".join([*lines, "</table></body></html>"]) + "\n"

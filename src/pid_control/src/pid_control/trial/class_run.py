@@ -1,0 +1,211 @@
+"""Judges all packages in a folder, one after the other, each by a judge of its own."""
+
+import contextlib
+import csv
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+from typing import Dict, List, Optional, Sequence
+
+from pid_control.judging.class_page import as_html
+from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
+from pid_control.judging.reports import as_csv
+from pid_control.trial.target import find_in
+
+#: What is judged in each package unless another name is given.
+_NAME = "controller.py"
+#: How long a build may take, and a judge beyond its own limit, s.
+_BUILD_S, _BEYOND_S = 180.0, 60.0
+#: What in a CMakeLists.txt says that a package cannot be run as it is.
+_IS_BUILT = re.compile(r"^\s*(add_executable|catkin_python_setup|generate_messages)\b", re.M)
+#: A line of a build's output that says what is wrong.
+_ERROR = re.compile(r"error", re.IGNORECASE)
+#: How deep below the folder a package may lie.
+_DEEPEST = 3
+
+
+class _Broken(Exception):
+    """A package cannot be judged; the text says why."""
+
+
+class ClassRun:
+    """A run through the packages of a class.
+
+    :param folder: what they are in
+    :param name: what is judged in each; its arguments follow
+    :param options: of the judge, for each of them
+    :param output: folder for the files
+    :param time_limit: how long each may take, s
+    """
+
+    def __init__(
+        self,
+        folder: str,
+        name: Sequence[str],
+        options: Sequence[str],
+        output: str,
+        time_limit: float,
+    ) -> None:
+        self._folder, self._output = os.path.abspath(folder), output
+        self._name, self._arguments = (name[0], list(name[1:])) if name else (_NAME, [])
+        self._options, self._time_limit = list(options), time_limit
+        self._rows: List[Dict[str, str]] = []
+        self._files: Dict[str, List[str]] = {}
+
+    def run(self) -> int:
+        """Judge all, and write the files after each of them.
+
+        :returns: exit status: 0 where all passed, 1 where not, 125 where there are none
+        """
+        packages = packages_in(self._folder)
+        if not packages:
+            print(f"judge: no package in {self._folder}", file=sys.stderr)
+            return STATUS[NOT_JUDGED]
+        os.makedirs(self._output, exist_ok=True)
+        for package in packages:
+            name = os.path.relpath(package, self._folder)
+            with tempfile.TemporaryDirectory(prefix="judge-") as scratch:
+                row = self._judge(package, name, scratch)
+            self._rows.append(row)
+            print(f"{name}: {row['verdict']}: {row['why'] or 'all figures'}", flush=True)
+            self._write()
+        passed = all(row["verdict"] == PASSED for row in self._rows)
+        return STATUS[PASSED if passed else FAILED]
+
+    def _judge(self, package: str, name: str, scratch: str) -> Dict[str, str]:
+        """Judge a package, and return its line."""
+        stem = re.sub(r"[^\w.-]", "_", name)
+        picture, words = stem + ".svg", stem + ".txt"
+        table = os.path.join(scratch, "judged.csv")
+        self._files[name] = []
+        try:
+            found = find_in(package, self._name)
+            if not found:
+                raise _Broken(f"it has no {self._name}")
+            options = [*self._options, "--csv", table]
+            options += ["--picture", os.path.join(self._output, picture)]
+            if _needs_build(package):
+                options += ["--workspace", build(package, scratch)]
+            environment = dict(os.environ, TMPDIR=scratch)
+            paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
+            environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)
+            command = [sys.executable, os.path.abspath(sys.argv[0]), *options]
+            text = run_bounded(
+                [*command, found[0], *self._arguments],
+                self._time_limit + _BEYOND_S,
+                environment,
+            )
+            with open(os.path.join(self._output, words), "w", encoding="utf-8") as file:
+                file.write(text)
+            self._files[name] = [words]
+            if os.path.exists(os.path.join(self._output, picture)):
+                self._files[name].append(picture)
+            if not os.path.exists(table):
+                raise _Broken((text.strip().splitlines() or ["the judge said nothing"])[-1])
+            with open(table, encoding="utf-8", newline="") as file:
+                [row] = csv.DictReader(file)
+        except _Broken as error:
+            judgement = Judgement(NOT_JUDGED, [], [], str(error))
+            [row] = csv.DictReader(io.StringIO(as_csv([(name, judgement)])))
+        return {**row, "controller": name}
+
+    def _write(self) -> None:
+        text = io.StringIO()
+        writer = csv.DictWriter(text, list(self._rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(self._rows)
+        for name, content in (
+            ("class.csv", text.getvalue()),
+            ("class.html", as_html(self._rows, self._files)),
+        ):
+            path = os.path.join(self._output, name)
+            with open(path + ".part", "w", encoding="utf-8") as file:
+                file.write(content)
+            os.replace(path + ".part", path)
+
+
+def packages_in(folder: str) -> List[str]:
+    """Return the packages in a folder, and in folders in it.
+
+    :param folder: its absolute path
+    """
+    found = []
+    for place, folders, files in os.walk(folder):
+        folders.sort()
+        if "package.xml" in files or "CATKIN_IGNORE" in files:
+            folders[:] = []
+            found += [place] if "CATKIN_IGNORE" not in files else []
+        elif os.path.relpath(place, folder).count(os.sep) + 1 >= _DEEPEST:
+            folders[:] = []
+    return sorted(found)
+
+
+def _needs_build(package: str) -> bool:
+    try:
+        with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
+            return _IS_BUILT.search(file.read()) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def build(package: str, scratch: str) -> str:
+    """Build a package in a workspace of its own.
+
+    :param package: its folder
+    :param scratch: where the workspace may be
+    :returns: the workspace
+    :raises _Broken: if it does not build
+    """
+    workspace = os.path.join(scratch, "workspace")
+    os.makedirs(os.path.join(workspace, "src"))
+    os.symlink(package, os.path.join(workspace, "src", os.path.basename(package)))
+    text = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, dict(os.environ))
+    if not os.path.isfile(os.path.join(workspace, "devel", "env.sh")) or "Error " in text:
+        raise _Broken(f"it does not build: {_what_is_wrong(text)}")
+    return workspace
+
+
+def _what_is_wrong(text: str) -> str:
+    """Return the first line of a build's output that has an error, and the one after it."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    first = next((i for i, line in enumerate(lines) if _ERROR.search(line)), len(lines) - 1)
+    return " ".join(lines[first : first + 2])[:300]
+
+
+def run_bounded(command: List[str], longest: float, environment: Dict[str, str]) -> str:
+    """Run a command to its end, or end it and what it started.
+
+    :param command: program and arguments
+    :param longest: how long it may take, s
+    :param environment: its variables
+    :returns: what it wrote
+    """
+    process = subprocess.Popen(
+        command,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    )
+    output: Optional[bytes] = None
+    try:
+        for number in (signal.SIGINT, signal.SIGKILL):
+            try:
+                output, _ = process.communicate(timeout=longest)
+                break
+            except subprocess.TimeoutExpired:
+                os.killpg(process.pid, number)
+                longest = _BEYOND_S
+        else:
+            output, _ = process.communicate()
+    finally:
+        if output is None:  # interrupted: what it started is ended by itself, if it can
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGINT)
+            process.wait(_BEYOND_S)
+    return (output or b"").decode(errors="replace")

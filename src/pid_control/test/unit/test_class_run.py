@@ -1,0 +1,59 @@
+"""Which packages a class has, how they are built, and how long they may take."""
+
+import os
+import pathlib
+import time
+from typing import List
+
+import pytest
+
+from pid_control.trial import class_run
+from pid_control.trial.class_run import packages_in, run_bounded
+
+
+def found(folder: pathlib.Path) -> List[str]:
+    return [os.path.relpath(package, str(folder)) for package in packages_in(str(folder))]
+
+
+def test_packages_are_found_in_folders_and_not_in_each_other(tmp_path: pathlib.Path) -> None:
+    for name in ("b", "a/src/deep", "b/inner", "a/src/x/too_deep", "ignored/c"):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "package.xml").write_text("")
+    (tmp_path / "ignored" / "CATKIN_IGNORE").write_text("")
+    assert found(tmp_path) == ["a/src/deep", "b"]
+
+
+def test_a_folder_that_is_a_package_is_its_only_one(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "package.xml").write_text("")
+    assert found(tmp_path) == ["."]
+
+
+@pytest.mark.parametrize(
+    "text, needs",
+    [
+        ("add_executable(x x.cpp)", True),
+        ("  catkin_python_setup()", True),
+        ("generate_messages()", True),
+        ("# add_executable(x)", False),
+        ("catkin_package()", False),
+    ],
+)
+def test_what_has_to_be_built(tmp_path: pathlib.Path, text: str, needs: bool) -> None:
+    assert not class_run._needs_build(str(tmp_path))
+    (tmp_path / "CMakeLists.txt").write_text("project(x)\n" + text + "\n")
+    assert class_run._needs_build(str(tmp_path)) is needs
+
+
+def test_the_first_error_of_a_build_is_told() -> None:
+    text = "ok\nx.cpp:1: error: expected ')'\n  int main( {\nmake: Error 2\n"
+    assert class_run._what_is_wrong(text) == "x.cpp:1: error: expected ')' int main( {"
+    assert class_run._what_is_wrong("just this\n") == "just this"
+    assert class_run._what_is_wrong("") == ""
+
+
+def test_what_hangs_is_ended(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(class_run, "_BEYOND_S", 0.2)
+    began = time.monotonic()
+    command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]
+    assert run_bounded(command, 0.5, dict(os.environ)) == "begun\n"
+    assert time.monotonic() - began < 20.0

@@ -40,6 +40,9 @@ class SystemParameters(ParameterSet):
     system_min_input = FloatParameter(
         0.05, minimum=0.0, maximum=1e9, help="dead zone: an input up to this magnitude acts as 0"
     )
+    system_dead_time = FloatParameter(
+        0.0, minimum=0.0, maximum=1e3, unit="s", help="how long an input takes to arrive"
+    )
 
     @property
     def plant(self) -> PlantSettings:

@@ -5,6 +5,7 @@ import rospy
 from first_order_sys_sim.sampled_plant import SampledPlant
 from nodekit import Node, run
 from pid_control.course_names import adopt_course_names
+from pid_control.motor.delayed_plant import DelayedPlant
 from pid_control.motor.status import NOT_TURNING, status_of
 from pid_control.motor.system_parameters import SystemParameters
 from pid_control.msg import motor_input, motor_output
@@ -16,9 +17,9 @@ _CATCH_UP_S = 0.5
 class System:
     """Publishes the speed y of a motor, T dy/dt + y = K u, with a dead zone and a greatest speed.
 
-    The input u is sampled every sample time and held; it is 0 before the first message. Each output
-    is that of the moment it was due, and ``time`` is that moment, counted from the node's start. At
-    the node's end a last output tells that the motor stands.
+    The input u arrives after a dead time, is sampled every sample time and held; it is 0 before the
+    first message. Each output is that of the moment it was due, and ``time`` is that moment,
+    counted from the node's start. At the node's end a last output tells that the motor stands.
 
     :ROS Subscribers:
         - ``motor_input`` (pid_control/motor_input); what is not finite is left out, with a warning
@@ -34,9 +35,8 @@ class System:
         adopt_course_names(node, SystemParameters)
         self._settings = node.parameters(SystemParameters, on_change=self._on_change)
         values = self._settings.values
-        self._plant = SampledPlant(
-            values.plant, values.system_sample_time, values.system_initial_cond
-        )
+        sampled = SampledPlant(values.plant, values.system_sample_time, values.system_initial_cond)
+        self._plant = DelayedPlant(sampled, values.system_dead_time)
         # In the motor's time, when the last output was due and the next one is; by the clock, when
         # the last one went out.
         self._due = self._next_due = 0.0
@@ -63,9 +63,10 @@ class System:
         self._plant.set_input(self._now(), message.input)
 
     def _on_change(self, new: SystemParameters, old: SystemParameters) -> None:
-        self._plant.change(self._now(), new.plant, new.system_sample_time)
+        now = self._now()
+        self._plant.change(now, new.plant, new.system_sample_time, new.system_dead_time)
         if new.system_initial_cond != old.system_initial_cond:
-            self._plant.set_output(self._now(), new.system_initial_cond)
+            self._plant.set_output(now, new.system_initial_cond)
 
     def _end(self) -> None:
         with self._group:  # or an output that is due just now would have the last word

@@ -1,0 +1,129 @@
+"""Curves over time, in panels one below the other, as SVG."""
+
+import math
+from html import escape
+from typing import List, NamedTuple, Sequence, Tuple
+
+#: Size of a panel's plot, and of the room about it.
+_WIDTH, _LEFT, _RIGHT, _ABOVE, _BELOW = 640.0, 56.0, 16.0, 36.0, 34.0
+#: As many points of a curve are drawn, as two to a column can be seen.
+_POINTS = 1280
+#: How many marks an axis has, about.
+_MARKS = 5
+
+
+class Curve(NamedTuple):
+    """A curve.
+
+    :ivar name: what it is, for the legend
+    :ivar colour: as SVG has it
+    :ivar times: ascending, s
+    :ivar values: one for each time; what is not finite is left out
+    :ivar is_held: whether a value holds until the next one, so that it is drawn in steps
+    """
+
+    name: str
+    colour: str
+    times: Sequence[float]
+    values: Sequence[float]
+    is_held: bool = False
+
+
+class Panel(NamedTuple):
+    """Curves over the same axes.
+
+    :ivar title: what stands above
+    :ivar curves: at least one
+    :ivar height: of the plot
+    """
+
+    title: str
+    curves: Sequence[Curve]
+    height: float = 160.0
+
+
+def as_svg(panels: Sequence[Panel]) -> str:
+    """Return a picture of panels over the same time.
+
+    :param panels: from above; at least one
+    """
+    begin = min(min(curve.times) for panel in panels for curve in panel.curves)
+    end = max(max(curve.times) for panel in panels for curve in panel.curves)
+    whole = sum(panel.height + _ABOVE + _BELOW for panel in panels)
+    size = f'width="{_LEFT + _WIDTH + _RIGHT:g}" height="{whole:g}"'
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif" font-size="11">',
+        f'<rect {size} fill="white"/>',
+    ]
+    y = 0.0
+    for panel in panels:
+        parts.append(f'<g transform="translate({_LEFT:g} {y + _ABOVE:g})">')
+        parts += _panel(panel, begin, end)
+        parts.append("</g>")
+        y += panel.height + _ABOVE + _BELOW
+    return "\n".join([*parts, "</svg>"]) + "\n"
+
+
+def _panel(panel: Panel, begin: float, end: float) -> List[str]:
+    values = [value for curve in panel.curves for value in curve.values if math.isfinite(value)]
+    low, high = min(values, default=0.0), max(values, default=0.0)
+    margin = 0.05 * (high - low) or 1.0
+    low, high = low - margin, high + margin
+    span = end - begin or 1.0
+    legend = "".join(
+        f'<tspan dx="12" fill="{curve.colour}">{escape(curve.name)}</tspan>'
+        for curve in panel.curves
+    )
+    parts = [
+        f'<text y="-10">{escape(panel.title)}{legend}</text>',
+        f'<rect width="{_WIDTH:g}" height="{panel.height:g}" fill="none" stroke="#bbbbbb"/>',
+    ]
+    for mark in _marks(low, high):
+        at = panel.height * (high - mark) / (high - low)
+        parts.append(f'<path d="M0 {at:.1f}h{_WIDTH:g}" stroke="#eeeeee"/>')
+        parts.append(f'<text x="-6" y="{at + 4:.1f}" text-anchor="end">{mark:.6g}</text>')
+    for mark in _marks(begin, begin + span):
+        at = _WIDTH * (mark - begin) / span
+        below = f'y="{panel.height + 16:g}" text-anchor="middle"'
+        parts.append(f'<text x="{at:.1f}" {below}>{mark:.6g} s</text>')
+    for curve in panel.curves:
+        points = [
+            (_WIDTH * (time - begin) / span, panel.height * (high - value) / (high - low))
+            for time, value in _thinned(curve)
+        ]
+        parts.append(_path(points, curve))
+    return parts
+
+
+def _path(points: List[Tuple[float, float]], curve: Curve) -> str:
+    places = []
+    for index, (x, y) in enumerate(points):
+        if index and curve.is_held:
+            places.append(f"{x:.1f},{points[index - 1][1]:.1f}")
+        places.append(f"{x:.1f},{y:.1f}")
+    return f'<polyline points="{" ".join(places)}" fill="none" stroke="{curve.colour}"/>'
+
+
+def _thinned(curve: Curve) -> List[Tuple[float, float]]:
+    """Return the points to draw; of many, from each stretch the least and the largest value."""
+    points = [
+        (time, value) for time, value in zip(curve.times, curve.values) if math.isfinite(value)
+    ]
+    every = 2 * math.ceil(len(points) / _POINTS)
+    if every <= 2:
+        return points
+    kept = []
+    for start in range(0, len(points), every):
+        stretch = points[start : start + every]
+        ends = {min(stretch, key=lambda one: one[1]), max(stretch, key=lambda one: one[1])}
+        kept += sorted(ends)
+    return kept
+
+
+def _marks(low: float, high: float) -> List[float]:
+    """Return round values between two others."""
+    raw = (high - low) / _MARKS
+    unit = 10.0 ** math.floor(math.log10(raw))
+    step = next(unit * factor for factor in (1.0, 2.0, 5.0, 10.0) if unit * factor >= raw)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return [number * step for number in range(first, last + 1)]

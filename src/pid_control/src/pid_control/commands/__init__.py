@@ -1,0 +1,1 @@
+"""The commands ``rosrun pid_control identify`` and ``tune``."""

@@ -1,0 +1,143 @@
+"""The command ``rosrun pid_control identify [FILE.bag]``."""
+
+import argparse
+import math
+import sys
+from typing import NoReturn
+
+import rosbag
+import rospy
+
+from nodekit import Node, run
+from pid_control.commands.files import svg_path, write_file, yaml_path
+from pid_control.identification.fit import identify
+from pid_control.identification.model_file import as_yaml
+from pid_control.identification.reading import read_step
+from pid_control.identification.record import CannotTell, Record
+from pid_control.identification.report import as_picture, as_text
+from pid_control.recording.bag_record import record_in
+from pid_control.recording.fields import FieldError
+from pid_control.recording.live_experiment import CannotDrive, Drive, LiveExperiment
+
+#: What the exit status says beside 0.
+_CANNOT_TELL, _WRONG = 1, 2
+_LONGEST_S = 3600.0
+
+
+def main() -> None:
+    """Identify a plant from a bag or a running one, and end with 0, 1 or 2."""
+    arguments = _parser().parse_args(rospy.myargv()[1:])
+    if not arguments.least <= 0.0 < arguments.largest:
+        _fail("--least must be at most 0, and --largest above it", _WRONG)
+    try:
+        if arguments.bag is None:
+            run("identify", lambda node: _experiment(node, arguments))
+        else:
+            _from_bag(arguments)
+    except (CannotDrive, FieldError) as error:
+        _fail(error, _WRONG)
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+
+
+def _fail(why: object, status: int) -> NoReturn:
+    print(f"identify: {why}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _experiment(node: Node, arguments: argparse.Namespace) -> LiveExperiment:
+    drive = Drive(
+        arguments.input, arguments.output, arguments.least, arguments.largest, arguments.seconds
+    )
+    origin = f"{arguments.output} over {arguments.input}"
+    return LiveExperiment(node, drive, lambda record: _report(record, origin, arguments))
+
+
+def _from_bag(arguments: argparse.Namespace) -> None:
+    try:
+        record = record_in(
+            arguments.bag, arguments.input, arguments.output, arguments.start, arguments.end
+        )
+        origin = f"{arguments.output} over {arguments.input} in {arguments.bag}"
+        _report(record, origin, arguments)
+    except CannotTell as error:
+        _fail(f"{arguments.bag} cannot tell: {error}", _CANNOT_TELL)
+    except (FieldError, rosbag.ROSBagException) as error:
+        _fail(f"{arguments.bag}: {error}", _WRONG)
+    except OSError as error:
+        _fail(f"{error.filename or arguments.bag}: {error.strerror or error}", _WRONG)
+
+
+def _report(record: Record, origin: str, arguments: argparse.Namespace) -> None:
+    found = identify(record)
+    print(as_text(record, found, read_step(record)), flush=True)
+    if arguments.model is not None:
+        write_file(arguments.model, as_yaml(found, origin))
+    if arguments.picture is not None:
+        write_file(arguments.picture, as_picture(record, found))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="identify",
+        description="Find out what a plant is like: gain K, time constant T, dead time, dead zone "
+        "and limit.",
+        epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0, "
+        "1 if the record cannot tell, 2 if something is wrong with the command.",
+    )
+    parser.add_argument("bag", metavar="FILE.bag", nargs="?", help="what rosbag has recorded")
+    parser.add_argument(
+        "--input",
+        metavar="FIELD",
+        default="motor_input/input",
+        help="the plant's input, as topic/field (%(default)s)",
+    )
+    parser.add_argument(
+        "--output",
+        metavar="FIELD",
+        default="motor_output/output",
+        help="the plant's output (%(default)s)",
+    )
+    parser.add_argument("--model", metavar="FILE.yaml", type=yaml_path, help="write the model")
+    parser.add_argument("--picture", metavar="FILE.svg", type=svg_path, help="draw the fit")
+    live = parser.add_argument_group("a running plant")
+    live.add_argument(
+        "--least", metavar="U", type=_number, default=0.0, help="the least input (%(default)g)"
+    )
+    live.add_argument(
+        "--largest", metavar="U", type=_number, default=1.0, help="the largest one (%(default)g)"
+    )
+    live.add_argument(
+        "--seconds",
+        metavar="S",
+        type=_seconds,
+        default=10.0,
+        help="how long it is driven: some 50 time constants (%(default)g)",
+    )
+    part = parser.add_argument_group("a bag")
+    for name, default, text in (("--start", 0.0, "before"), ("--end", math.inf, "after")):
+        part.add_argument(
+            name,
+            metavar="S",
+            type=_number,
+            default=default,
+            help=f"leave out what is {text} that, s from the start of the bag",
+        )
+    return parser
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
+    if not 1.0 <= value <= _LONGEST_S:
+        raise argparse.ArgumentTypeError(f"{text!r} must be from 1 to {_LONGEST_S:g} s")
+    return value

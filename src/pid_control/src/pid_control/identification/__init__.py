@@ -1,0 +1,1 @@
+"""What a plant is like, from a record of its input and its output: pure, with numpy and scipy."""

@@ -1,0 +1,105 @@
+"""The course's reading of a step: K is the steady output over the step, T the time of 63.2 %."""
+
+from typing import List, NamedTuple, Optional
+
+import numpy
+
+from pid_control.identification.fit import Identified
+from pid_control.identification.record import Record
+
+#: What a step response has done after a time constant.
+_SHARE = 1.0 - float(numpy.exp(-1.0))
+#: What is read as steady: the last outputs before the input changes, as a share of their time.
+_STEADY = 0.1
+#: As many time constants a response takes until it is steady.
+_SETTLED = 5.0
+#: What makes a difference, in shares of T, of the step, and of either value.
+_OF_TIME, _OF_STEP, _ALIKE = 0.02, 0.02, 0.03
+
+
+class Reading(NamedTuple):
+    """What is read off a step.
+
+    :ivar time: when the step was, s
+    :ivar before: the input until then
+    :ivar after: the input from then on
+    :ivar duration: how long it held, s
+    :ivar gain: K
+    :ivar time_constant: T, s
+    """
+
+    time: float
+    before: float
+    after: float
+    duration: float
+    gain: float
+    time_constant: float
+
+
+def read_step(record: Record) -> Optional[Reading]:
+    """Read K and T off the largest of the longest steps, as one does with a ruler.
+
+    :param record: of the plant
+    :returns: None where no step is followed by enough outputs
+    """
+    ends = numpy.append(record.changed_at[1:], record.times[-1])
+    begins = numpy.insert(record.changed_at[:-1], 0, record.times[0])
+    holds = (ends - record.changed_at)[1:]
+    steps = numpy.where(holds > 0.5 * holds.max(), numpy.abs(numpy.diff(record.inputs)), 0.0)
+    index = int(numpy.argmax(steps)) + 1
+    begin, time, end = begins[index], record.changed_at[index], ends[index]
+    rest = record.outputs[_between(record, time - _STEADY * (time - begin), time)]
+    steady = record.outputs[_between(record, end - _STEADY * (end - time), end)]
+    if len(rest) == 0 or len(steady) == 0:
+        return None
+    low, high = float(rest.mean()), float(steady.mean())
+    response = _between(record, time, end)
+    done = (record.outputs[response] - low) * (1.0 if high >= low else -1.0)
+    reached = numpy.flatnonzero(done >= _SHARE * abs(high - low))
+    if high == low or len(reached) == 0:
+        return None
+    before, after = float(record.inputs[index - 1]), float(record.inputs[index])
+    passed = float(record.times[response][reached[0]] - time)
+    return Reading(
+        float(time), before, after, float(end - time), (high - low) / (after - before), passed
+    )
+
+
+def _between(record: Record, begin: float, end: float) -> numpy.ndarray:
+    is_between: numpy.ndarray = (record.times >= begin) & (record.times < end)
+    return is_between
+
+
+def why_they_differ(record: Record, found: Identified, reading: Reading) -> List[str]:
+    """Return a sentence for each cause of a difference between a reading and the least squares.
+
+    :param record: of the plant
+    :param found: by least squares
+    :param reading: off a step of it
+    """
+    model = found.model
+    step = abs(model.gain * (reading.after - reading.before))
+    causes: List[str] = []
+    if max(abs(model.gain * reading.after), abs(model.gain * reading.before)) > model.limit:
+        causes.append(
+            f"the output meets its limit of {model.limit:.4g}, which is read as if it were steady"
+        )
+    for value in (reading.before, reading.after):
+        if 0.0 < abs(value) <= model.dead_zone:
+            causes.append(f"an input of {value:g} is in the dead zone, and acts as 0")
+    if model.dead_time > _OF_TIME * model.time_constant:
+        causes.append(f"the dead time of {model.dead_time:.3g} s is read as a part of T")
+    ratio = (reading.duration - model.dead_time) / model.time_constant
+    if ratio < _SETTLED:
+        causes.append(f"the step holds for {max(ratio, 0.0):.1f} T: the output is not steady yet")
+    if found.residual > _OF_STEP * step:
+        causes.append("with noise, the first output beyond 63.2 % comes too early")
+    if record.interval > _OF_TIME * model.time_constant:
+        causes.append(f"the outputs are {record.interval:.3g} s apart, and no time between is read")
+    off = max(
+        abs(reading.gain / model.gain - 1.0),
+        abs(reading.time_constant / model.time_constant - 1.0),
+    )
+    if off <= _ALIKE:
+        return ["they agree"]
+    return causes or ["the plant is not quite of first order"]

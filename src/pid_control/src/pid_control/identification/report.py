@@ -1,0 +1,85 @@
+"""What was found, in words and in a picture."""
+
+import math
+from typing import List, Optional
+
+from pid_control.charts.chart import Curve, Panel, as_svg
+from pid_control.identification.fit import Identified
+from pid_control.identification.reading import Reading, why_they_differ
+from pid_control.identification.record import Record
+
+#: Colours that are told apart by those who see few.
+_RECORD, _MODEL, _INPUT = "#999999", "#0072b2", "#d55e00"
+
+
+def as_text(record: Record, found: Identified, reading: Optional[Reading]) -> str:
+    """Return the table of what was found.
+
+    :param record: of the plant
+    :param found: by least squares
+    :param reading: off a step of it, if there is one
+    """
+    model, doubt = found.model, found.doubt
+    read = ("", "") if reading is None else (reading.gain, reading.time_constant)
+    lines = [
+        f"{record.duration:.3g} s, {len(record.times)} outputs, "
+        f"{len(record.inputs) - 1} changes of the input",
+        f"{'':12}{'least squares':28}63.2 % reading",
+        _line("K", model.gain, doubt.gain, "", read[0]),
+        _line("T", model.time_constant, doubt.time_constant, " s", read[1]),
+        _line("dead time", model.dead_time, doubt.dead_time, " s"),
+        _line("dead zone", model.dead_zone, doubt.dead_zone, "")
+        if model.dead_zone
+        else f"{'dead zone':12}none that shows",
+        _line("limit", model.limit, doubt.limit, "")
+        if math.isfinite(model.limit)
+        else f"{'limit':12}not met",
+        f"{'residual':12}{found.residual:.3g} rms, {100.0 * found.residual / record.span:.2g} % of "
+        f"the outputs' range",
+    ]
+    if record.left_out:
+        lines.append(f"{'left out':12}{record.left_out} values that are not finite")
+    if reading is None:
+        lines.append("No step in it is followed by enough outputs for a 63.2 % reading.")
+    else:
+        lines.append(
+            f"The reading is of the step from {reading.before:.3g} to {reading.after:.3g} at "
+            f"{reading.time:.3g} s:"
+        )
+        lines += [f"- {why}" for why in why_they_differ(record, found, reading)]
+    return "\n".join(lines)
+
+
+def _line(name: str, value: float, doubt: float, unit: str, read: object = "") -> str:
+    text = f"{value:.5g} ± {doubt:.2g}{unit}"
+    shown = f"{read:.4g}{unit}" if isinstance(read, float) else ""
+    return f"{name:12}{text:28}{shown}".rstrip()
+
+
+def as_picture(record: Record, found: Identified) -> str:
+    """Return the fit over the record, the residual and the input, as SVG.
+
+    :param record: of the plant
+    :param found: by least squares
+    """
+    times: List[float] = record.times.tolist()
+    # The last input holds until the end.
+    changes = [*record.changed_at.tolist(), times[-1]]
+    inputs = [*record.inputs.tolist(), float(record.inputs[-1])]
+    return as_svg(
+        [
+            Panel(
+                "output",
+                [
+                    Curve("record", _RECORD, times, record.outputs.tolist()),
+                    Curve("model", _MODEL, times, found.fitted.tolist()),
+                ],
+            ),
+            Panel(
+                "residual",
+                [Curve("", _RECORD, times, (record.outputs - found.fitted).tolist())],
+                80.0,
+            ),
+            Panel("input", [Curve("", _INPUT, changes, inputs, True)], 80.0),
+        ]
+    )

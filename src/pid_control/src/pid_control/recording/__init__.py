@@ -1,0 +1,1 @@
+"""Records of plants, from bags and from running ones."""

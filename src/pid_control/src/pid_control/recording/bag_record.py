@@ -1,0 +1,46 @@
+"""A record from a bag: two numbers of its messages."""
+
+import math
+from typing import Dict
+
+import rosbag
+
+from pid_control.identification.record import CannotTell, Record, record_of
+from pid_control.recording.fields import Field, field_of, number_in
+from pid_control.recording.samples import Samples, stamp_of
+
+
+def record_in(
+    path: str, input_name: str, output_name: str, start: float = 0.0, end: float = math.inf
+) -> Record:
+    """Read a record.
+
+    Outputs are at their own times where they carry them, see :meth:`.Samples.times`. Inputs are
+    where they were recorded: what they carry may be the time of another clock.
+
+    :param path: the bag
+    :param input_name: the plant's input, as topic and field
+    :param output_name: its output
+    :param start: what was recorded before is left out, s from the start of the bag
+    :param end: and what was recorded later
+    :raises CannotTell: if there is no record in it
+    :raises FieldError: if a field is not in it
+    :raises OSError: if it cannot be read
+    :raises rosbag.ROSBagException: if it is no bag, or broken
+    """
+    with rosbag.Bag(path) as bag:
+        topics = bag.get_type_and_topic_info().topics
+        fields = [field_of(name, topics) for name in (input_name, output_name)]
+        samples: Dict[Field, Samples] = {field: Samples() for field in fields}
+        begin = bag.get_start_time()
+        for topic, message, stamp in bag.read_messages(topics=[one.topic for one in fields]):
+            time = stamp.to_sec() - begin
+            if not start <= time <= end:
+                continue
+            for field in samples:
+                if field.topic == topic:
+                    samples[field].add(time, stamp_of(message), number_in(message, field))
+    inputs, outputs = (samples[field] for field in fields)
+    if not outputs.values:
+        raise CannotTell(f"{fields[1]} is not in this part of the bag")
+    return record_of(inputs.heard, inputs.values, outputs.times(), outputs.values)

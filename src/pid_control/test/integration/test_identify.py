@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""A running motor is identified, and a recorded one, and the motor is stopped whatever happens."""
+
+import os
+import shutil
+import tempfile
+import unittest
+
+import rosbag
+import rospkg
+import rospy
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
+from pid_control.identification.model_file import model_in
+from pid_control.msg import motor_input, motor_output
+
+SCRIPTS = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts")
+
+
+class Identify(unittest.TestCase):
+    """Each test has a namespace, and a folder for what is written."""
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.inputs = Ear(self.space + "/motor_input", motor_input)
+        self.outputs = Ear(self.space + "/motor_output", motor_output)
+
+    def start(self, name: str, *arguments: str) -> Process:
+        process = Process(os.path.join(SCRIPTS, name), ["__ns:=" + self.space, *arguments])
+        self.addCleanup(process.end)
+        return process
+
+    def start_motor(self, *arguments: str) -> Process:
+        motor = self.start("system.py", *arguments)
+        self.outputs.wait_for(lambda heard: True)
+        return motor
+
+    def file(self, name: str) -> str:
+        return os.path.join(self.folder, name)
+
+    def assert_stopped(self) -> None:
+        """Wait until the motor stands, with 0 the last input."""
+        self.outputs.forget()
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+
+    def test_running_motor_tells_what_it_is_like(self) -> None:
+        """Course 003-pid-6."""
+        self.start_motor("_system_dead_time:=0.02", "_system_max_speed:=9.0")
+        model, picture = self.file("model.yaml"), self.file("fit.svg")
+        command = self.start(
+            "identify", "--seconds", "4", "--model", model, "--picture", picture, "--least", "-0.5"
+        )
+        self.assertEqual(command.wait(), 0, command.logged())
+        self.assert_stopped()
+        self.assertGreaterEqual(min(message.input for message in self.inputs.messages()), -0.5)
+        self.assertEqual(max(message.input for message in self.inputs.messages()), 1.0)
+        with open(model) as file:
+            found = model_in(file.read())
+        # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean.
+        self.assertAlmostEqual(found.gain, 13.1, delta=0.4)
+        self.assertAlmostEqual(found.time_constant, 0.04, delta=0.004)
+        self.assertAlmostEqual(found.dead_time, 0.021, delta=0.005)
+        self.assertAlmostEqual(found.dead_zone, 0.05, delta=0.01)
+        self.assertAlmostEqual(found.limit, 9.0, delta=0.05)
+        self.assertTrue(command.logged("63.2 % reading"))
+        with open(picture) as file:
+            self.assertIn("</svg>", file.read())
+
+    def test_ctrl_c_stops_the_motor_and_is_no_success(self) -> None:
+        self.start_motor()
+        command = self.start("identify", "--seconds", "30", "--model", self.file("model.yaml"))
+        self.inputs.wait_for(lambda heard: heard.input > 0.05)
+        self.assertEqual(command.interrupt(), 1)
+        self.assertTrue(command.logged("ended before the record was complete"))
+        self.assert_stopped()
+        self.assertFalse(os.path.exists(self.file("model.yaml")))
+
+    def test_motor_that_falls_silent_is_given_up(self) -> None:
+        motor = self.start_motor()
+        command = self.start("identify", "--seconds", "60")
+        self.inputs.wait_for(lambda heard: heard.input > 0.0)
+        motor.end()
+        self.assertEqual(command.wait(), 1)
+        self.assertTrue(command.logged("nothing on", "motor_output for 3 s"))
+        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+
+    def test_motor_that_somebody_else_drives_is_left_alone(self) -> None:
+        self.start_motor()
+        other = rospy.Publisher(self.space + "/motor_input", motor_input, queue_size=1)
+        wait_until(lambda: other.get_num_connections() == 2, lambda: "no connections")
+        command = self.start("identify")
+        self.assertEqual(command.wait(), 2)
+        self.assertTrue(command.logged("/test_identify drives", "end that first"))
+        self.assertEqual(self.inputs.messages(), [])
+        other.unregister()
+
+    def test_topic_and_bounds_that_are_wrong_are_refused_by_name(self) -> None:
+        self.start_motor()
+        for arguments, why in (
+            (["--output", "speed/data"], "speed/data: there is no such topic"),
+            (["--output", "motor_output/speed"], "there is no 'speed'; it has: output, time"),
+            (["--input", "motor_input/speed"], "there is no 'speed'; it has: input, time"),
+            (["--largest", "0"], "--largest above it"),
+            (["--least", "nan"], "'nan' is not a finite number"),
+            (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
+            (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
+            ([self.file("none.bag")], "No such file or directory"),
+        ):
+            command = self.start("identify", *arguments)
+            self.assertNotEqual(command.wait(), 0)
+            self.assertTrue(command.logged(why), (why, command.logged()))
+            self.assertFalse(command.logged("Traceback"))
+            self.assertEqual(self.inputs.messages(), [])
+
+    def test_bag_of_any_two_numbers_is_enough(self) -> None:
+        path = self.file("run.bag")
+        with rosbag.Bag(path, "w") as bag:
+            for number in range(1000):
+                time = rospy.Time.from_sec(100.0 + 0.01 * number)
+                given = 0.5 if number >= 200 else 0.0
+                speed = 0.0 if number < 200 else 4.0 * (1.0 - 0.98 ** (number - 200))
+                if number in (100, 200):
+                    bag.write("/a/given", motor_input(given, 0.0), time)
+                bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time)
+            bag.write("/a/given", motor_input(0.0, 0.0), rospy.Time.from_sec(109.999))
+        fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
+        command = self.start("identify", path, *fields)
+        self.assertEqual(command.wait(), 0, command.logged())
+        (line,) = command.logged("K   ")
+        self.assertAlmostEqual(float(line.split()[1]), 8.0, delta=0.01)
+        silent = self.start("identify", path, *fields, "--end", "1.5")
+        self.assertEqual(silent.wait(), 1)
+        self.assertTrue(silent.logged("cannot tell: the input never changes: it is 0 throughout"))
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_identify")
+    rosrun("pid_control", "identify", Identify)

@@ -1,0 +1,48 @@
+"""A plant whose input takes a while to arrive."""
+
+import math
+
+import pytest
+
+from first_order_sys_sim.first_order_plant import PlantSettings
+from first_order_sys_sim.sampled_plant import SampledPlant
+from pid_control.motor.delayed_plant import DelayedPlant
+
+SETTINGS = PlantSettings(2.0, 1.0)
+
+
+def delayed(dead_time: float) -> DelayedPlant:
+    return DelayedPlant(SampledPlant(SETTINGS, 1e-3), dead_time)
+
+
+def test_input_arrives_after_the_dead_time() -> None:
+    plant = delayed(0.5)
+    plant.set_input(1.0, 1.0)
+    assert plant.output(1.5) == 0.0
+    assert plant.output(2.5) == pytest.approx(-2.0 * math.expm1(-1.0))
+
+
+def test_without_a_dead_time_it_is_the_plant_itself() -> None:
+    plant, same = delayed(0.0), SampledPlant(SETTINGS, 1e-3)
+    for number in range(20):
+        for each in (plant, same):
+            each.set_input(0.0371 * number, math.sin(number))
+        assert plant.output(0.0371 * number + 0.01) == same.output(0.0371 * number + 0.01)
+
+
+def test_no_input_overtakes_another_when_the_dead_time_becomes_shorter() -> None:
+    plant = delayed(1.0)
+    plant.set_input(0.0, 1.0)
+    plant.change(0.1, SETTINGS, 1e-3, 0.0)
+    plant.set_input(0.2, 0.0)
+    assert plant.output(0.9) == 0.0
+    # Both arrive at 1 s, and the later one counts.
+    assert plant.output(3.0) == 0.0
+
+
+def test_state_is_put_and_settings_change() -> None:
+    plant = delayed(0.5)
+    plant.set_output(1.0, 4.0)
+    assert plant.output(1.0) == 4.0
+    plant.change(1.0, PlantSettings(2.0, 1.0, 3.0), 1e-3, 0.5)
+    assert plant.output(1.0) == 3.0

@@ -1,0 +1,52 @@
+"""Numbers in messages, by their names."""
+
+import pytest
+from geometry_msgs.msg import TwistStamped
+from std_msgs.msg import Float64MultiArray
+
+from pid_control.msg import motor_input
+from pid_control.recording.fields import Field, FieldError, field_of, number_in, put_number
+
+TOPICS = ["/motor", "/motor/input", "/other"]
+
+
+def test_longest_topic_is_meant() -> None:
+    assert field_of("/motor/input/data", TOPICS) == Field("/motor/input", "data")
+    assert field_of("motor/speed", TOPICS) == Field("/motor", "speed")
+    with pytest.raises(FieldError, match="/motors/x: there is no such topic; there are: /motor, "):
+        field_of("/motors/x", TOPICS)
+
+
+def test_number_is_found_at_any_depth() -> None:
+    twist = TwistStamped()
+    twist.twist.linear.x = 3.0
+    assert number_in(twist, Field("/a", "twist/linear/x")) == 3.0
+    assert number_in(twist, Field("/a", "header/seq")) == 0.0
+    assert number_in(Float64MultiArray(data=[1.0, 2.0]), Field("/a", "data[1]")) == 2.0
+
+
+@pytest.mark.parametrize(
+    "path, why",
+    [
+        ("twist/linear", "/a/twist/linear is not a number; it has: x, y, z"),
+        ("twist/speed", "there is no 'speed'; it has: linear, angular"),
+        ("__class__", "there is no '__class__'"),
+        ("header/frame_id", "is not a number"),
+        ("header[0]", "it is no element"),
+        ("", "there is no ''"),
+    ],
+)
+def test_what_is_no_number_is_refused_by_name(path: str, why: str) -> None:
+    with pytest.raises(FieldError, match=why.replace("[", r"\[")):
+        number_in(TwistStamped(), Field("/a", path))
+
+
+def test_number_is_put() -> None:
+    message, twist = motor_input(), TwistStamped()
+    put_number(message, Field("/a", "input"), 0.5)
+    put_number(twist, Field("/a", "twist/angular/z"), 2.0)
+    assert (message.input, twist.twist.angular.z) == (0.5, 2.0)
+    with pytest.raises(FieldError, match="an element cannot be set"):
+        put_number(Float64MultiArray(data=[1.0]), Field("/a", "data[0]"), 1.0)
+    with pytest.raises(FieldError, match="there is no 'speed'"):
+        put_number(message, Field("/a", "speed"), 1.0)

@@ -1,0 +1,57 @@
+"""A model is written as the parameters of the node system, and read again."""
+
+import math
+
+import pytest
+from plants import recorded
+
+from pid_control.identification.fit import identify
+from pid_control.identification.model_file import ModelError, as_yaml, model_in
+from pid_control.identification.response import Model
+from pid_control.motor.system_parameters import SystemParameters
+
+
+def test_model_comes_back_and_the_node_takes_it() -> None:
+    found = identify(recorded(Model(13.1, 0.04, 0.01, 0.1, 9.0)))
+    text = as_yaml(found, "a\nrecord")
+    assert text.startswith("# Identified from a record.\n")
+    for one, other in zip(model_in(text), found.model):
+        assert one == pytest.approx(other, rel=1e-5)
+    values = {name: float(value) for name, value in _pairs(text)}
+    assert SystemParameters(**values).system_dead_time == pytest.approx(0.01, rel=1e-4)
+
+
+def test_limit_that_was_not_met_is_none() -> None:
+    text = as_yaml(identify(recorded(Model(2.0, 1.0))), "a record")
+    assert "system_max_speed: 1000000000.0  # not met" in text
+    SystemParameters(**{name: float(value) for name, value in _pairs(text)})
+    assert model_in(text).limit == math.inf
+
+
+def _pairs(text: str) -> list:
+    lines = [line.partition("#")[0] for line in text.splitlines()]
+    return [line.split(": ") for line in lines if line]
+
+
+@pytest.mark.parametrize(
+    "text, why",
+    [
+        ("[1, 2]", "not a list of names and values"),
+        ("system_param_T: 1", "system_param_K is missing"),
+        ("system_param_K: 1", "system_param_T is missing"),
+        ("{system_param_K: x, system_param_T: 1}", "system_param_K must be a number: 'x'"),
+        ("{system_param_K: true, system_param_T: 1}", "system_param_K must be a number: True"),
+        ("{system_param_K: .nan, system_param_T: 1}", "system_param_K must be a number: nan"),
+        ("{system_param_K: 0, system_param_T: 1}", "system_param_K must not be 0"),
+        ("{system_param_K: 1, system_param_T: 0}", "system_param_T must be above 0"),
+        (
+            "{system_param_K: 1, system_param_T: 1, system_dead_time: -1}",
+            "system_dead_time must be at least 0: -1",
+        ),
+        ("{system_param_K: 1, system_param_T: 1, system_max_speed: 0}", "must be above 0: 0"),
+        ("a: [", "while parsing"),
+    ],
+)
+def test_what_is_no_model_is_refused_by_name(text: str, why: str) -> None:
+    with pytest.raises(ModelError, match=why):
+        model_in(text)

@@ -1,0 +1,43 @@
+"""The responses are those of the plant that is simulated one output at a time."""
+
+import math
+from typing import List, Tuple
+
+import numpy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
+from pid_control.identification.record import Record
+from pid_control.identification.response import Model, candidate, responses
+
+INPUTS = st.lists(st.tuples(st.floats(0.01, 0.5), st.floats(-1.0, 1.0)), min_size=2, max_size=15)
+MODELS = st.builds(
+    Model,
+    st.floats(-20.0, 20.0),
+    st.floats(0.01, 2.0),
+    st.floats(0.0, 0.5),
+    st.floats(0.0, 0.5),
+    st.one_of(st.just(math.inf), st.floats(0.1, 10.0)),
+)
+
+
+@given(INPUTS, st.lists(MODELS, min_size=1, max_size=4), st.floats(-1.0, 1.0))
+def test_same_as_one_by_one(
+    inputs: List[Tuple[float, float]], models: List[Model], start: float
+) -> None:
+    changed_at = numpy.cumsum([0.0] + [after for after, _ in inputs[1:]])
+    values = numpy.array([value for _, value in inputs])
+    times = numpy.linspace(0.0, changed_at[-1] + 1.0, 40)
+    record = Record(changed_at, values, times, times)
+    rows = numpy.array([candidate(model, start) for model in models])
+    for model, row in zip(models, responses(record, rows)):
+        settings = PlantSettings(model.gain, model.time_constant, model.limit, model.dead_zone)
+        one = FirstOrderPlant(settings)
+        one.set_output(model.dead_time, start)
+        coming = list(zip(changed_at + model.dead_time, values))
+        for time, answer in zip(times, row):
+            while coming and coming[0][0] <= time:
+                one.hold(*coming.pop(0))
+            expected = one.output(time)
+            assert math.isclose(answer, expected, rel_tol=1e-9, abs_tol=1e-9)

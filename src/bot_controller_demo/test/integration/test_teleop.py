@@ -92,7 +92,7 @@ class Teleop(unittest.TestCase):
     def test_keys_drive_within_limits_and_each_release_is_one_zero(self) -> None:
         """Course 001-robot-7."""
         ear = Ear("/one/cmd_vel", Twist)
-        terminal = self.terminal("__ns:=one", "_speed:=1.0", "_first_timeout:=0.3")
+        terminal = self.terminal("__ns:=one", "_speed:=0.22", "_first_timeout:=0.3")
 
         def heard() -> List[Any]:
             return [(twist.linear.x, twist.angular.z) for twist in ear.messages()]
@@ -114,6 +114,9 @@ class Teleop(unittest.TestCase):
         terminal.type("m")
         wait_until(lambda: heard()[-1] == (-0.22 * 0.9, -0.9), lambda: str(heard()))
         wait_until(released, lambda: str(heard()))
+        self.graph.set_parameter("/one/teleop_keyboard/speed", 99.0)
+        terminal.wait_for("speed must be at most 0.22 m/s")
+        self.graph.wait_for_parameters("/one/teleop_keyboard", {"speed": 0.22 * 0.9})
         self.graph.set_parameter("/one/teleop_keyboard/model", "waffle")
         self.graph.set_parameter("/one/teleop_keyboard/speed", 0.25)
         terminal.wait_for("speed 0.25 m/s, turn 0.9 rad/s")
@@ -140,19 +143,21 @@ class Teleop(unittest.TestCase):
 
     def test_terminal_is_given_back_at_every_end(self) -> None:
         names = ("interrupt", "terminate", "kill", "refused")
+        dying = {"quit": signal.SIGQUIT, "abort": signal.SIGABRT, "end": signal.SIGKILL}
         terminals = {
             name: self.terminal(
                 "__ns:=ends", f"__name:={name}", f"_rate:={-1 if name == 'refused' else 20}"
             )
-            for name in names
+            for name in (*names, *dying)
         }
         self.assertEqual(terminals["refused"].wait(), 1)
         self.assertIn("parameter /ends/refused/rate: refused -1", terminals["refused"].said())
-        for name in names[:3]:
+        alive = (*names[:3], *dying)
+        for name in alive:
             terminals[name].wait_for("turn 1 rad/s")
             terminals[name].wait_for("rad/s\r\n")
             self.assertNotEqual(terminals[name].mode(), terminals[name].before)
-        self.graph.wait_for_nodes(*("/ends/" + name for name in names[:3]), under="/ends/")
+        self.graph.wait_for_nodes(*("/ends/" + name for name in alive), under="/ends/")
         terminals["interrupt"].popen.send_signal(signal.SIGINT)
         terminals["terminate"].popen.send_signal(signal.SIGTERM)
         self.graph.kill("/ends/kill")
@@ -160,6 +165,13 @@ class Teleop(unittest.TestCase):
             self.assertEqual(terminals[name].wait(), 1 if name == "refused" else 0, name)
             self.assertEqual(terminals[name].mode(), terminals[name].before, name)
             self.assertNotIn("Traceback", terminals[name].said())
+        for name, number in dying.items():
+            terminals[name].popen.send_signal(number)
+            self.assertEqual(terminals[name].wait(), -number)
+            wait_until(
+                lambda name=name: terminals[name].mode() == terminals[name].before,
+                lambda name=name: f"after {name}: {terminals[name].mode()}",
+            )
 
     def test_terminal_that_is_closed_stops_the_robot_and_ends_the_node(self) -> None:
         ear = Ear("/two/cmd_vel", Twist)

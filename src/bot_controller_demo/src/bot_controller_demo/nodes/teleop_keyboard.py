@@ -18,6 +18,7 @@ from nodekit import (
     Node,
     ParameterSet,
     RateParameter,
+    rule,
     run,
 )
 
@@ -40,18 +41,26 @@ class TeleopKeyboardParameters(ParameterSet):
         minimum=0.0,
         maximum=100.0,
         unit="m/s",
-        help="speed of the keys i and ,; other keys change it",
+        help="speed of the keys i and ,; other keys change it; at most the model's",
     )
     turn = FloatParameter(
         1.0,
         minimum=0.0,
         maximum=100.0,
         unit="rad/s",
-        help="turning rate of the keys j and l; other keys change it",
+        help="turning rate of the keys j and l; other keys change it; at most the model's",
     )
     first_timeout = _time_out(0.6, "how long a key counts as held after its first press")
     repeat_timeout = _time_out(0.15, "how long a key counts as held while the terminal repeats it")
     rate = RateParameter(20.0, maximum=1000.0, help="commands per second while a key is held")
+
+    @rule("speed", "turn", "model")
+    def is_within_limits(self) -> None:
+        """Refuse what the robot cannot do."""
+        if self.speed > self.limits.linear:
+            raise ValueError(f"speed must be at most {self.limits.linear:g} m/s, as model has it")
+        if self.turn > self.limits.angular:
+            raise ValueError(f"turn must be at most {self.limits.angular:g} rad/s, as model has it")
 
     @property
     def limits(self) -> Limits:
@@ -60,8 +69,8 @@ class TeleopKeyboardParameters(ParameterSet):
 
     @property
     def speeds(self) -> Velocity:
-        """What the keys mean: the speeds, within the limits."""
-        return clamp(Velocity(self.speed, self.turn), self.limits)
+        """What the keys mean."""
+        return Velocity(self.speed, self.turn)
 
     @property
     def time_outs(self) -> TimeOuts:

@@ -3,6 +3,7 @@
 import atexit
 import os
 import select
+import subprocess
 import termios
 from typing import Any, List
 
@@ -10,14 +11,16 @@ from typing import Any, List
 _MOST = 4096
 #: Places in what termios returns.
 _IFLAG, _LFLAG, _CC = 0, 3, 6
+#: A shell that waits for the end of the process, however it comes, and gives the terminal back.
+_GUARD = 'cat; stty "$0" <&1'
 
 
 class KeyTerminal:
     """A terminal without echo and without lines.
 
     Ctrl-C works. What would stop or kill the process on the way does not: it would leave the
-    terminal as it is, and the robot driving. It is given back by :meth:`close`, and at any end of
-    the process but SIGKILL.
+    terminal as it is, and the robot driving. It is given back by :meth:`close`, and at any other
+    end of the process: no handler would run at SIGKILL, so a second process waits for it.
 
     :param descriptor: an open terminal
     """
@@ -25,6 +28,15 @@ class KeyTerminal:
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
         self._before: List[Any] = termios.tcgetattr(descriptor)
+        saved = subprocess.check_output(["stty", "-g"], stdin=descriptor).strip()
+        # In a session of its own: the keys' signals are not for it.
+        self._guard = subprocess.Popen(
+            ["sh", "-c", _GUARD, saved],
+            stdin=subprocess.PIPE,
+            stdout=descriptor,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
         atexit.register(self.close)
         mode: List[Any] = termios.tcgetattr(descriptor)
         mode[_IFLAG] &= ~termios.IXON
@@ -56,6 +68,8 @@ class KeyTerminal:
         atexit.unregister(self.close)
         before, self._before = self._before, []
         if before:
+            self._guard.kill()
+            self._guard.communicate()
             try:
                 termios.tcsetattr(self._descriptor, termios.TCSADRAIN, before)
             except termios.error:

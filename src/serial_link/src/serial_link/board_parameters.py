@@ -17,7 +17,7 @@ class BoardParameters(ParameterSet):
 
     link = read_once(
         StringParameter(
-            "/tmp/simulated_board",
+            "~/.ros/simulated_board",
             help="path of the link to its serial port; empty for one that connects by TCP",
         )
     )

@@ -16,7 +16,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
 from nodekit.testing.hearing import Ear
-from nodekit.testing.processes import Master, Process
+from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from serial_link.board.ends import PtyEnd
@@ -254,10 +254,9 @@ class AnySketch(unittest.TestCase):
         master = Master()
         self.addCleanup(master.kill)
         environment = {"ROS_MASTER_URI": master.uri}
-        rostopic, rosparam = shutil.which("rostopic"), shutil.which("rosparam")
-        assert rostopic is not None and rosparam is not None
-        setting = Process(rosparam, ["set", "/use_sim_time", "true"], environment)
-        self.assertEqual(setting.wait(), 0)
+        rostopic = shutil.which("rostopic")
+        assert rostopic is not None
+        Server(master.uri).set("/use_sim_time", True)
         clock = ["pub", "-r", "20", "-s", "/clock", "rosgraph_msgs/Clock", "{clock: {secs: 77}}"]
         self.addCleanup(Process(rostopic, clock, environment).end)
         self.start(environment=environment)

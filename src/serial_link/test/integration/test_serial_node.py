@@ -113,6 +113,8 @@ class SerialNode(Rig):
         speed = 13.1 * 128 / 255
         turning = self.outputs.wait_for(lambda heard: abs(heard.output - speed) < 0.6)
         self.assertEqual(turning.status, "Motor Turning")
+        self.set(gain=6.0)
+        self.outputs.wait_for(lambda heard: abs(heard.output - 6.0 * 128 / 255) < 0.6)
         is_over.set()
         thread.join(TIMEOUT_S)
         self.outputs.forget()
@@ -151,20 +153,20 @@ class SerialNode(Rig):
         self.assertEqual(self.figures()["openings"], 2)
 
     def test_board_that_is_reset_in_the_middle_of_a_message(self) -> None:
-        self.start_both(baud=9600, rate=20.0)
+        self.start_both(baud=19200, rate=20.0)
         lamp = rospy.Publisher(self.space + "/led", Bool, queue_size=1, latch=True)
         log = Ear("/rosout", Log)
         lamp.publish(True)
         name = self.space + "/serial_node/board"
         log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
         reset = rospy.ServiceProxy(self.space + "/simulated_board/reset", Trigger)
-        for _ in range(3):
+        for _ in range(2):
             log.forget()
             self.assertTrue(reset().success)
             self.wait_until_back(time.monotonic() + 0.2)  # it takes this long to start
             # What is latched is told to the board anew: it has forgotten it.
             log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
-        self.wait_for_figure("restarts of the board", 3)
+        self.wait_for_figure("restarts of the board", 2)
 
     def test_noise_is_counted_and_what_comes_through_is_whole(self) -> None:
         link = self.start_both()
@@ -263,6 +265,13 @@ class SerialNode(Rig):
             node = self.start_link(**parameters)
             self.assertEqual(node.wait(), 1)
             node.wait_for_log(said)
+
+    def test_second_board_does_not_take_the_place_of_the_first(self) -> None:
+        self.start_board()
+        wait_until(lambda: os.path.islink(self.port), lambda: "no port")
+        second = self.start("simulated_board", "__name:=second", link=self.port)
+        self.assertEqual(second.wait(), 1)
+        second.wait_for_log("the board's port cannot be made", self.port)
 
     def test_restarted_master_finds_the_board_again(self) -> None:
         master = Master()

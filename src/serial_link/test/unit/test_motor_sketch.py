@@ -35,8 +35,8 @@ class Bench:
     """A sketch on a device that was asked for its topics, at 100 s."""
 
     def __init__(self, floods: bool = False) -> None:
-        self.motor = Motor(PlantSettings(13.1, 0.04, 13.0, 0.05), 1320, 100.0)
-        self.panel = Panel()
+        plant = PlantSettings(13.1, 0.04, 13.0, 0.05)
+        self.motor, self.panel = Motor(plant, 1320, 100.0), Panel(plant)
         self.sketch = MotorSketch(self.motor, self.panel, 100.0, 100.0, floods)
         self.device = Device(self.sketch)
         self.device.receive(100.0, encode(0, b""))
@@ -83,6 +83,15 @@ def test_status_tells_what_the_motor_does() -> None:
     assert outputs(bench.run(100.001, 0.05))[-1].status == "Motor Not Turning"
     bench.drive(100.05, 1.0)
     assert outputs(bench.run(100.051, 0.3))[-1].status == "Motor Max Speed"
+
+
+def test_another_motor_turns_as_it_does() -> None:
+    bench = Bench()
+    bench.panel.plant = bench.panel.plant._replace(gain=6.0)
+    bench.drive(100.0, 0.5)
+    quantum = bench.motor.speed_of(1, 0.01)
+    speed = outputs(bench.run(100.001, 0.4))[-1].output
+    assert speed == pytest.approx(6.0 * 128 / 255, abs=quantum)
 
 
 def test_motor_stops_when_nobody_drives_it() -> None:

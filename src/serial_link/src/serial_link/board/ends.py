@@ -43,11 +43,11 @@ class PtyEnd:
     """A pseudo terminal behind a link, as /dev/serial/by-id has for an adapter: the link stays,
     and the terminal's number is another one each time.
 
-    :param link: path of the link
+    :param link: path of the link; ``~`` is the user's own folder
     """
 
     def __init__(self, link: str) -> None:
-        self._link = link
+        self._link = os.path.expanduser(link)
         self._fd: Optional[int] = None
 
     @property
@@ -58,18 +58,22 @@ class PtyEnd:
     def plug(self) -> None:
         """Make a terminal, and the link to it.
 
-        :raises OSError: if the link cannot be made there
+        :raises OSError: if the link cannot be made there, or leads to what is another board's
         """
         fd, terminal = os.openpty()
-        tty.setraw(terminal)  # or it would echo what the board sends before a host has it open
-        path = os.ttyname(terminal)
-        os.close(terminal)
+        try:
+            tty.setraw(terminal)  # or it would echo what the board sends before a host has it open
+            os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
+            if os.path.islink(self._link) and not os.path.exists(self._link):
+                os.unlink(self._link)  # of a board that was killed
+            os.symlink(os.ttyname(terminal), self._link)
+        except OSError:
+            os.close(fd)
+            raise
+        finally:
+            os.close(terminal)
         os.set_blocking(fd, False)
         self._fd = fd
-        os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
-        if os.path.islink(self._link):  # of a board that was killed; anything else stays
-            os.unlink(self._link)
-        os.symlink(path, self._link)
 
     def unplug(self) -> None:
         """Remove the terminal and the link."""

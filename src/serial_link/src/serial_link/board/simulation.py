@@ -1,5 +1,6 @@
 """A board that runs: a device, a line, the end of a cable, and what may go wrong with them."""
 
+import contextlib
 import random
 import threading
 import time
@@ -124,7 +125,8 @@ class SimulatedBoard:
             self._plugged_at = now
             self._in.clear()
             self._out.clear()
-            self._end.plug()
+            with contextlib.suppress(OSError):  # it is tried again
+                self._end.plug()
         elif self._end.is_plugged and not is_wanted:
             self._end.unplug()
 

@@ -4,6 +4,7 @@ import math
 import struct
 from typing import Optional
 
+from first_order_sys_sim.first_order_plant import PlantSettings
 from serial_link.device.device import Declared, Device
 from serial_link.device.motor import PWM_STEPS, Motor
 from serial_link.negotiation.payloads import (
@@ -48,11 +49,15 @@ TOPICS = (
 class Panel:
     """What a person does at the board.
 
+    :param plant: the motor that is connected
+
     :ivar button: whether it is pressed
     :ivar potentiometer: where it stands, from 0 to 1
+    :ivar plant: as given; another one from when it is replaced
     """
 
-    def __init__(self) -> None:
+    def __init__(self, plant: PlantSettings) -> None:
+        self.plant = plant
         self.button = False
         self.potentiometer = 0.5
 
@@ -75,7 +80,7 @@ class MotorSketch:
         self, motor: Motor, panel: Panel, rate: float, began_at: float, floods: bool = False
     ) -> None:
         self.is_lit = False
-        self._motor, self._panel = motor, panel
+        self._motor, self._panel, self._plant = motor, panel, panel.plant
         self._period, self._floods = 1.0 / rate, floods
         self._began_at = self._next_at = self._measured_at = self._turn_at = began_at
         self._counts = motor.counts(began_at)
@@ -105,6 +110,9 @@ class MotorSketch:
 
     def loop(self, device: Device, now: float) -> None:
         """Publish what is due."""
+        if self._panel.plant is not self._plant:
+            self._plant = self._panel.plant
+            self._motor.change(now, self._plant)
         if now - self._driven_at > INPUT_TIMEOUT_S and self._motor.pwm:
             self._motor.drive(now, 0.0)
         if device.is_configured and (self._panel.button != self._button or now >= self._told_at):

@@ -24,6 +24,7 @@ from serial_link.link.arrivals import (
     Topics,
 )
 from serial_link.link.board_link import BoardLink
+from serial_link.link.sayings import Sayings
 from serial_link.negotiation.payloads import (
     PARAMETER,
     PUBLISHER,
@@ -71,6 +72,7 @@ class BoardInRos:
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
         self._retry_at = 0.0
+        self._sayings = Sayings(_WARN_EVERY_S)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
 
@@ -90,7 +92,7 @@ class BoardInRos:
             try:
                 self._handle(self._link.inbox.fetch(_LONGEST_WAIT_S))
             except Exception:
-                rospy.logerr_throttle(_WARN_EVERY_S, traceback.format_exc())
+                self._sayings.say(rospy.logerr, traceback.format_exc(), "exception")
 
     def _handle(self, arrival: Optional[Any]) -> None:
         if isinstance(arrival, Message):

@@ -27,14 +27,14 @@ class SerialPort:
 
     A name below /dev/serial/by-id stays with a board that comes back under another number.
 
-    :param name: path of the port, or of a link to it
+    :param name: path of the port, or of a link to it; ``~`` is the user's own folder
     :param baud: bits a second
     """
 
     gap = _GAP_S
 
     def __init__(self, name: str, baud: int) -> None:
-        self.name, self.baud = name, baud
+        self.name, self.baud = os.path.expanduser(name), baud
         self._serial: Optional[serial.Serial] = None
 
     def open(self, timeout: float) -> bool:

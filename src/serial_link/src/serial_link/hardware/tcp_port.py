@@ -25,7 +25,7 @@ class TcpPort:
 
     def __init__(self, address: str, number: int) -> None:
         self._address = (address, number)
-        self.name = f"tcp {address}:{number}"
+        self._own_name = self.name = f"tcp {address}:{number}"
         self._listener: Optional[socket.socket] = None
         self._board: Optional[socket.socket] = None
 
@@ -41,7 +41,7 @@ class TcpPort:
         board.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         board.settimeout(_WRITE_S)
         self._board = board
-        self.name = f"tcp {self._address[0]}:{self._address[1]} from {peer[0]}:{peer[1]}"
+        self.name = f"{self._own_name} from {peer[0]}:{peer[1]}"
         return True
 
     def read(self, timeout: float) -> bytes:
@@ -78,6 +78,7 @@ class TcpPort:
     def close(self) -> None:
         """Close the board's connection; go on listening."""
         board, self._board = self._board, None
+        self.name = self._own_name
         if board is not None:
             board.close()
 

@@ -37,6 +37,8 @@ from serial_link.negotiation.topic_book import TopicBook
 
 #: Longest wait for bytes or for the line, s: the node may end meanwhile.
 _LONGEST_WAIT_S = 0.25
+#: Longest wait for bytes while the board tells of its topics, s.
+_SETTLING_S = 0.05
 #: Longest wait for something to send, s; it ends when the node does.
 _IDLE_S = 1.0
 #: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
@@ -76,7 +78,11 @@ class BoardLink:
         self._sayings = Sayings(_SAY_EVERY_S)
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
         self._unread = bytearray()
-        self._is_known = False
+        #: Whether a good frame has come since the port was opened; whether the board has forgotten
+        #: what it was told, and was not told it again yet.
+        self._is_known, self._is_new = False, True
+        #: Nobody closes the port, whose number the system gives away anew, while it is written to.
+        self._port_lock = threading.Lock()
         self._threads = [
             threading.Thread(target=self._guard, args=(work,), name=name, daemon=True)
             for work, name in ((self._read, "reader"), (self._write, "writer"))
@@ -170,7 +176,7 @@ class BoardLink:
             try:
                 work()
             except Exception:
-                rospy.logerr_throttle(_SAY_EVERY_S, traceback.format_exc())
+                self._sayings.say(rospy.logerr, traceback.format_exc(), work.__name__)
                 self._is_over.wait(_LONGEST_WAIT_S)
 
     def _read(self) -> None:
@@ -181,7 +187,9 @@ class BoardLink:
         now = time.monotonic()
         due = self._session.next_due()
         if not self._book.is_settled:
-            due = min(due, now + 0.05)
+            due = min(due, now + _SETTLING_S)
+        if self._is_ending:
+            due = now + _LONGEST_WAIT_S
         try:
             data = self._port.read(max(0.0, min(due - now, _LONGEST_WAIT_S)))
         except PortLost as error:
@@ -210,6 +218,8 @@ class BoardLink:
         self._sayings.forget()
         self._trouble = ""
         self._decoder.reset()
+        self._decoder.longest = LONGEST
+        self._is_new = True
         self._unread.clear()
         self._is_known = False
         self._opened_at = self._spoke_at = now
@@ -222,7 +232,8 @@ class BoardLink:
 
     def _lose(self, error: PortLost) -> None:
         self._is_open = False
-        self._port.close()
+        with self._port_lock:
+            self._port.close()
         self._trouble = str(error)
         rospy.logwarn("%s", error)
         self._do(time.monotonic(), self._session.handle(time.monotonic(), contact.LOST))
@@ -301,6 +312,7 @@ class BoardLink:
             elif action == contact.PROBE:
                 self._outbox.keep(PROBE)
             else:
+                self._is_new = True
                 self._outbox.clear()
                 self.inbox.keep(Restarted(self._trouble or "the board was restarted"))
                 if self._is_open:
@@ -315,7 +327,9 @@ class BoardLink:
         longest = self._book.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
         self.inbox.keep(Topics(self._book.endpoints()))
-        self.inbox.keep(InStep())
+        if self._is_new:
+            self._is_new = False
+            self.inbox.keep(InStep())
 
     def _tell_if_silent(self, now: float) -> None:
         """Say why there may be no answer, once there was none for long enough."""
@@ -352,7 +366,8 @@ class BoardLink:
         if frame is None or not self._is_open:
             return
         try:
-            self._port.write(frame)
+            with self._port_lock:
+                self._port.write(frame)
         except PortStuck as error:
             self._tally.add(counts.STUCK)
             self._sayings.say(rospy.logwarn, str(error))

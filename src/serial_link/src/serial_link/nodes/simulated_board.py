@@ -31,7 +31,7 @@ class SimulatedBoardNode:
         self._settings = node.parameters(BoardParameters, on_change=self._on_change)
         values = self._settings.values
         self._motor = Motor(values.plant, values.counts_per_turn, time.monotonic())
-        self._panel = Panel()
+        self._panel = Panel(values.plant)
         end: End = TcpEnd(values.tcp_address, values.tcp_port)
         if values.link:
             end = PtyEnd(values.link)
@@ -59,7 +59,7 @@ class SimulatedBoardNode:
     def _on_change(self, new: BoardParameters, _old: BoardParameters) -> None:
         self._board.faults = new.faults
         self._board.boot_s = new.boot_time
-        self._plant = new.plant
+        self._panel.plant = new.plant
         self._panel.button, self._panel.potentiometer = new.button, new.potentiometer
 
     def _reset(self, _request: Any) -> Any:

@@ -1,0 +1,166 @@
+"""The link's threads and a board at the other end of a real pseudo terminal, without ROS."""
+
+import pathlib
+from typing import Any, Iterator, List, Optional, Sequence
+
+import pytest
+
+from nodekit.testing.waiting import wait_until
+from serial_link.board.ends import PtyEnd
+from serial_link.board.simulation import Faults, SimulatedBoard
+from serial_link.device.device import Declared, Device
+from serial_link.hardware.serial_port import SerialPort
+from serial_link.host.counts import Counts
+from serial_link.link.arrivals import InStep, Message, Restarted, Topics
+from serial_link.link.board_link import BoardLink
+from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, Values
+
+BAUD = 115200
+
+
+class Talker:
+    """A sketch with many topics, which publishes on one of them without a pause."""
+
+    topics: Sequence[Declared] = tuple(
+        Declared(kind, f"topic_{kind}_{number}", "std_msgs/Empty", "d" * 32)
+        for kind in (PUBLISHER, SUBSCRIBER)
+        for number in range(8)
+    )
+
+    def __init__(self) -> None:
+        self.heard: List[bytes] = []
+        self.device: Optional[Device] = None
+
+    def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
+        self.heard.append(payload)
+
+    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+        pass
+
+    def loop(self, device: Device, now: float) -> None:
+        self.device = device
+        device.publish("topic_0_0", b"")
+
+    def next_due(self, now: float) -> float:
+        return now + 0.001
+
+
+class Rig:
+    """A link and a board."""
+
+    def __init__(self, folder: pathlib.Path) -> None:
+        self.sketch = Talker()
+        path = str(folder / "board")
+        self.end = PtyEnd(path)
+        self.board = SimulatedBoard(self.end, BAUD, lambda now: Device(self.sketch), 0.05)
+        self.times = iter(range(1, 10**6))
+        self.link = BoardLink(SerialPort(path, BAUD), Counts(), self.time)
+        self.arrived: List[Any] = []
+
+    def time(self) -> "tuple[int, int]":
+        return next(self.times), 0
+
+    def start(self) -> None:
+        self.board.start()
+        self.link.start()
+
+    def fetch_until(self, kind: type) -> Any:
+        """Fetch what has arrived up to the next of a kind."""
+
+        def is_there() -> bool:
+            arrival = self.link.inbox.fetch(0.1)
+            if arrival is not None:
+                self.arrived.append(arrival)
+            return isinstance(arrival, kind)
+
+        wait_until(is_there, lambda: f"no {kind.__name__} among {self.arrived[-3:]}")
+        return self.arrived[-1]
+
+
+@pytest.fixture
+def rig(tmp_path: pathlib.Path) -> Iterator[Rig]:
+    """A link and a board, to be started."""
+    made = Rig(tmp_path)
+    yield made
+    made.link.close()
+    made.board.close()
+
+
+def test_reading_goes_on_while_nobody_fetches_what_arrives(rig: Rig) -> None:
+    rig.start()
+    wait_until(
+        lambda: rig.link.figures()["dropped for newer ones, to ROS"] > 0, lambda: "nothing waits"
+    )
+    # The board asks for the time again 2.5 s later; it is told, though the inbox is full.
+    wait_until(
+        lambda: rig.sketch.device is not None and rig.sketch.device.host_time >= 2.0,
+        lambda: "no time",
+    )
+
+
+def test_a_board_that_tells_of_its_topics_over_a_bad_cable_is_asked_until_all_are_known(
+    rig: Rig,
+) -> None:
+    rig.board.faults = Faults(noise=0.01)
+    rig.start()
+    wanted = {declared.name for declared in Talker.topics}
+
+    def is_all() -> bool:
+        topics = rig.fetch_until(Topics)
+        return wanted <= {endpoint.name for endpoint in topics.endpoints}
+
+    wait_until(is_all, lambda: f"{rig.link.figures()}")
+    assert rig.link.figures()["asked"] > 1
+
+
+def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> None:
+    rig.start()
+    assert rig.link.trouble and not rig.link.is_in_step
+    topics = rig.fetch_until(Topics)
+    assert len(topics.endpoints) == len(Talker.topics)
+    rig.fetch_until(InStep)
+    assert rig.fetch_until(Message).endpoint.name == "topic_0_0"
+    assert rig.link.is_in_step and rig.link.trouble == ""
+    assert rig.link.send_all(100, b"all")
+    rig.link.send(101, b"one")
+    wait_until(lambda: rig.sketch.heard == [b"all", b"one"], lambda: f"{rig.sketch.heard}")
+    figures = rig.link.figures()
+    assert figures["openings"] == 1 and figures["restarts of the board"] == 0
+
+
+def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig: Rig) -> None:
+    rig.start()
+    rig.fetch_until(InStep)
+    rig.board.faults = Faults(is_plugged=False)
+    assert "is gone" in rig.fetch_until(Restarted).why
+    wait_until(lambda: "is not there" in rig.link.trouble, lambda: rig.link.trouble)
+    rig.link.send(100, b"")
+    assert not rig.link.send_all(100, b"")
+    assert rig.link.figures()["no contact"] == 1
+    rig.board.faults = Faults()
+    rig.fetch_until(InStep)
+    assert rig.link.figures()["openings"] == 2
+
+
+def test_an_exception_ends_no_thread(rig: Rig) -> None:
+    failures = []
+
+    def fail() -> "tuple[int, int]":
+        failures.append(1)
+        raise RuntimeError("no time today")
+
+    rig.link._time_of = fail
+    rig.start()
+    wait_until(lambda: failures, lambda: "it was not asked for the time")
+    rig.link._time_of = rig.time
+    rig.fetch_until(InStep)
+
+
+def test_at_the_end_the_board_is_told_to_stop(rig: Rig) -> None:
+    rig.start()
+    rig.fetch_until(InStep)
+    rig.link.say_stop()
+    wait_until(
+        lambda: rig.sketch.device is not None and not rig.sketch.device.is_configured,
+        lambda: "it goes on",
+    )

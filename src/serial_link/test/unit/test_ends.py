@@ -1,0 +1,67 @@
+"""The board's end of the cable."""
+
+import os
+import pathlib
+
+import pytest
+
+from serial_link.board.ends import PtyEnd
+
+
+def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
+    tmp_path: pathlib.Path,
+) -> None:
+    link = tmp_path / "by-id" / "board"
+    end = PtyEnd(str(link))
+    for _ in range(2):
+        assert not end.is_plugged
+        end.plug()
+        assert end.is_plugged and os.path.realpath(link).startswith("/dev/pts/")
+        end.unplug()
+        assert not link.is_symlink()
+
+
+def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "board"
+    link.symlink_to("/dev/pts/none")
+    end = PtyEnd(str(link))
+    end.plug()
+    assert link.exists()
+    end.unplug()
+
+
+def test_what_is_somebody_elses_stays(tmp_path: pathlib.Path) -> None:
+    other, late = PtyEnd(str(tmp_path / "board")), PtyEnd(str(tmp_path / "board"))
+    other.plug()
+    held = os.readlink(tmp_path / "board")
+    with pytest.raises(OSError, match="board"):
+        late.plug()
+    assert not late.is_plugged and os.readlink(tmp_path / "board") == held
+    other.unplug()
+    (tmp_path / "board").write_text("a file")
+    with pytest.raises(OSError, match="board"):
+        late.plug()
+    assert (tmp_path / "board").read_text() == "a file"
+
+
+def test_a_link_of_the_user_is_in_the_users_folder(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    end = PtyEnd("~/.ros/board")
+    end.plug()
+    assert (tmp_path / ".ros" / "board").is_symlink()
+    end.unplug()
+
+
+def test_nothing_raises_where_nobody_has_the_other_end(tmp_path: pathlib.Path) -> None:
+    end = PtyEnd(str(tmp_path / "board"))
+    end.write(b"lost")
+    assert end.read() == b""
+    end.plug()
+    for _ in range(20):  # more than the system keeps
+        end.write(bytes(1000))
+    assert end.read() == b""
+    end.wait(0.0)
+    end.unplug()
+    end.unplug()

@@ -1,7 +1,8 @@
 """The directive ``{state-graph} MODULE TABLE``: a picture of a state machine.
 
-The table maps a state and an event, both members of enumerations, to the next state; the code goes
-by the same one, so the picture cannot show anything else.
+The table maps a state and an event to the next state, or to what has it as ``state``. Both are
+words, or members of enumerations whose values are. The code goes by the same table, so the picture
+cannot show anything else.
 """
 
 import importlib
@@ -33,8 +34,13 @@ def _lines(table: Dict[Any, Any]) -> Iterator[str]:
     yield 'rankdir=LR; bgcolor=transparent; node [fontname="sans-serif" fontsize=11]'
     yield 'edge [fontname="sans-serif" fontsize=9]'
     for (state, event), goal in table.items():
-        yield f'"{state.value}" -> "{goal.value}" [label="{event.value}"]'
+        goal = getattr(goal, "state", goal)
+        yield f'"{_word(state)}" -> "{_word(goal)}" [label="{_word(event)}"]'
     yield "}"
+
+
+def _word(thing: Any) -> str:
+    return str(getattr(thing, "value", thing))
 
 
 def setup(app: Any) -> Dict[str, bool]:

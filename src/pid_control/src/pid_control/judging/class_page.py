@@ -11,7 +11,7 @@ _STYLE = (
     "body{font:15px sans-serif;margin:2em;max-width:70em}"
     "table{border-collapse:collapse;width:100%}"
     "td,th{border-bottom:1px solid #ccc;padding:.4em .6em;text-align:left;vertical-align:top}"
-    f".passed{{color:#00603a}}.failed{{color:#b00020}}.{NOT_JUDGED.replace(' ', '-')}{{color:#775500}}"
+    ".passed{color:#00603a}.failed{color:#b00020}.not-judged{color:#775500}"
 )
 
 

@@ -61,7 +61,8 @@ def as_sentences(judgement: Judgement) -> str:
         lines += [f"  likely cause ({cause.flaw}): {cause.sentence}", ""]
     tried = len({finding.scenario for finding in judgement.findings})
     if judgement.verdict == PASSED:
-        lines.append(f"passed: all {len(judgement.findings)} figures of {tried} scenarios")
+        scenarios = f"{tried} scenario" + ("s" if tried > 1 else "")
+        lines.append(f"passed: all {len(judgement.findings)} figures of {scenarios}")
     elif judgement.verdict == FAILED:
         lines.append(f"failed: {', '.join(judgement.flaws())}")
     else:

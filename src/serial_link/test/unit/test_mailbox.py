@@ -51,6 +51,14 @@ def test_few_values_that_come_together_all_come_and_one_more_leaves_the_newest()
     assert fetch_all(mailbox) == [DEPTH] and mailbox.dropped == DEPTH
 
 
+def test_a_stream_may_have_a_depth_of_its_own() -> None:
+    mailbox = Mailbox(depth=2)
+    for value in range(3):
+        mailbox.put("deep", value, depth=3)
+        mailbox.put("other", value)
+    assert fetch_all(mailbox) == [0, 2, 1, 2] and mailbox.dropped == 2
+
+
 def test_streams_take_turns_behind_what_is_kept() -> None:
     mailbox = Mailbox()
     for value in range(3):

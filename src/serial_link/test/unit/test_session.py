@@ -100,6 +100,14 @@ def test_a_board_that_was_reset_is_back_within_a_second_of_its_start() -> None:
     assert session.state == IN_STEP
 
 
+def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:
+    session = in_step()
+    session.handle(1.0, MESSAGE)
+    assert session.poll(1.5) == [PROBE]
+    assert session.handle(1.51, TIME) == [PROBE]
+    assert session.handle(1.52, TIME) == [RESTART, ASK]
+
+
 def test_a_board_that_is_silent_for_too_long_is_asked_anew() -> None:
     session = in_step()
     actions = run(session, 0.0, 0.99 * OVERDUE_S)

@@ -83,7 +83,7 @@ class SubscribedTopic:
     def enter(self) -> None:
         """Send what is latched to a board that was started anew."""
         if self._is_latched:
-            self._link.send_all(self._info.topic_id, self._latched)
+            self._link.send_latched(self._info.topic_id, self._latched)
 
     def fail(self, why: str) -> None:
         """Do without an answer: there is none to wait for."""
@@ -110,6 +110,6 @@ class SubscribedTopic:
             )
         if message._connection_header.get("latching") == "1":
             self._latched, self._is_latched = payload, True
-            self._link.send_all(info.topic_id, payload)
+            self._link.send_latched(info.topic_id, payload)
         else:
             self._link.send(info.topic_id, payload)

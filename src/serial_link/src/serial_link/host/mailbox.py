@@ -38,15 +38,16 @@ class Mailbox:
         """How many messages were not kept, as far too many wait."""
         return self._refused
 
-    def put(self, stream: Any, message: Any) -> None:
+    def put(self, stream: Any, message: Any, depth: int = 0) -> None:
         """Add a value of a stream.
 
         :param stream: which one
         :param message: the value
+        :param depth: how many values of it may wait, where that is not as of all
         """
         with self._condition:
             waiting = self._streams.setdefault(stream, deque())
-            if len(waiting) >= self._depth:
+            if len(waiting) >= (depth or self._depth):
                 self._dropped += len(waiting)
                 waiting.clear()
             waiting.append(message)

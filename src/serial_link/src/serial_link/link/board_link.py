@@ -41,6 +41,9 @@ _LONGEST_WAIT_S = 0.25
 _SETTLING_S = 0.05
 #: Longest wait for something to send, s; it ends when the node does.
 _IDLE_S = 1.0
+#: Values of one topic that may wait for the line where they are latched: hardly ever they come as a
+#: stream, and then the last one is that which stands.
+_LATCHED_DEPTH = 200
 #: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
 _INBOX_DEPTH = 200
 #: How often a port is tried that cannot be opened, s, and the same is said again.
@@ -143,6 +146,17 @@ class BoardLink:
         """
         if self.is_in_step:
             self._outbox.put(topic_id, encode(topic_id, payload))
+        else:
+            self._tally.add(counts.NO_CONTACT)
+
+    def send_latched(self, topic_id: int, payload: bytes) -> None:
+        """Send a value that stands until the next one, and that many may come of at once.
+
+        :param topic_id: of the topic
+        :param payload: the serialised message
+        """
+        if self.is_in_step:
+            self._outbox.put((topic_id, "latched"), encode(topic_id, payload), _LATCHED_DEPTH)
         else:
             self._tally.add(counts.NO_CONTACT)
 

@@ -281,8 +281,10 @@ CODE = {"eval", "exec", "compile", "__import__", "system", "popen", "unsafe_load
 #: rosparam teaches even the safe loader of YAML to evaluate what is tagged as an angle.
 MODULES = {"subprocess", "pickle", "marshal", "shelve", "pty", "rosparam"}
 #: Where tests start processes, and pip and a compiler are called: by what an author wrote, not by
-#: input. The judge starts what its user names, as rosrun does.
+#: input. The judge starts what its user names, as rosrun does, and teleop what restores its
+#: terminal.
 MAY_START_PROCESSES = (
+    "bot_controller_demo.teleop.terminal",
     "nodekit.testing",
     "pid_control.trial.class_run",
     "pid_control.trial.controller_process",

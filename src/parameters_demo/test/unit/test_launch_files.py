@@ -118,9 +118,9 @@ def test_features_simulates_waits_includes_and_groups() -> None:
     """Course 004-bridge-6."""
     config = load("features.launch")
     robot = ["/robot1/controller_node", "/robot1/sensor_node"]
-    assert node_names(config) == ["/late_starter", "/listener", *robot, "/talker"]
+    assert node_names(config) == ["/late_starter", "/listener", *robot, "/sim_node", "/talker"]
     config = load("features.launch", "use_sim:=false", "delay:=0.5")
-    assert node_names(config) == ["/late_starter", "/listener", robot[0], "/talker"]
+    assert node_names(config) == ["/late_starter", "/listener", *robot, "/talker"]
     (late,) = [node for node in config.nodes if node.name == "late_starter"]
     assert late.env_args == [("DELAY", "0.5")] and 'sleep "$DELAY"' in late.launch_prefix
     with pytest.raises(RLException):

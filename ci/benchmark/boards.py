@@ -59,18 +59,20 @@ def measure(bench: Bench, subject: str) -> Figures:
 
 def _round_trip(bench: Bench, link: Link) -> Figures:
     """Measure from the board to a node, and from a node to the board; both take the host's part."""
-    up, down = [], []
+    sent: List[float] = []
+    heard = link.board.sketch.heard
     for number in range(1, round(bench.seconds(10.0, 2.0) * RATE)):
         time.sleep(1.0 / RATE)
-        sent = time.monotonic()
+        sent.append(time.monotonic())
         link.board.send(numbered(number))
-        wait_until(lambda: len(link.recorder.messages()) > number, 5.0, f"message on {OUT}")
-        up.append(link.recorder.messages()[number][0] - sent)
-        sent = time.monotonic()
+        link.recorder.wait(number + 1, 5.0)
+        sent.append(time.monotonic())
         link.sender.send(numbered(number))
-        heard = link.board.sketch.heard
         wait_until(lambda: len(heard) >= number, 5.0, f"message on {IN}")
-        down.append(heard[number - 1][0] - sent)
+    # Only now: to look at all messages meanwhile would keep those who hear them from the processor.
+    received = [moment for moment, _ in link.recorder.messages()[1:]]
+    up = [moment - began for began, moment in zip(sent[::2], received)]
+    down = [moment - began for began, (moment, _) in zip(sent[1::2], heard)]
     both = [one + other for one, other in zip(up, down)]
     return {
         "p50_us": 1e6 * statistics.median(both),

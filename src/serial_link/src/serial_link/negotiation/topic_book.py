@@ -134,12 +134,9 @@ class TopicBook:
             return Endpoint(PUBLISHER, info.name, info.type, info, None)
         if told_by == SUBSCRIBER:
             return Endpoint(SUBSCRIBER, info.name, info.type, None, info)
-        kind = told_by - told_by % 2
-        halves = {
-            other % 2: one
-            for other, one in self._told.values()
-            if other - other % 2 == kind and (one.name, one.type) == (info.name, info.type)
-        }
-        if len(halves) < 2:
-            return None
-        return Endpoint(kind, info.name, info.type, halves[PUBLISHER], halves[SUBSCRIBER])
+        if told_by in _SERVICES:
+            for other, half in self._told.values():
+                is_other_half = other == told_by + SUBSCRIBER and half.name == info.name
+                if is_other_half and half.type == info.type:
+                    return Endpoint(told_by, info.name, info.type, info, half)
+        return None

@@ -265,6 +265,15 @@ class AnySketch(unittest.TestCase):
             lambda: f"its time is {self.board.device and self.board.device.host_time}",
         )
 
+    def test_the_end_of_the_node_is_told_to_the_board(self) -> None:
+        node = self.start()
+        self.publisher()
+        offered = rospy.ServiceProxy(self.space + "/offered", SetBool)
+        offered.wait_for_service(TIMEOUT_S)
+        self.assertEqual(node.interrupt(), 0)
+        # By itself it would notice after 11 s.
+        wait_until(lambda: not self.board.device.is_configured, lambda: "it goes on", 5.0)
+
     def test_a_board_of_the_old_protocol_and_one_of_another_speed_are_told_in_words(self) -> None:
         old = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
         self.end.plug()

@@ -267,11 +267,14 @@ class SerialNode(Rig):
             node.wait_for_log(said)
 
     def test_second_board_does_not_take_the_place_of_the_first(self) -> None:
-        self.start_board()
+        first = self.start_board()
         wait_until(lambda: os.path.islink(self.port), lambda: "no port")
         second = self.start("simulated_board", "__name:=second", link=self.port)
         self.assertEqual(second.wait(), 1)
         second.wait_for_log("the board's port cannot be made", self.port)
+        self.assertFalse(second.logged("Traceback"))
+        self.assertEqual(first.interrupt(), 0)
+        self.assertFalse(os.path.islink(self.port))
 
     def test_restarted_master_finds_the_board_again(self) -> None:
         master = Master()

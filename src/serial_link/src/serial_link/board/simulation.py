@@ -82,7 +82,8 @@ class SimulatedBoard:
     def close(self) -> None:
         """Switch it off, and unplug it."""
         self._is_over.set()
-        self._thread.join(2.0)
+        if self._thread.ident is not None:
+            self._thread.join(2.0)
         self._end.unplug()
 
     def _run(self) -> None:

@@ -41,6 +41,9 @@ _LONGEST_WAIT_S = 0.25
 _SETTLING_S = 0.05
 #: Longest wait for something to send, s; it ends when the node does.
 _IDLE_S = 1.0
+#: Has the board publish no longer; how long that may take to be sent, s.
+_STOP_FRAME = encode(STOP, b"")
+_STOP_S = 1.0
 #: Values of one topic that may wait for the line where they are latched: hardly ever they come as a
 #: stream, and then the last one is that which stands.
 _LATCHED_DEPTH = 200
@@ -74,7 +77,7 @@ class BoardLink:
         self._port, self._tally, self._time_of = port, tally, time_of
         self._decoder, self._session, self._book = Decoder(), Session(), TopicBook()
         self._pace = Pace(port.baud)
-        self._is_over = threading.Event()
+        self._is_over, self._has_stopped = threading.Event(), threading.Event()
         self._is_open = self._is_ending = False
         #: Why the port is not open, or the board does not answer; empty where all is well.
         self._trouble = ""
@@ -179,10 +182,12 @@ class BoardLink:
             self._outbox.keep(encode(topic_id, payload))
 
     def say_stop(self) -> None:
-        """Have the board publish no longer, as the host ends."""
+        """Have the board publish no longer, as the host ends; return when that is sent."""
         self._is_ending = True
         if self._is_open:
-            self._outbox.keep(encode(STOP, b""))
+            self._outbox.clear()
+            self._outbox.keep(_STOP_FRAME)
+            self._has_stopped.wait(_STOP_S)
 
     def _guard(self, work: Callable[[], None]) -> None:
         """Do something again and again; an exception is logged, and ends nothing."""
@@ -390,5 +395,7 @@ class BoardLink:
             self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
             return
         self._pace.written(time.monotonic(), len(frame))
+        if frame is _STOP_FRAME:
+            self._has_stopped.set()
         self._tally.add(counts.SENT)
         self._tally.add(counts.SENT_BYTES, len(frame))

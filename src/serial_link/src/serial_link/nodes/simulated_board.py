@@ -39,6 +39,7 @@ class SimulatedBoardNode:
             SimulatedBoard(end, values.baud, self._make_device, values.boot_time)
         )
         self._has_started = False
+        node.before_end(self._board.close)  # or the link to its port would stay
         node.service("~reset", Trigger, self._reset)
         node.every(1.0, self._start, steady=True)
         self._on_change(values, values)

@@ -30,6 +30,8 @@ class Talker:
     def __init__(self) -> None:
         self.heard: List[bytes] = []
         self.device: Optional[Device] = None
+        #: Whether it is to send a message of no topic that it has told of.
+        self.strange = False
 
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
         self.heard.append(payload)
@@ -39,6 +41,9 @@ class Talker:
 
     def loop(self, device: Device, now: float) -> None:
         self.device = device
+        if self.strange:
+            self.strange = False
+            device._send(140, b"")
         device.publish("topic_0_0", b"")
 
     def next_due(self, now: float) -> float:
@@ -140,6 +145,22 @@ def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig:
     rig.board.faults = Faults()
     rig.fetch_until(InStep)
     assert rig.link.figures()["openings"] == 2
+
+
+def test_a_board_is_asked_for_what_is_not_known_and_told_again_only_when_it_has_forgotten(
+    rig: Rig,
+) -> None:
+    rig.start()
+    rig.fetch_until(InStep)
+    rig.sketch.strange = True
+    rig.arrived.clear()
+    rig.fetch_until(Topics)
+    rig.fetch_until(Message)
+    assert not any(isinstance(arrival, InStep) for arrival in rig.arrived)
+    assert rig.link.figures()["unknown id"] == 1 and rig.link.figures()["asked"] == 2
+    rig.board.reset()
+    assert "restarted" in rig.fetch_until(Restarted).why
+    rig.fetch_until(InStep)
 
 
 def test_an_exception_ends_no_thread(rig: Rig) -> None:

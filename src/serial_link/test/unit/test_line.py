@@ -14,12 +14,12 @@ def test_bytes_arrive_one_by_one_at_the_pace() -> None:
     line = Line(1000)  # a byte takes 10 ms
     line.put(1.0, b"abcd")
     assert line.waiting == 4 and line.next_due() == pytest.approx(1.04)
-    assert line.take(1.005) == b""
-    assert line.take(1.025) == b"ab"
+    assert line.arrived(1.005) == b""
+    assert line.arrived(1.025) == b"ab"
     line.put(1.03, b"ef")
-    assert line.take(1.045) == b"cd" and line.waiting == 2
+    assert line.arrived(1.045) == b"cd" and line.waiting == 2
     assert line.next_due() == pytest.approx(1.06)
-    assert line.take(2.0) == b"ef" and line.next_due() == math.inf
+    assert line.arrived(2.0) == b"ef" and line.next_due() == math.inf
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.5), st.binary(max_size=30)), max_size=20))
@@ -29,19 +29,19 @@ def test_nothing_is_lost_and_nothing_is_faster_than_the_line(steps: list) -> Non
         now += pause
         line.put(now, data)
         sent += data
-        arrived += line.take(now)
+        arrived += line.arrived(now)
         assert sent.startswith(arrived) and len(arrived) <= now * 960.0 + 1.0
         assert line.waiting == len(sent) - len(arrived)
-    assert arrived + line.take(now + 10.0) == sent
+    assert arrived + line.arrived(now + 10.0) == sent
 
 
 def test_a_line_without_a_rate_takes_no_time_and_a_cleared_one_brings_nothing() -> None:
     line = Line(0)
     line.put(1.0, b"abc")
-    assert line.take(1.0) == b"abc"
+    assert line.arrived(1.0) == b"abc"
     line.put(1.0, b"abc")
     line.clear()
-    assert line.take(9.0) == b"" and line.waiting == 0
+    assert line.arrived(9.0) == b"" and line.waiting == 0
 
 
 def test_damage_is_of_three_kinds_and_of_the_given_share() -> None:

@@ -73,7 +73,7 @@ def test_what_a_good_round_leaves_out_is_gone_and_what_a_damaged_one_does_stays(
     book.settle(1.0)
     book.begin(1.0)
     book.add(1.0, PUBLISHER, info(126))
-    book.note_damage()
+    book.mark_damaged()
     assert book.settle(2.0) is False
     assert names(book) == ["topic_125", "topic_126"]
     book.begin(2.0, is_first=False)
@@ -96,7 +96,7 @@ def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
     book = TopicBook()
     book.begin(0.0)
     book.add(0.0, PUBLISHER, info(125, "motor_outqut"))
-    book.note_damage()
+    book.mark_damaged()
     book.settle(1.0)
     book.begin(1.0, is_first=False)
     book.add(1.0, PUBLISHER, info(125, "motor_output"))
@@ -106,14 +106,14 @@ def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
 def test_damaged_rounds_come_to_an_end() -> None:
     book, rounds = TopicBook(), 1
     book.begin(0.0)
-    book.note_damage()
+    book.mark_damaged()
     while book.settle(float(rounds)) is False:
         rounds += 1
         book.begin(float(rounds) - 0.5, is_first=False)
-        book.note_damage()
+        book.mark_damaged()
     assert rounds == MOST_ROUNDS
     book.begin(100.0)
-    book.note_damage()
+    book.mark_damaged()
     assert book.settle(101.0) is False
 
 

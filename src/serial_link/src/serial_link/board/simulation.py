@@ -99,12 +99,12 @@ class SimulatedBoard:
             if self._in.waiting < _RX_BUFFER:
                 self._in.put(now, damaged(self._end.read(), faults.noise, self._chance))
             if self._device is None:
-                self._in.take(now)  # nobody listens yet
+                self._in.arrived(now)  # nobody listens yet
             elif self._is_free():
-                self._device.receive(now, self._in.take(now))
+                self._device.receive(now, self._in.arrived(now))
                 self._device.loop(now)
                 self._out.put(now, self._device.output())
-            self._end.write(damaged(self._out.take(now), faults.noise, self._chance))
+            self._end.write(damaged(self._out.arrived(now), faults.noise, self._chance))
             self._wait(now)
 
     def _wait(self, now: float) -> None:
@@ -133,7 +133,7 @@ class SimulatedBoard:
 
     def _restart(self, now: float) -> None:
         """Have half of what is on its way out arrive, and everything begin anew."""
-        self._end.write(self._out.take(now))
+        self._end.write(self._out.arrived(now))
         self._out.clear()
         self._in.clear()
         self._device = None

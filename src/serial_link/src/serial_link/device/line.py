@@ -34,7 +34,7 @@ class Line:
             self._parts.append(_Part(data, begin))
             self.waiting += len(data)
 
-    def take(self, now: float) -> bytes:
+    def arrived(self, now: float) -> bytes:
         """Return what has arrived.
 
         :param now: the time, s

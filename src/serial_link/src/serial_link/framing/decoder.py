@@ -52,14 +52,14 @@ class Decoder:
         :param data: what has arrived
         """
         self._buffer += data
-        return self._take(is_over=False)
+        return self._extract_frames(is_over=False)
 
     def give_up(self) -> List[Frame]:
         """Wait for the rest of a frame no longer, as nothing has come for too long.
 
         :returns: the frames that were hidden behind its beginning
         """
-        frames = self._take(is_over=True)
+        frames = self._extract_frames(is_over=True)
         self.faults[GARBAGE] += len(self._buffer)
         self._buffer.clear()
         return frames
@@ -68,7 +68,7 @@ class Decoder:
         """Forget the beginning of a frame: the port was closed meanwhile."""
         self._buffer.clear()
 
-    def _take(self, is_over: bool) -> List[Frame]:
+    def _extract_frames(self, is_over: bool) -> List[Frame]:
         """Return the whole frames, and keep what may become one; nothing if it is over."""
         buffer, position = self._buffer, 0
         frames: List[Frame] = []

@@ -13,12 +13,12 @@ from serial_link.framing.frames import (
     OLD_REQUEST,
     OVERHEAD,
     PROBE,
-    count_old_frames,
     encode,
 )
 from serial_link.hardware.ports import Port, PortLost, PortStuck, PortUnavailable
 from serial_link.host import contact, counts
 from serial_link.host.counts import Counts
+from serial_link.host.first_words import FirstWords
 from serial_link.host.mailbox import Mailbox
 from serial_link.host.pace import Pace
 from serial_link.host.session import Session
@@ -53,8 +53,6 @@ _INBOX_DEPTH = 200
 _OPEN_EVERY_S, _SAY_EVERY_S = 0.2, 10.0
 #: A board that does not answer for this long is told of, s, and asked in the old way as well.
 _NO_ANSWER_S = 3.0
-#: How much is kept of what came before the first good frame, bytes.
-_MOST_UNREAD = 4096
 #: Returns the time that a board is told, as s and ns.
 TimeOf = Callable[[], Tuple[int, int]]
 
@@ -83,10 +81,9 @@ class BoardLink:
         self._trouble = ""
         self._sayings = Sayings(_SAY_EVERY_S)
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
-        self._unread = bytearray()
-        #: Whether a good frame has come since the port was opened; whether the board has forgotten
-        #: what it was told, and was not told it again yet.
-        self._is_known, self._is_new = False, True
+        self._first_words = FirstWords()
+        #: Whether the board has forgotten what it was told, and was not told it again yet.
+        self._is_new = True
         #: Nobody closes the port, whose number the system gives away anew, while it is written to.
         self._port_lock = threading.Lock()
         self._threads = [
@@ -212,15 +209,15 @@ class BoardLink:
         try:
             data = self._port.read(max(0.0, min(due - now, _LONGEST_WAIT_S)))
         except PortLost as error:
-            self._lose(error)
+            self._close_lost_port(error)
             return
         if self._is_ending:  # the board was told to be silent
             return
         now = time.monotonic()
-        self._take(now, data)
-        self._do(now, self._session.poll(now))
-        self._settle(now)
-        self._tell_if_silent(now)
+        self._receive_bytes(now, data)
+        self._carry_out(now, self._session.poll(now))
+        self._end_round(now)
+        self._explain_silence(now)
 
     def _try_to_open(self) -> None:
         try:
@@ -239,27 +236,26 @@ class BoardLink:
         self._decoder.reset()
         self._decoder.longest = LONGEST
         self._is_new = True
-        self._unread.clear()
-        self._is_known = False
+        self._first_words.clear()
         self._opened_at = self._spoke_at = now
         self._pace = Pace(self._port.baud)
         self._tally.add(counts.OPENINGS)
         at = f" at {self._port.baud} baud" if self._port.baud else ""
         rospy.loginfo("%s: open%s", self._port.name, at)
         self._is_open = True
-        self._do(now, self._session.handle(now, contact.OPENED))
+        self._carry_out(now, self._session.handle(now, contact.OPENED))
 
-    def _lose(self, error: PortLost) -> None:
+    def _close_lost_port(self, error: PortLost) -> None:
         self._is_open = False
         with self._port_lock:
             self._port.close()
         self._trouble = str(error)
         rospy.logwarn("%s", error)
-        self._do(time.monotonic(), self._session.handle(time.monotonic(), contact.LOST))
+        self._carry_out(time.monotonic(), self._session.handle(time.monotonic(), contact.LOST))
 
-    def _take(self, now: float, data: bytes) -> None:
+    def _receive_bytes(self, now: float, data: bytes) -> None:
         """Handle what has arrived, or that nothing has."""
-        before = self._damage()
+        before = self._damage_count()
         if data:
             self._arrived_at = now
             self._tally.add(counts.RECEIVED_BYTES, len(data))
@@ -268,22 +264,19 @@ class BoardLink:
             frames = self._decoder.give_up()
         else:
             return
-        if not (frames or self._is_known):
-            self._unread += data
-            del self._unread[:-_MOST_UNREAD]
-        if self._damage() != before:
-            self._book.note_damage()
+        self._first_words.add(data, bool(frames))
+        if self._damage_count() != before:
+            self._book.mark_damaged()
         self._tally.add(counts.RECEIVED, len(frames))
         for frame in frames:
-            self._is_known = True
             self._spoke_at = now
-            self._handle(now, *frame)
+            self._handle_frame(now, *frame)
 
-    def _handle(self, now: float, topic_id: int, payload: bytes) -> None:
+    def _handle_frame(self, now: float, topic_id: int, payload: bytes) -> None:
         try:
             if topic_id in TOPICS:
                 event = contact.TOPIC
-                self._learn(now, topic_id, payload)
+                self._add_topic(now, topic_id, payload)
             elif topic_id == TIME:
                 event = contact.TIME
                 answer = encode(TIME, payloads.encode_time(*self._time_of()))
@@ -298,11 +291,11 @@ class BoardLink:
                 event = self._deliver(topic_id, payload)
         except payloads.PayloadError:
             self._tally.add(counts.MALFORMED)
-            self._book.note_damage()
+            self._book.mark_damaged()
             return
-        self._do(now, self._session.handle(now, event))
+        self._carry_out(now, self._session.handle(now, event))
 
-    def _learn(self, now: float, told_by: int, payload: bytes) -> None:
+    def _add_topic(self, now: float, told_by: int, payload: bytes) -> None:
         info = payloads.decode_topic(payload)
         if not self._book.add(now, told_by, info):
             self._sayings.say(rospy.logwarn, f"{self._port.name}: the board has too many topics")
@@ -320,7 +313,7 @@ class BoardLink:
             self.inbox.put(topic_id, message)
         return contact.MESSAGE
 
-    def _do(self, now: float, actions: List[str], is_first: bool = True) -> None:
+    def _carry_out(self, now: float, actions: List[str], is_first: bool = True) -> None:
         for action in actions:
             if action == contact.ASK:
                 self._tally.add(counts.ASKED)
@@ -337,12 +330,12 @@ class BoardLink:
                 if self._is_open:
                     rospy.logwarn("%s: the board was restarted, or lost contact", self._port.name)
 
-    def _settle(self, now: float) -> None:
+    def _end_round(self, now: float) -> None:
         is_complete = self._book.settle(now)
         if is_complete is None or not self.is_in_step:
             return
         if not is_complete:
-            self._do(now, [contact.ASK], is_first=False)
+            self._carry_out(now, [contact.ASK], is_first=False)
         longest = self._book.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
         self.inbox.keep(Topics(self._book.endpoints()))
@@ -350,28 +343,14 @@ class BoardLink:
             self._is_new = False
             self.inbox.keep(InStep())
 
-    def _tell_if_silent(self, now: float) -> None:
+    def _explain_silence(self, now: float) -> None:
         """Say why there may be no answer, once there was none for long enough."""
         if self._session.state != contact.ASKING or now - self._spoke_at < _NO_ANSWER_S:
             return
-        name, baud = self._port.name, self._port.baud
-        if count_old_frames(self._unread) >= 2:
-            text = (
-                "the board speaks rosserial's protocol of before ROS Hydro (version byte 0xff; "
-                "0xfe is spoken here): build its sketch with a newer library"
-            )
-        elif self._unread:
-            text = (
-                "what arrives is no message of rosserial: does the "
-                f"sketch use {baud} baud too, and nothing else write to its serial port?"
-            )
-        else:
-            text = "the board says nothing: does its sketch call initNode and, again and again, "
-            text += "spinOnce, " + (f"at {baud} baud?" if baud else "with this address?")
-        self._trouble = text
-        self._sayings.say(rospy.logwarn, f"{name}: {text}")
+        self._trouble = self._first_words.explain(self._port.baud)
+        self._sayings.say(rospy.logwarn, f"{self._port.name}: {self._trouble}")
 
-    def _damage(self) -> int:
+    def _damage_count(self) -> int:
         return sum(self._decoder.faults.values())
 
     def _write(self) -> None:

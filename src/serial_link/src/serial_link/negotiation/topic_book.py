@@ -90,7 +90,7 @@ class TopicBook:
         self._ends_at = now + SETTLED_S
         return True
 
-    def note_damage(self) -> None:
+    def mark_damaged(self) -> None:
         """Note that something arrived damaged: it may have told of a topic."""
         self._is_damaged = True
 

@@ -1,0 +1,35 @@
+"""What a board's first words show."""
+
+from serial_link.framing.frames import PROBE, encode
+from serial_link.host.first_words import MOST_KEPT, FirstWords
+
+OLD = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
+
+
+def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
+    words = FirstWords()
+    assert words.explain(9600).startswith("the board says nothing") and "9600" in words.explain(
+        9600
+    )
+    assert "with this address" in words.explain(0)
+    words.add(b"\x00\x80garbled" + OLD, False)
+    assert words.explain(9600).startswith("what arrives is no message of rosserial")
+    assert "9600 baud too" in words.explain(9600) and "use rosserial too" in words.explain(0)
+    words.add(OLD, False)
+    assert "before ROS Hydro (version byte 0xff" in words.explain(9600)
+    words.clear()
+    assert words.explain(9600).startswith("the board says nothing")
+
+
+def test_what_comes_after_a_good_frame_is_not_kept() -> None:
+    words = FirstWords()
+    words.add(encode(10, b""), True)
+    words.add(OLD + OLD, False)
+    assert words.explain(9600).startswith("the board says nothing")
+
+
+def test_only_the_latest_words_are_kept() -> None:
+    words = FirstWords()
+    words.add(OLD + OLD, False)
+    words.add(bytes(MOST_KEPT), False)
+    assert words.explain(9600).startswith("what arrives is no message")

@@ -1,0 +1,1 @@
+"""What is typed after rosrun, besides the nodes."""

@@ -1,0 +1,117 @@
+"""Writes the C++ headers of messages and services, which the sketch of a board includes."""
+
+import argparse
+import pathlib
+import sys
+from typing import Any, Dict, List, Set
+
+import rosmsg
+import rospkg
+
+from nodekit.message_definitions import constant_in, fields_of, parts_of
+from serial_link.endpoints.types import TypeRefused, message_class, service_class
+from serial_link.headers.cpp_class import Class, header
+from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
+
+
+class NoHeaders(ValueError):
+    """A package that has none to make, or a folder that takes none; the text says why."""
+
+
+def headers_of(packages: List[str]) -> Dict[str, str]:
+    """Return headers by their paths: of the packages' types, and of those that these contain.
+
+    :param packages: names
+    :raises NoHeaders: if one is not there, has no types, or is not built
+    """
+    found = {WIRE_PATH: WIRE_HEADER}
+    for package in packages:
+        try:
+            messages = rosmsg.list_types(package, mode=".msg")
+            services = rosmsg.list_types(package, mode=".srv")
+        except rospkg.ResourceNotFound:
+            raise NoHeaders(f"there is no package {package} here") from None
+        if not messages and not services:
+            raise NoHeaders(f"{package} has neither messages nor services")
+        try:
+            for datatype in messages:
+                _add_message(found, datatype)
+            for datatype in services:
+                _add_service(found, datatype)
+        except TypeRefused as refusal:
+            raise NoHeaders(str(refusal)) from None
+    return found
+
+
+def _add_message(found: Dict[str, str], datatype: str) -> None:
+    package, _, name = datatype.partition("/")
+    path = datatype + ".h"
+    if path not in found:
+        one = _class(name, datatype, message_class(datatype, "*"))
+        found[path] = header(package, name, [one])
+        _add_parts(found, [one])
+
+
+def _add_service(found: Dict[str, str], datatype: str) -> None:
+    package, _, name = datatype.partition("/")
+    service = service_class(datatype, "*", "*")
+    classes = [
+        _class(name + "Request", datatype, service._request_class),
+        _class(name + "Response", datatype, service._response_class),
+    ]
+    found[datatype + ".h"] = header(package, name, classes, service=True)
+    _add_parts(found, classes)
+
+
+def _add_parts(found: Dict[str, str], classes: List[Class]) -> None:
+    bases: Set[str] = {field.base for one in classes for field in one.fields if "/" in field.base}
+    for base in sorted(bases):
+        _add_message(found, base)
+
+
+def _class(name: str, datatype: str, generated: Any) -> Class:
+    """Read what a class of C++ is made of from that of Python."""
+    text = parts_of(datatype, generated._full_text)[datatype]
+    constants = [constant_in(line) for line in text.splitlines()]
+    return Class(
+        name,
+        datatype,
+        generated._md5sum,
+        tuple(constant for constant in constants if constant is not None),
+        fields_of(datatype, text),
+    )
+
+
+def write(headers: Dict[str, str], folder: pathlib.Path) -> None:
+    """Write headers.
+
+    :param headers: by their paths in the folder
+    :param folder: made if it is not there
+    :raises NoHeaders: if that is not possible
+    """
+    try:
+        for path, text in headers.items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(text)
+    except OSError as error:
+        raise NoHeaders(f"cannot write {error.filename}: {error.strerror}") from None
+
+
+def main() -> None:
+    """Write the headers that the command line asks for; status 1 where that is not possible."""
+    parser = argparse.ArgumentParser(
+        prog="make_headers",
+        description="Write C++ headers of the messages and services of packages, for a sketch "
+        "that uses rosserial's Arduino library.",
+    )
+    parser.add_argument("packages", nargs="+", metavar="PACKAGE")
+    parser.add_argument(
+        "--into", default="ros_headers", metavar="FOLDER", help="where; ros_headers by default"
+    )
+    arguments = parser.parse_args(sys.argv[1:])
+    try:
+        headers = headers_of(arguments.packages)
+        write(headers, pathlib.Path(arguments.into))
+    except NoHeaders as reason:
+        sys.exit(f"make_headers: {reason}")
+    print(f"{len(headers)} headers are in {arguments.into}")

@@ -1,0 +1,1 @@
+"""Messages as C++ classes, for the sketch of a microcontroller."""

@@ -1,0 +1,213 @@
+"""The C++ class of a message, as rosserial's library for microcontrollers has them.
+
+The facts, not the text, are those of rosserial's ros_lib (github.com/ros-drivers/rosserial): a
+class in the package's namespace that derives from ros::Msg, a pointer and a length for an array, a
+pointer for a text, and a float for 64 bits.
+"""
+
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Tuple
+
+from nodekit.message_definitions import TIMES, Constant, Field
+from serial_link.headers.wire_header import WIRE_PATH
+
+_NUMBERS: Dict[str, str] = {
+    "bool": "bool",
+    "byte": "int8_t",
+    "char": "uint8_t",
+    "float32": "float",
+    "float64": "float",
+    **{f"int{bits}": f"int{bits}_t" for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": f"uint{bits}_t" for bits in (8, 16, 32, 64)},
+}
+_OF_ROS = {"time": "ros::Time", "duration": "ros::Duration"}
+#: Words of C++ that a field may have as its name; an underscore is put behind it.
+_WORDS = frozenset(
+    "alignas alignof and asm auto bool break case catch char class compl const continue default "
+    "delete do double else enum explicit export extern false float for friend goto if inline int "
+    "long mutable namespace new not operator or private protected public register return short "
+    "signed sizeof static struct switch template this throw true try typedef typename union "
+    "unsigned using virtual void volatile while xor".split()
+)
+
+
+class Class(NamedTuple):
+    """What a class is made of.
+
+    :param name: of the class
+    :param datatype: what it calls itself, such as ``std_msgs/Header``
+    :param md5sum: of its definition
+    :param constants: of its definition
+    :param fields: of its definition, in their order
+    """
+
+    name: str
+    datatype: str
+    md5sum: str
+    constants: Tuple[Constant, ...]
+    fields: Tuple[Field, ...]
+
+
+def header(package: str, name: str, classes: List[Class], service: bool = False) -> str:
+    """Return the header of a message, or of a service.
+
+    :param package: whose it is
+    :param name: of the message or service
+    :param classes: the message's one, the service's two
+    :param service: whether it is one
+    """
+    guard = f"ROS_{package}_{name}_H".upper()
+    lines = [
+        f"// {package}/{name}. Made by serial_link's make_headers.",
+        f"#ifndef {guard}",
+        f"#define {guard}",
+        "",
+        *_includes(classes),
+        "",
+        f"namespace {package} {{",
+        "",
+    ]
+    for one in classes:
+        lines += [*_class(one), ""]
+    if service:
+        lines += [f"class {name} {{", " public:"]
+        lines += [f"  typedef {name}{part} {part};" for part in ("Request", "Response")]
+        lines += ["};", ""]
+    return "\n".join([*lines, f"}}  // namespace {package}", "", "#endif", ""])
+
+
+def member(name: str) -> str:
+    """Return the name of a field or constant in C++."""
+    return name + "_" if name in _WORDS else name
+
+
+def _includes(classes: Iterable[Class]) -> List[str]:
+    bases = {field.base for one in classes for field in one.fields}
+    own = [base for base in TIMES if base in bases]
+    others = sorted(base for base in bases if "/" in base)
+    paths = ["ros/msg.h", *(f"ros/{base}.h" for base in own), WIRE_PATH]
+    return [f'#include "{path}"' for path in [*paths, *(f"{base}.h" for base in others)]]
+
+
+def _class(one: Class) -> Iterator[str]:
+    yield f"class {one.name} : public ros::Msg {{"
+    yield " public:"
+    for constant in one.constants:
+        yield f"  {_constant(constant)}"
+    for field in one.fields:
+        yield from _members(field)
+    yield ""
+    yield from _constructor(one)
+    yield ""
+    yield "  virtual int serialize(unsigned char *outbuffer) const {"
+    yield "    int offset = 0;"
+    for field in one.fields:
+        yield from _serialise(field)
+    yield "    return offset;"
+    yield "  }"
+    yield ""
+    yield "  virtual int deserialize(unsigned char *inbuffer) {"
+    yield "    int offset = 0;"
+    for field in one.fields:
+        yield from _deserialise(field)
+    yield "    return offset;"
+    yield "  }"
+    yield ""
+    yield f'  virtual const char *getType() {{ return "{one.datatype}"; }}'
+    yield f'  virtual const char *getMD5() {{ return "{one.md5sum}"; }}'
+    yield "};"
+
+
+def _constant(constant: Constant) -> str:
+    name = member(constant.name)
+    if constant.base == "string":
+        text = constant.value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'static const char *{name}() {{ return "{text}"; }}'
+    if constant.base.startswith("float"):
+        return f"static constexpr float {name} = {float(constant.value)!r};"
+    value = int(constant.value in ("True", "true", "1")) if constant.base == "bool" else None
+    number = int(constant.value, 0) if value is None else value
+    wide = "LL" if "64" in constant.base else ""
+    return f"static constexpr {_NUMBERS[constant.base]} {name} = {number}{wide};"
+
+
+def cpp_type(base: str) -> str:
+    """Return the type of an element in C++.
+
+    :param base: its type in the definition
+    """
+    if base == "string":
+        return "const char *"
+    return _NUMBERS.get(base) or _OF_ROS.get(base) or base.replace("/", "::")
+
+
+def _members(field: Field) -> Iterator[str]:
+    name = member(field.name)
+    yield f"  typedef {cpp_type(field.base)} _{field.name}_type;"
+    if not field.is_array:
+        yield f"  _{field.name}_type {name};"
+    elif field.length is not None:
+        yield f"  _{field.name}_type {name}[{field.length}];"
+    else:
+        yield f"  uint32_t {field.name}_length;"
+        yield f"  uint32_t {field.name}_room;"
+        yield f"  _{field.name}_type *{name};"
+
+
+def _constructor(one: Class) -> Iterator[str]:
+    initial = []
+    for field in one.fields:
+        name = member(field.name)
+        if field.is_array and field.length is None:
+            initial += [f"{field.name}_length(0)", f"{field.name}_room(0)", f"{name}(NULL)"]
+        elif field.base == "string" and not field.is_array:
+            initial.append(f'{name}("")')
+        else:
+            initial.append(f"{name}()")
+    yield f"  {one.name}()" + (" : " + ", ".join(initial) if initial else "") + " {}"
+
+
+def _serialise(field: Field) -> Iterator[str]:
+    name, out = member(field.name), "outbuffer + offset"
+    if not field.is_array:
+        yield from ("    " + line for line in _put(field.base, f"this->{name}", out))
+        return
+    count = f"{field.length}"
+    if field.length is None:
+        count = f"this->{field.name}_length"
+        yield f"    offset += serial_link::put({out}, {count});"
+    yield f"    for (uint32_t i = 0; i < {count}; i++) {{"
+    yield from ("      " + line for line in _put(field.base, f"this->{name}[i]", out))
+    yield "    }"
+
+
+def _deserialise(field: Field) -> Iterator[str]:
+    name, source = member(field.name), "inbuffer + offset"
+    if not field.is_array:
+        yield from ("    " + line for line in _get(field.base, f"this->{name}", source))
+        return
+    count = f"{field.length}"
+    if field.length is None:
+        count = f"this->{field.name}_length"
+        parts = f"{count}, this->{field.name}_room, this->{name}"
+        yield f"    offset += serial_link::get_length({source}, {parts});"
+    yield f"    for (uint32_t i = 0; i < {count}; i++) {{"
+    yield from ("      " + line for line in _get(field.base, f"this->{name}[i]", source))
+    yield "    }"
+
+
+def _put(base: str, what: str, out: str) -> List[str]:
+    if "/" in base:
+        return [f"offset += {what}.serialize({out});"]
+    if base in TIMES:
+        return [f"offset += serial_link::put({out}, {what}.{part});" for part in ("sec", "nsec")]
+    function = {"string": "put_text", "float64": "put64"}.get(base, "put")
+    return [f"offset += serial_link::{function}({out}, {what});"]
+
+
+def _get(base: str, what: str, source: str) -> List[str]:
+    if "/" in base:
+        return [f"offset += {what}.deserialize({source});"]
+    if base in TIMES:
+        return [f"offset += serial_link::get({source}, {what}.{part});" for part in ("sec", "nsec")]
+    function = {"string": "get_text", "float64": "get64"}.get(base, "get")
+    return [f"offset += serial_link::{function}({source}, {what});"]

@@ -1,0 +1,330 @@
+"""The headers that make_headers writes, compiled, against genpy."""
+
+import io
+import pathlib
+import random
+import struct
+import subprocess
+import sys
+from typing import Any, Dict, List, NamedTuple, Tuple
+
+import genpy
+import numpy
+import pytest
+import roslib.message
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.message_definitions import (
+    SIZES,
+    TIMES,
+    Constant,
+    Field,
+    constant_in,
+    fields_of,
+    parts_of,
+)
+from serial_link.commands import make_headers
+from serial_link.headers.cpp_class import Class, header, member
+
+HERE = pathlib.Path(__file__).resolve().parents[1]
+SOURCES = HERE.parents[1]
+#: Every package here that has messages or services, and those of ROS that robots use.
+PACKAGES = sorted(
+    {path.parents[1].name for kind in ("msg", "srv") for path in SOURCES.glob(f"*/{kind}/*.{kind}")}
+    | {"std_msgs", "geometry_msgs", "sensor_msgs"}
+)
+#: What the classes of a service have behind its name.
+ENDS = ("", "Request", "Response")
+#: Messages of each type that are sent through the board's class.
+ROUNDS = 5
+
+
+def fields(generated: Any) -> Tuple[Field, ...]:
+    """Return the fields of a class of genpy's."""
+    return fields_of(
+        generated._type, parts_of(generated._type, generated._full_text)[generated._type]
+    )
+
+
+def drawn(draw: random.Random, base: str) -> Any:
+    """Return a value at random; of 64 bits one that 32 hold, as a board has no other."""
+    if base == "string":
+        return "".join(draw.choice('aé€ %\\"') for _ in range(draw.randrange(6)))
+    if base == "bool":
+        return draw.random() < 0.5
+    if base in ("float32", "float64"):
+        special = [0.0, -0.0, float("inf"), -float("inf"), 1e-42, -1e-45, 3.4028234e38, 1.0]
+        value = draw.choice(special) if draw.random() < 0.3 else draw.uniform(-1e6, 1e6)
+        return struct.unpack("<f", struct.pack("<f", value))[0]
+    if base in TIMES:
+        kind = genpy.Time if base == "time" else genpy.Duration
+        return kind(draw.randrange(2**31), draw.randrange(10**9))
+    if base in SIZES:
+        bits, signed = 8 * SIZES[base], not base.startswith(("u", "char"))
+        return (
+            draw.randrange(-(2 ** (bits - 1)), 2 ** (bits - 1))
+            if signed
+            else draw.getrandbits(bits)
+        )
+    return filled(draw, roslib.message.get_message_class(base))
+
+
+def filled(draw: random.Random, generated: Any) -> Any:
+    """Return a message with random content."""
+    message = generated()
+    for field in fields(generated):
+        if field.is_array:
+            length = draw.randrange(4) if field.length is None else field.length
+            value: Any = [drawn(draw, field.base) for _ in range(length)]
+            if field.base in ("uint8", "char"):
+                value = bytes(value)
+        else:
+            value = drawn(draw, field.base)
+        setattr(message, field.name, value)
+    return message
+
+
+def encoded(message: Any) -> bytes:
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def leaves(value: Any) -> List[str]:
+    """Return all that a message holds, in the order of its fields, as the program prints it."""
+    if isinstance(value, genpy.Message):
+        kinds = [(getattr(value, field.name), field.base) for field in fields(type(value))]
+    else:
+        return [str(value)]
+    found: List[str] = []
+    for part, base in kinds:
+        elements = list(part) if isinstance(part, (list, tuple, bytes)) else [part]
+        if isinstance(part, (list, tuple, bytes)):
+            found.append(str(len(elements)))
+        for element in elements:
+            if "/" in base:
+                found += leaves(element)
+            elif base in TIMES:
+                found += [str(element.secs), str(element.nsecs)]
+            elif base == "string":
+                found.append(element.encode().hex())
+            elif base.startswith("float"):
+                found.append(struct.pack("<f", element).hex())
+            else:
+                found.append(str(int(element)))
+    return found
+
+
+def printer(name: str, one: Tuple[Field, ...]) -> List[str]:
+    """Return a C++ function that prints what a message holds, by the names of its fields."""
+    lines = [f"void show({name} &it) {{", "  (void)it;"]
+    for field in one:
+        count = f"it.{field.name}_length" if field.length is None else f"{field.length}u"
+        place = f"it.{member(field.name)}"
+        if field.is_array:
+            lines.append(f'  printf("%u ", (unsigned){count});')
+            lines.append(f"  for (uint32_t i = 0; i < {count}; i++) show({place}[i]);")
+        else:
+            lines.append(f"  show({place});")
+    return [*lines, "}"]
+
+
+def constants(name: str, generated: Any) -> List[str]:
+    """Return C++ that only compiles if the constants of a message have their values."""
+    found = []
+    for line in parts_of(generated._type, generated._full_text)[generated._type].splitlines():
+        constant = constant_in(line)
+        if constant is not None and constant.base != "string":
+            value = getattr(generated, constant.name)
+            found.append(f'static_assert({name}::{member(constant.name)} == {int(value)}, "");')
+    return found
+
+
+class Answer(NamedTuple):
+    """What the program says of one message."""
+
+    datatype: str
+    md5sum: str
+    was_read_whole: str
+    content: str
+    shown: List[str]
+
+
+PROGRAM = """
+#include <stdio.h>
+void show(bool x) { printf("%d ", x); }
+template <typename Whole> void show(Whole x) { printf("%lld ", (long long)x); }
+void show(uint64_t x) { printf("%llu ", (unsigned long long)x); }
+void show(float x) {
+  for (int i = 0; i < 4; i++) printf("%02x", ((unsigned char *)&x)[i]);
+  printf(" ");
+}
+void show(const char *x) {
+  for (; *x; x++) printf("%02x", (unsigned char)*x);
+  printf(" ");
+}
+void show(ros::Time &x) { printf("%u %u ", x.sec, x.nsec); }
+void show(ros::Duration &x) { printf("%d %d ", x.sec, x.nsec); }
+"""
+MAIN = """
+template <typename Message> void pass(Message &message, unsigned char *in, int length) {
+  static unsigned char out[1 << 16];
+  int read = message.deserialize(in);
+  int written = message.serialize(out);
+  printf("%s %s %d ", message.getType(), message.getMD5(), read == length);
+  for (int i = 0; i < written; i++) printf("%02x", out[i]);
+  printf(" | ");
+  show(message);
+  printf("\\n");
+}
+int main() {
+  static unsigned char in[1 << 16];
+  int which, length;
+  while (fread(&which, 4, 1, stdin) && fread(&length, 4, 1, stdin)) {
+    if (fread(in, 1, length, stdin) != (size_t)length) return 1;
+    switch (which) {
+CASES
+    }
+  }
+  return 0;
+}
+"""
+
+
+def classes(headers: Dict[str, str]) -> List[Tuple[str, Any]]:
+    """Return the C++ name and the class of genpy's of each message, those within others first."""
+    found: Dict[str, Any] = {}
+
+    def add(name: str, generated: Any) -> None:
+        for field in fields(generated):
+            if "/" in field.base:
+                add(field.base.replace("/", "::"), roslib.message.get_message_class(field.base))
+        found.setdefault(name, generated)
+
+    for path in sorted(headers):
+        datatype = path[: -len(".h")]
+        message = roslib.message.get_message_class(datatype)
+        service = roslib.message.get_service_class(datatype)
+        name = datatype.replace("/", "::")
+        if message is not None:
+            add(name, message)
+        if service is not None:
+            add(name + "Request", service._request_class)
+            add(name + "Response", service._response_class)
+    return list(found.items())
+
+
+class Board:
+    """The compiled headers, in a program that takes messages and says what it understood.
+
+    :param headers: by their paths
+    :param folder: for what is compiled
+    """
+
+    def __init__(self, headers: Dict[str, str], folder: pathlib.Path) -> None:
+        self.known = classes(headers)
+        make_headers.write(headers, folder / "headers")
+        text = [f'#include "{path}"' for path in sorted(headers)] + [PROGRAM]
+        for name, generated in self.known:
+            text += [*printer(name, fields(generated)), *constants(name, generated)]
+        cases = [
+            f"      case {number}: {{ static {name} it; pass(it, in, length); break; }}"
+            for number, (name, _) in enumerate(self.known)
+        ]
+        source, self._program = folder / "program.cpp", folder / "program"
+        source.write_text("\n".join(text) + MAIN.replace("CASES", "\n".join(cases)))
+        includes = [f"-I{HERE / 'board_library'}", f"-I{folder / 'headers'}"]
+        includes += ["-include", "ros/time.h", "-include", "ros/duration.h"]
+        command = ["g++", "-std=gnu++11", "-O0", "-Wall", "-Werror", *includes]
+        subprocess.check_call([*command, str(source), "-o", str(self._program)])
+
+    def answers(self, sent: List[Tuple[int, bytes]]) -> List[Answer]:
+        """Return what it says of messages: the number of the type, and the bytes, of each."""
+        pieces = [struct.pack("<ii", number, len(payload)) + payload for number, payload in sent]
+        said = subprocess.check_output([str(self._program)], input=b"".join(pieces)).decode()
+        lines = [line.partition(" | ") for line in said.splitlines()]
+        assert len(lines) == len(sent)
+        return [Answer(*head.split(" ")[:4], shown.split(" ")[:-1]) for head, _, shown in lines]
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: "pytest.TempPathFactory") -> Board:
+    return Board(make_headers.headers_of(PACKAGES), tmp_path_factory.mktemp("board"))
+
+
+def test_boards_and_genpy_mean_the_same_by_the_same_bytes(board: Board) -> None:
+    assert len(board.known) > 100
+    draw = random.Random(1)
+    numbers = list(range(len(board.known))) * ROUNDS
+    sent = [(number, filled(draw, board.known[number][1])) for number in numbers]
+    answers = board.answers([(number, encoded(message)) for number, message in sent])
+    for (number, message), answer in zip(sent, answers):
+        name, generated = board.known[number]
+        assert answer.md5sum == generated._md5sum, name
+        assert name in [answer.datatype.replace("/", "::") + end for end in ENDS]
+        assert answer.was_read_whole == "1", name
+        assert answer.content == encoded(message).hex(), name
+        assert answer.shown == leaves(message), name
+
+
+@given(st.lists(st.one_of(st.floats(), st.floats(-1e-37, 1e-37)), min_size=1, max_size=200))
+def test_of_64_bits_a_board_takes_the_nearest_of_32(board: Board, numbers: List[float]) -> None:
+    names = [name for name, _ in board.known]
+    which = names.index("std_msgs::Float64")
+    answers = board.answers([(which, struct.pack("<d", number)) for number in numbers])
+    with numpy.errstate(over="ignore"):
+        nearest = [numpy.float32(number) for number in numbers]
+    got = [struct.unpack("<f", bytes.fromhex(answer.shown[0]))[0] for answer in answers]
+    assert repr([float(one) for one in nearest]) == repr(got)
+
+
+def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
+    text = Class("Odd", "odd/Odd", "0", (), (Field("bool", False, None, "new"),))
+    assert "  _new_type new_;" in header("odd", "Odd", [text]).splitlines()
+
+
+def test_text_constants_are_functions() -> None:
+    constant = Constant("string", "GREETING", 'say "hi" \\ # all of it')
+    text = header("odd", "Odd", [Class("Odd", "odd/Odd", "0", (constant,), ())])
+    assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
+
+
+def command(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, str(HERE.parent / "scripts" / "make_headers"), *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        universal_newlines=True,
+    )
+
+
+def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> None:
+    done = command("pid_control", "robot_custom_interfaces", "--into", str(tmp_path / "made"))
+    assert (done.returncode, done.stderr) == (0, "")
+    paths = sorted(str(path.relative_to(tmp_path / "made")) for path in tmp_path.rglob("*.h"))
+    assert done.stdout == f"{len(paths)} headers are in {tmp_path / 'made'}\n"
+    # What a message contains comes with it.
+    assert paths == [
+        "pid_control/motor_input.h",
+        "pid_control/motor_output.h",
+        "pid_control/set_point.h",
+        "robot_custom_interfaces/RobotStatus.h",
+        "serial_link/wire.h",
+        "std_msgs/Header.h",
+    ]
+
+
+@pytest.mark.parametrize(
+    "arguments, why",
+    [
+        (["nobody"], "there is no package nobody here"),
+        (["nodekit"], "nodekit has neither messages nor services"),
+        (["std_srvs", "--into", "/dev/null/x"], "cannot write /dev/null/x/serial_link: "),
+    ],
+)
+def test_the_command_says_why_it_makes_none(arguments: List[str], why: str) -> None:
+    done = command(*arguments)
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith(f"make_headers: {why}")
+    assert done.stderr.count("\n") == 1

@@ -69,6 +69,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "pid_control/reading": ("identification",),
     "pid_control/report": ("identification",),
     "ros2_bridge/instructions": ("codec",),
+    "serial_link/frames": ("frames", "decoder"),
     "basic_comms/conditioner": ("conditioning",),
     "basic_comms/multisine": ("waveforms", "signal_source"),
     "basic_comms/phase_estimate": ("phase_estimate", "phase_tracking"),

@@ -28,6 +28,7 @@ def test_both_sums_are_255(topic_id: int, payload: bytes) -> None:
 
 
 def test_a_payload_that_no_length_can_tell_is_refused() -> None:
+    assert len(encode(0, bytes(LONGEST))) == LONGEST + OVERHEAD
     with pytest.raises(ValueError, match="32768 bytes: at most 32767"):
         encode(0, bytes(LONGEST + 1))
 
@@ -43,4 +44,8 @@ def test_frames_of_before_hydro_are_told_from_those_of_today_and_from_noise() ->
     assert count_old_frames(b"\xff\xff\x01" + old) == 2
     assert count_old_frames(old[:-1]) == 1
     assert count_old_frames(encode(0, b"") + encode(125, b"some")) == 0
-    assert count_old_frames(old_frame(0, bytes(513))) == 0
+    assert count_old_frames(b"\xff\xff" + old) == 2  # found behind what only begins like one
+    for size, count in ((512, 1), (513, 0)):
+        assert count_old_frames(old_frame(0, bytes(size))) == count
+    assert count_old_frames(old_frame(300, b"a")[:-1] + b"\0") == 0
+    assert count_old_frames(PROBE) == count_old_frames(PROBE + bytes(3)) == 0

@@ -18,6 +18,8 @@ HEADER, BEFORE_PAYLOAD, OVERHEAD = 5, 7, 8
 LONGEST = 0x7FFF
 
 _LENGTH, _ID = struct.Struct("<H"), struct.Struct("<H")
+#: Of the old protocol: id and length, bytes.
+_OLD_HEADER = 4
 
 
 class Frame(NamedTuple):
@@ -67,15 +69,19 @@ def count_old_frames(data: bytes, longest: int = 512) -> int:
     :param data: what a board has sent
     :param longest: a payload longer than this is none, bytes
     """
-    count, position = 0, data.find(PROBE)
-    while position >= 0:
-        body = position + len(PROBE)
-        end = -1
-        if body + 4 <= len(data):
-            size = _LENGTH.unpack_from(data, body + 2)[0]
-            end = body + 4 + size + 1
-            if size > longest or end > len(data) or sum(data[body:end]) % 256 != 255:
-                end = -1
-        count += end > 0
-        position = data.find(PROBE, end if end > 0 else position + 1)
+    count, start = 0, data.find(PROBE)
+    while start >= 0:
+        end = _end_of_old_frame(data, start + len(PROBE), longest)
+        count += bool(end)
+        start = data.find(PROBE, end or start + 1)
     return count
+
+
+def _end_of_old_frame(data: bytes, body: int, longest: int) -> int:
+    """Return where a frame of the old protocol ends, given where its id begins; 0 if it is none."""
+    if body + _OLD_HEADER > len(data):
+        return 0
+    size = _LENGTH.unpack_from(data, body + _ID.size)[0]
+    end = body + _OLD_HEADER + size + 1
+    is_good = size <= longest and end <= len(data) and sum(data[body:end]) % 256 == 255
+    return end if is_good else 0

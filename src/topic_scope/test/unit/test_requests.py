@@ -63,6 +63,7 @@ GOOD = [
     ),
     ({"type": "scaling", "traces": {"/a/x": {"gain": 2}}}, Scaling({"/a/x": TraceScale(2.0)})),
     ({"type": "measure"}, Measure()),
+    ({"type": "measure", "latency": True}, Measure(latency=True)),
     (
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
         Measure(True, "/a/x", -2.0, -1.5),

@@ -1,6 +1,6 @@
 """The recent samples of one trace, in memory that is bounded."""
 
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy
 
@@ -100,6 +100,11 @@ class Ring:
         :param count: how many at most
         """
         return self._data[0, max(self._start, self._end - count) : self._end]
+
+    @property
+    def last_received(self) -> Optional[float]:
+        """When the latest sample was received, s; None where there is none."""
+        return float(self._data[2, self._end - 1]) if len(self) else None
 
     def _forget(self, before: float, more: int) -> None:
         times = self._data[0, self._start : self._end]

@@ -77,7 +77,7 @@ class _Recorded:
             return Series(column.name, times, values)
         function, rows = make(column.function), numpy.concatenate(self._rows, axis=1)
         start, own = 0, numpy.concatenate(self._own)
-        parts = placed(path, own, numpy.concatenate(self._received))
+        parts = placed(path, own, numpy.concatenate(self._received), self._reader.is_exact)
         path = path if said_in(path, own).any() else None
         for part in parts:
             if times:

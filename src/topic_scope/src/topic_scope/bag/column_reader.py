@@ -11,7 +11,7 @@ from topic_scope.messages.arrays import first_missing, lengths_in
 from topic_scope.messages.decoding import Decoder, NotThere
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
-from topic_scope.messages.timestamp_source import path_of
+from topic_scope.messages.timestamp_source import is_exact, path_of
 
 
 class ColumnReader:
@@ -27,6 +27,8 @@ class ColumnReader:
     def __init__(self, column: Column, first: FirstMessage) -> None:
         self.column = column
         self.stamp_path = path_of(column.timestamp, first.layout)
+        #: Whether samples stand where the messages say, however late they were recorded.
+        self.is_exact = is_exact(column.timestamp, first.layout)
         self._layout = first.layout
         stamp = self.stamp_path
         self._stamp = Decoder(self._layout, stamp) if stamp is not None else None
@@ -78,6 +80,8 @@ class ColumnReader:
     def cells(self, found: Slice) -> CsvColumn:
         """Return what is written of messages, exactly as it was recorded.
 
+        Rows stand at the stamps where these were named, else at the time of recording.
+
         :raises struct.error: if a message is cut off
         """
         count = len(found.messages)
@@ -89,7 +93,16 @@ class ColumnReader:
             texts = [""] * (count - len(values)) + [repr(value) for value in values]
         else:
             texts = list(self._texts(found.messages))
-        return CsvColumn(self.column.topic, found.times, numpy.arange(count), texts)
+        times = self._stamps_ns(found) if self.is_exact else found.times
+        return CsvColumn(self.column.topic, times, numpy.arange(count), texts)
+
+    def _stamps_ns(self, found: Slice) -> numpy.ndarray:
+        """Return the stamps, ns, and the times of recording where nobody has filled them in."""
+        assert self._stamp is not None
+        stamps = numpy.array(
+            [self._stamp.value(message) for message in found.messages], numpy.int64
+        )
+        return numpy.where(stamps != 0, stamps, found.times)
 
     def _texts(self, messages: List[bytes]) -> Iterator[str]:
         (decoder,) = self._decoders

@@ -1,9 +1,13 @@
 """When a sample was taken: when its message was received, or when the message says so itself.
 
-What a message says is by a clock of its own: time since the start of a node, simulated time, the
-clock of another machine. Between that clock and the scope's lies the median of what the latest
-messages show, so that what is usual in their delay shifts a trace, and what is not does not bend
-it.
+A stamp that the user has named is what it says: the sample stands there, however late it comes, as
+long as it counts from the epoch at all.
+
+Where the scope chooses, and for fields that are no stamps, what a message says is by a clock of its
+own: time since the start of a node, simulated time, the clock of another machine. Between that
+clock and the scope's lies the median of what the latest messages show, so that what is usual in
+their delay shifts a trace, and what is not does not bend it. Stamps are moved like that only where
+they are far away at first; the page says so.
 """
 
 from typing import List, Optional, Tuple
@@ -24,8 +28,10 @@ _RECENT_S, _RECENT = 2.0, 2000
 #: The clocks' difference is taken anew where it has changed by more than this, s: at first, and
 #: when enough has been received. From then on a trace does not move for a machine that is busy.
 TOLERANCE_S, SETTLED_S = 0.002, 0.1
-#: A stamp no further away than this is by the scope's own clock, and is taken as it is, s.
+#: Stamps no further away than this at first are by the scope's clock, and are taken as they are, s.
 SAME_CLOCK_S = 0.5
+#: Stamps further away than this are not late, but count from elsewhere, s.
+_ELSEWHERE_S = 3600.0
 #: A time so far before those that came earlier was set back, and is not just late, s.
 BACK_S = 0.5
 #: How many samples tell what is usual between them; how many times that is a gap; and how long one
@@ -60,6 +66,34 @@ def name_of(path: Optional[Path]) -> str:
     return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
 
 
+def is_exact(timestamp: str, layout: Record) -> bool:
+    """Tell whether samples stand where messages say, whatever the scope's clock says.
+
+    :param timestamp: as for :func:`path_of`, which has to have accepted it
+    :param layout: layout of the messages
+    :returns: True for a stamp that was named; False for what was chosen for want of a name, and for
+        numbers, which count from a zero of their own
+    """
+    path = path_of(timestamp, layout) if timestamp else None
+    leaf = None if path is None else leaf_at(layout, path)
+    return isinstance(leaf, Scalar) and leaf.datatype == "time"
+
+
+def correction(path: Optional[Path], offset: float) -> Optional[str]:
+    """Say in words how stamps were moved.
+
+    :param path: where the times of the messages stand
+    :param offset: what was added to them, s
+    :returns: None where nothing was, or where the times are no stamps
+    """
+    if path != _STAMP_PATH or offset == 0.0:
+        return None
+    if abs(offset) > _ELSEWHERE_S:
+        return "stamps of another clock: shown at reception"
+    side = "behind" if offset > 0.0 else "ahead"
+    return f"stamps {abs(offset):.2f} s {side}: shown at reception"
+
+
 def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
     """Tell which messages say when they were made.
 
@@ -74,15 +108,18 @@ def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
 
 
 def placed(
-    path: Optional[Path], own: numpy.ndarray, received: numpy.ndarray
+    path: Optional[Path], own: numpy.ndarray, received: numpy.ndarray, exact: bool = False
 ) -> "List[numpy.ndarray]":
     """Return when recorded messages were made, by the clock that recorded them.
 
     :param path: where their times stand
     :param own: these times, s
     :param received: when they were recorded, s
+    :param exact: whether they were made when they say; see :func:`is_exact`
     :returns: the times, s, in parts: each begins where the clock was set back
     """
+    if exact:
+        return [numpy.where(said_in(path, own), own, received)]
     ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
     times = []
     for said, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
@@ -119,17 +156,21 @@ class OwnClock:
     """Tells the times of a topic's messages by their own clock, and how far that is from here.
 
     :param path: where the time stands in the messages
+    :param exact: whether a sample stands where its message says; see :func:`is_exact`
     """
 
-    def __init__(self, path: Optional[Path]) -> None:
+    def __init__(self, path: Optional[Path], exact: bool = False) -> None:
         #: What is to be added to an own time to get the scope's, s.
         self.offset = 0.0
         #: Whether any message has said a time; else the time of receipt counts.
         self.is_said = False
         self._path = path
+        self._exact = exact
         self._begin_anew()
 
     def _begin_anew(self) -> None:
+        #: Whether stamps are by the scope's clock: decided by the first, so that none jumps.
+        self._is_same: Optional[bool] = None
         self._latest = -numpy.inf
         self._recent = numpy.empty((2, 0))  # times of receipt, and differences
         self._settles_at = numpy.inf
@@ -145,14 +186,20 @@ class OwnClock:
         """
         said = said_in(self._path, own)
         back = 0.0
+        if self._exact and said.any() and self._is_same is None:
+            self._middle(received[said] - own[said])
+        if self._exact and self._is_same:
+            self.is_said = True
+            return numpy.where(said, own, received), back
         if said.any():
             differences = received[said] - own[said]
             # What came before a first time, as without /clock, stands where it was received.
             is_first = not self.is_said and self._latest > -numpy.inf
             if is_first or own[said].max() < self._latest - BACK_S:
-                before, self.offset = self.offset, self._middle(differences)
-                back = before - self.offset
+                before = self.offset
                 self._begin_anew()
+                self.offset = self._middle(differences)
+                back = before - self.offset
             self.is_said = True
             self._latest = max(self._latest, float(own[said].max()))
             self._follow(received[said], differences)
@@ -163,8 +210,11 @@ class OwnClock:
     def _middle(self, differences: numpy.ndarray) -> float:
         """Return how far the clocks are apart, s."""
         median = float(numpy.median(differences))
-        is_same = self._path == _STAMP_PATH and abs(median) < SAME_CLOCK_S
-        return 0.0 if is_same else median
+        if self._is_same is None:
+            most = _ELSEWHERE_S if self._exact else SAME_CLOCK_S
+            is_stamp = self._exact or self._path == _STAMP_PATH
+            self._is_same = is_stamp and abs(median) < most
+        return 0.0 if self._is_same else median
 
     def _follow(self, received: numpy.ndarray, differences: numpy.ndarray) -> None:
         recent = numpy.concatenate([self._recent, [received, differences]], axis=1)[:, -_RECENT:]

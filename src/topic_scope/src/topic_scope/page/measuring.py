@@ -3,6 +3,7 @@
 import math
 from typing import Any, Dict, Sequence, Tuple
 
+import numpy
 import rospy
 
 from topic_scope.analysis import measurements
@@ -70,13 +71,19 @@ def _measured(
         return told
     samples = read(name, *span)
     told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
+    told["correction"] = trace.stream.correction
+    if wanted.latency:
+        late = trace.latency(*span)
+        told["latency"] = float(numpy.median(late)) if len(late) else None
+        told["latency_max"] = float(late.max()) if len(late) else None
     told.update(measure(*samples, trace.longest_step))
     if wanted.shapes:
         told.update(measurements.figures(*samples, trace.longest_step))
     if wanted.against:
         reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
         told["phase"] = measurements.phase(samples, reference, longest)
-    age, usual = trace.age(now), trace.longest_step
-    silent = age is not None and age > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
-    told["silent"] = age if silent else None
+    # By reception: what is late is not silent.
+    quiet, usual = trace.silence(now), trace.longest_step
+    silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
+    told["silent"] = quiet if silent else None
     return told

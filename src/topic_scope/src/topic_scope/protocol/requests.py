@@ -155,6 +155,7 @@ class Measure(NamedTuple):
     :param start: start of the span, s from the reference on; None for what is visible
     :param end: its end, s from the reference on
     :param reference: s since the epoch; None to go with the time
+    :param latency: whether the times from stamps to reception are wanted
     """
 
     shapes: bool = False
@@ -162,6 +163,7 @@ class Measure(NamedTuple):
     start: Optional[float] = None
     end: Optional[float] = None
     reference: Optional[float] = None
+    latency: bool = False
 
     def span(self, now: float) -> Optional[Tuple[float, float]]:
         """Return begin and end, s; None for what is visible."""
@@ -179,7 +181,8 @@ def measure_of(request: Dict[str, Any]) -> Measure:
         for key, limits in (("start", _AWAY), ("end", _AWAY), ("reference", TIMES))
     )
     against = field_in(request, "measure", "against") if request.get("against") else ""
-    return Measure(shapes, against, start, end, reference)
+    latency = "latency" in request and flag_of(request, "measure", "latency")
+    return Measure(shapes, against, start, end, reference, latency)
 
 
 class Chart(NamedTuple):

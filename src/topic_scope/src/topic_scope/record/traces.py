@@ -52,6 +52,11 @@ class Stream:
         """The name of the time that is in use."""
         return timestamp_source.name_of(self.path)
 
+    @property
+    def correction(self) -> Optional[str]:
+        """How stamps were moved, in words; None where they were not."""
+        return timestamp_source.correction(self.path, self.offset)
+
     def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
         """Record one more field; see :class:`Trace`."""
         trace = Trace(self, path, history, function)
@@ -100,12 +105,13 @@ class Stream:
         self._layout, self._latest = layout, None
         try:
             path = timestamp_source.path_of(self._timestamp, layout)
+            exact = timestamp_source.is_exact(self._timestamp, layout)
         except fields.FieldError:  # the topic has got another type
-            path = None
+            path, exact = None, False
         if path != self._path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
                 trace.move(self.offset)
-            self._time = timestamp_source.OwnClock(path)
+            self._time = timestamp_source.OwnClock(path, exact)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
         for trace in self.traces:
@@ -180,6 +186,16 @@ class Trace:
         """Return when the samples of a time span were received, s."""
         return self._between(start, end)[2]
 
+    def latency(self, start: float, end: float) -> numpy.ndarray:
+        """Return how long after they were taken the samples of a time span were received, s.
+
+        :returns: by the clocks as they are, with no correction; nothing for times of receipt
+        """
+        if self.stream.path is None:
+            return numpy.empty(0)
+        times, _, received = self._between(start, end)
+        return received - (times - self._offset_at(start, end))
+
     def pin(self, start: float, end: float) -> None:
         """Keep the samples of a time span, and no others, when their time is over, s."""
         if (start, end) != self._pinned:
@@ -218,12 +234,24 @@ class Trace:
         latest = self.ring.latest(1)
         return now - float(latest[0]) - self.stream.offset if len(latest) else None
 
-    def _between(self, start: float, end: float) -> Tuple[numpy.ndarray, ...]:
-        # Sought with some more, as the ends are rounded otherwise than the samples' times.
-        offset = self.stream.offset
+    def silence(self, now: float) -> Optional[float]:
+        """Return for how long nothing has been received, s; None where there is no sample.
+
+        :param now: the time, s
+        """
+        last = self.ring.last_received
+        return None if last is None else now - last
+
+    def _offset_at(self, start: float, end: float) -> float:
+        """Return what is to be added to the own times of a time span to get the scope's, s."""
         if self._pinned[0] <= (start + end) / 2.0 <= self._pinned[1]:
             # The clocks may have gone apart since, as where a simulation is slower.
-            offset = self._pinned_offset
+            return self._pinned_offset
+        return self.stream.offset
+
+    def _between(self, start: float, end: float) -> Tuple[numpy.ndarray, ...]:
+        # Sought with some more, as the ends are rounded otherwise than the samples' times.
+        offset = self._offset_at(start, end)
         if not offset:
             return tuple(self.ring.between(start, end))
         times, *others = self.ring.between(start - offset - _MORE_S, end - offset + _MORE_S)
@@ -266,6 +294,10 @@ class Difference:
         times, _ = self._first.samples(start, end)
         return self._first.received(start, end)[times <= self._until]
 
+    def latency(self, start: float, end: float) -> numpy.ndarray:
+        """Return how long after they were taken samples were received, s: the first trace's."""
+        return self._first.latency(start, end)
+
     @property
     def span(self) -> Optional[Tuple[float, float]]:
         """The times of the first and the last sample, s; None where there is none."""
@@ -283,6 +315,11 @@ class Difference:
         """Return how long ago the last sample was taken, s; None where there is none."""
         ages = self._first.age(now), self._second.age(now)
         return None if None in ages else max(age for age in ages if age is not None)
+
+    def silence(self, now: float) -> Optional[float]:
+        """Return for how long nothing has been received of one of both, s; None without samples."""
+        quiet = self._first.silence(now), self._second.silence(now)
+        return None if None in quiet else max(one for one in quiet if one is not None)
 
     @property
     def _until(self) -> float:

@@ -14,10 +14,11 @@ const CURSORS_EVERY_MS = 120;
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
-/** Say in words what data a trace lacks. */
-function missing({ silent, nan, problem }) {
+/** Say in words what data a trace lacks, and how its stamps were corrected. */
+function missing({ silent, nan, problem, correction }) {
   if (problem) return problem;
   const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
+  if (correction) words.push(correction);
   if (nan > 0) words.push(`NaN ${Math.max(1, Math.round(100 * nan))} %`);
   return words.join(", ");
 }

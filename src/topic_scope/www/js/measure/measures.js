@@ -18,11 +18,14 @@ export const FIGURES = [
   ["settling", "settled, s", "settling time, to within 2 % of the step"],
   ["duty", "duty, %", "duty cycle, above the middle of the levels"],
   ["phase", "phase, °", "phase, relative to the trace chosen below"],
+  ["latency", "latency, s", "latency: from the stamp to reception, median"],
+  ["latency_max", "latency max, s", "greatest latency"],
 ];
 /** Those that are written with the digits that the spread of the trace needs. */
 export const VALUES = ["value", "min", "max", "mean", "rms"];
 
 const SHAPES = ["rise", "overshoot", "settling", "duty"];
+const LATENCIES = ["latency", "latency_max"];
 const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 
 /** The figures that are to be seen, in their order. */
@@ -41,6 +44,7 @@ export function wantedMeasures({ measures, cursors, fields }, reference) {
   return {
     type: "measure",
     shapes: SHAPES.some((key) => figures.includes(key)),
+    latency: LATENCIES.some((key) => figures.includes(key)),
     against: figures.includes("phase") ? (fields.includes(against) && against) || fields[0] || "" : "",
     ...span,
   };

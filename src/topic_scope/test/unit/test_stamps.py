@@ -1,0 +1,183 @@
+"""A sample stands at its stamp, however late its message comes: in each way out of the scope."""
+
+import asyncio
+import io
+import math
+import random
+from typing import Any, Callable, Dict, List, Optional
+
+import numpy
+import pytest
+from bags import Told, reading, slices
+from geometry_msgs.msg import PointStamped
+from rospy import Time
+
+from topic_scope.analysis.measurements import phase
+from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.bag_plot import collect
+from topic_scope.bag.column_reader import write_csv
+from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.timestamp_source import OwnClock, correction
+from topic_scope.page.export import parts
+from topic_scope.record.message_source import Batch
+from topic_scope.record.traces import Stream, Trace
+
+START, PERIOD_S, COUNT, SINE_HZ = 1000.0, 0.01, 600, 1.0
+STAMPS = [START + PERIOD_S * index for index in range(COUNT)]
+SEED = random.Random(1)
+#: How late messages come, s.
+DELAYS: Dict[str, List[float]] = {
+    "0": [0.0] * COUNT,
+    "0.3": [0.3] * COUNT,
+    "0.8": [0.8] * COUNT,
+    "0.4 to 0.6": [SEED.uniform(0.4, 0.6) for _ in range(COUNT)],
+}
+NAME = "/s/point/x@stamp"
+
+late = pytest.mark.parametrize("delays", DELAYS.values(), ids=DELAYS.keys())
+
+
+def truth(times: numpy.ndarray) -> numpy.ndarray:
+    """Return the sine that is sent."""
+    return numpy.sin(2.0 * math.pi * SINE_HZ * (times - START))
+
+
+def told_of(delays: List[float]) -> List[Told]:
+    """Return the messages in the order in which they are received."""
+    told: List[Told] = []
+    for stamp, delay, value in zip(STAMPS, delays, truth(numpy.array(STAMPS)).tolist()):
+        message = PointStamped()
+        message.header.stamp = Time.from_sec(stamp)
+        message.point.x = value
+        told.append((round((stamp + delay) * 1e9), "/s", message))
+    return sorted(told, key=lambda one: one[0])
+
+
+def recorded(delays: List[float], timestamp: str = "stamp") -> Trace:
+    """Return the trace of what has come, message by message as far as ten at once."""
+    stream = Stream("/s", timestamp)
+    trace = stream.record(("point", "x"), 100.0)
+    layout, told = layout_of(PointStamped), told_of(delays)
+    for start in range(0, COUNT, 10):
+        some = told[start : start + 10]
+        data = []
+        for _, _, message in some:
+            file = io.BytesIO()
+            message.serialize(file)
+            data.append(file.getvalue())
+        stream.add(layout, Batch({}, [time / 1e9 for time, _, _ in some], data))
+    return trace
+
+
+def check(times: Any, values: Any) -> None:
+    """Compare samples with the sine."""
+    times, values = numpy.array(times), numpy.array(values)
+    assert times == pytest.approx(STAMPS, abs=1e-6)
+    assert values == pytest.approx(truth(times), abs=1e-4)
+
+
+class OneTrace:
+    """Knows one trace, as a recorder does."""
+
+    def __init__(self, trace: Trace) -> None:
+        self._trace = trace
+
+    def update(self) -> None:
+        """There is no more."""
+
+    def trace(self, _name: str) -> Trace:
+        """Return it."""
+        return self._trace
+
+
+@late
+def test_the_samples_of_picture_cursors_and_replay_stand_at_their_stamps(
+    delays: List[float],
+) -> None:
+    times, values = recorded(delays).samples(0.0, 2000.0)
+    check(times, values)
+    turned = phase((times, values), (numpy.array(STAMPS), truth(numpy.array(STAMPS))), math.inf)
+    assert turned == pytest.approx(0.0, abs=360.0 * SINE_HZ * PERIOD_S)
+
+
+@late
+def test_the_pages_csv_stands_at_the_stamps_and_tells_the_reception(delays: List[float]) -> None:
+    async def text() -> str:
+        one: Any = OneTrace(recorded(delays))
+        return "".join([part async for part in parts(one, [NAME], 0.0, 2000.0)])
+
+    head, *lines = asyncio.run(text()).splitlines()
+    assert head == f"time,received,{NAME}"
+    rows = numpy.array([[float(cell) for cell in line.split(",")] for line in lines])
+    check(rows[:, 0], rows[:, 2])
+    assert rows[:, 1] - rows[:, 0] == pytest.approx(delays, abs=1e-5)
+
+
+@late
+def test_plot_bag_draws_at_the_stamps(delays: List[float]) -> None:
+    told = told_of(delays)
+    (series,) = collect(reading([Column("/s", ("point", "x"), "stamp")], told), slices(told))
+    check(series.times, series.values)
+
+
+@late
+def test_the_csv_of_plot_bag_stands_at_the_stamps(delays: List[float]) -> None:
+    told, file = told_of(delays), io.StringIO()
+    write_csv(file, reading([Column("/s", ("point", "x"), "stamp")], told), slices(told))
+    _, *lines = file.getvalue().splitlines()
+    rows = sorted([float(cell) for cell in line.split(",")] for line in lines)
+    check([time for time, _ in rows], [value for _, value in rows])
+
+
+@late
+def test_latency_is_what_messages_were_late(delays: List[float]) -> None:
+    for timestamp in ("stamp", ""):
+        latency = recorded(delays, timestamp).latency(0.0, 2000.0)
+        assert numpy.median(latency) == pytest.approx(numpy.median(delays), abs=1e-5)
+        assert latency.max() == pytest.approx(max(delays), abs=1e-5)
+    assert not len(recorded(delays, "received").latency(0.0, 2000.0))
+
+
+def test_what_is_late_is_not_silent() -> None:
+    assert recorded([5.0] * COUNT).silence(STAMPS[-1] + 5.5) == pytest.approx(0.5, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "delay, words",
+    [(0.3, None), (0.8, "stamps 0.80 s behind: shown at reception")],
+)
+def test_what_the_scope_chooses_is_corrected_in_words(delay: float, words: Optional[str]) -> None:
+    trace = recorded([delay] * COUNT, "")
+    assert trace.stream.correction == words
+    assert recorded([delay] * COUNT).stream.correction is None
+
+
+@pytest.mark.parametrize(
+    "offset, words",
+    [
+        (-2.0, "stamps 2.00 s ahead: shown at reception"),
+        (1.7e9, "stamps of another clock: shown at reception"),
+    ],
+)
+def test_stamps_ahead_and_of_another_clock_are_told_apart(offset: float, words: str) -> None:
+    assert correction(("header", "stamp"), offset) == words
+    assert correction(("time_x",), offset) is None
+
+
+def test_a_named_stamp_of_a_simulation_is_aligned_in_words() -> None:
+    clock = OwnClock(("header", "stamp"), True)
+    clock.convert(numpy.array([0.0]), numpy.array([START * 1e3]))
+    clock.convert(numpy.array([3.0, 3.1]), numpy.array([START * 1e3, START * 1e3 + 0.1]))
+    assert clock.offset == pytest.approx(START * 1e3 - 3.0)
+    assert correction(("header", "stamp"), clock.offset) is not None
+
+
+@pytest.mark.parametrize("delay_at", [lambda at: 0.45 + 0.02 * at, lambda at: 0.55 - 0.02 * at])
+def test_the_choice_is_made_once_where_latency_wanders(delay_at: Callable[[float], float]) -> None:
+    """About half a second, where one clock seems to be another one's."""
+    clock, is_moved = OwnClock(("header", "stamp")), set()
+    for index in range(1000):
+        own = numpy.array([START + 0.01 * index])
+        clock.convert(own, own + delay_at(0.01 * index))
+        is_moved.add(clock.offset != 0.0)
+    assert len(is_moved) == 1

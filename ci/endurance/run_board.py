@@ -30,8 +30,8 @@ TOPIC_ID = 125
 BACK_WITHIN = 5.0
 #: Longest time that the cable is out, s.
 LONGEST_OUT = 1.0
-#: Share of the damaged messages that an 8-bit sum lets through at most: it sees whatever damages
-#: one byte, and of all other damage all but one in 256.
+#: Share of the messages that do not come whole that an 8-bit sum lets through at most: it sees what
+#: damages one byte, and of all other damage all but one in 256.
 UNSEEN = 0.004
 
 
@@ -197,7 +197,7 @@ def _back(what: str, times: List[Optional[float]]) -> List[Check]:
 
 
 def _messages(truth: Truth, end: TappedEnd, to_board: List[bytes]) -> List[Check]:
-    damaged = max(1, truth.sent - truth.heard)
+    not_whole = max(1, truth.sent - truth.heard)
     unsound = [payload.hex() for payload in truth.wrong if encode(TOPIC_ID, payload) not in end.tap]
     wrong_there = sum(number_of(payload) is None for payload in to_board)
     return [
@@ -205,7 +205,9 @@ def _messages(truth: Truth, end: TappedEnd, to_board: List[bytes]) -> List[Check
         at_least("of them heard", round(100.0 * truth.heard / max(1, truth.sent), 1), 50.0, "%"),
         none_of("delivered though no frame with good sums was on the line", unsound),
         reported("delivered wrong, as an 8-bit sum held", str(len(truth.wrong))),
-        at_most("these of the damaged", round(len(truth.wrong) / damaged, 5), UNSEEN),
+        at_most(
+            "these of all that have not come whole", round(len(truth.wrong) / not_whole, 5), UNSEEN
+        ),
         at_least("messages that the board has heard", len(to_board), 100),
         reported("of them wrong, as an 8-bit sum held", str(wrong_there)),
     ]

@@ -9,6 +9,7 @@ import startup
 import timing
 import transitions
 from floor import FLOOR
+from loop import LOOP
 from results import Results
 from stacks import COURSE, MANAGED, OURS, RCLPY, RELAY, ROSCPP
 
@@ -208,6 +209,8 @@ GOALS: List[Goal] = [
     _against("bridge", "p50 to ROS 2", 1.35, "p50_us", " us", bridging.TO_ROS2, bridging.BARE),
     _itself("bridge-rest", "bridge, to its first message", 2.5, "first_s", " s", bridging.TO_ROS1),
     _itself("bridge-rest", "CPU of an idle bridge", 1.0, "cpu_percent", " %", bridging.TO_ROS1),
+    _against("loop", "CPU of motor and controller", 1.15, "cpu_percent", " %", LOOP, OURS),
+    _against("loop", "p50 from output to input", 1.1, "p50_us", " us", LOOP, OURS),
     _itself("live", "set to effect, median", 100.0, "median_ms", " ms"),
     _itself("live", "set to effect, longest", 1500.0, "longest_ms", " ms"),
     _itself("live", "200 sets end on the last", 1.0, "burst_ends_on_last", "", at_most=False),

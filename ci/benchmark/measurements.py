@@ -11,6 +11,7 @@ import groups
 import latency
 import lifecycles
 import live
+import loop
 import overlap
 import robots
 import startup
@@ -74,6 +75,13 @@ MEASUREMENTS = [
         "roslaunch to the first answer",
         [stacks.OURS, stacks.COURSE],
         startup.launch,
+        warm_up=True,
+    ),
+    Measurement(
+        "loop",
+        "motor -> controller -> motor at 1 kHz, against generator -> process",
+        [loop.LOOP, stacks.OURS],
+        loop.measure,
         warm_up=True,
     ),
     Measurement(

@@ -14,6 +14,7 @@ from tcpros import Node, split_messages
 VALUES = {
     "std_msgs/Float32": ("<f", 0),
     "basic_comms/signal_msg": ("<ffdf", 3),
+    "pid_control/motor_input": ("<fd", 1),
 }
 
 

@@ -11,6 +11,7 @@ import rospkg
 import rospy
 
 from nodekit.testing.hearing import Ear
+from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -18,6 +19,25 @@ from pid_control.identification.model_file import model_in
 from pid_control.msg import motor_input, motor_output
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts")
+#: A motor, the model beside it, and a controller with the gains that were found for it.
+LAUNCH = """
+<launch>
+  <group ns="{space}">
+    <include file="$(find pid_control)/launch/system.launch">
+      <arg name="system_config" value="{model}"/>
+    </include>
+    <include file="$(find pid_control)/launch/model.launch">
+      <arg name="model" value="{model}"/>
+    </include>
+    <include file="$(find pid_control)/launch/pid_real.launch">
+      <arg name="control_config" value="{gains}"/>
+    </include>
+    <param name="set_point_generator/waveform" value="constant"/>
+    <param name="set_point_generator/amplitude" value="0.0"/>
+    <param name="set_point_generator/offset" value="4.0"/>
+  </group>
+</launch>
+"""
 
 
 class Identify(unittest.TestCase):
@@ -71,6 +91,39 @@ class Identify(unittest.TestCase):
         self.assertTrue(command.logged("63.2 % reading"))
         with open(picture) as file:
             self.assertIn("</svg>", file.read())
+
+    def test_model_that_was_found_moves_as_the_motor_and_its_gains_control_it(self) -> None:
+        """Course 003-pid-7, 003-pid-8."""
+        model, gains = self.file("model.yaml"), self.file("gains.yaml")
+        with open(model, "w") as file:
+            file.write("system_param_K: 10.0\nsystem_param_T: 0.2\nsystem_dead_time: 0.05\n")
+        tuned = self.start("tune", model, "--gains", gains, "--picture", self.file("steps.svg"))
+        self.assertEqual(tuned.wait(), 0, tuned.logged())
+        self.assertEqual(len(tuned.logged("ziegler-nichols")), 2)
+        with open(self.file("loop.launch"), "w") as file:
+            file.write(LAUNCH.format(space=self.space, model=model, gains=gains))
+        modelled = Ear(self.space + "/model_output", motor_output)
+        with launched(self.file("loop.launch")):
+            for outputs in (self.outputs, modelled):
+                outputs.wait_for(lambda heard: abs(heard.output - 4.0) < 0.1 and heard.time > 2.0)
+        modelled.close()
+
+    def test_gains_of_no_model_are_refused(self) -> None:
+        bad = self.file("bad.yaml")
+        with open(bad, "w") as file:
+            file.write("system_param_K: 10.0\n")
+        for arguments, why in (
+            ([bad], "bad.yaml: system_param_T is missing"),
+            ([self.file("none.yaml")], "none.yaml: No such file or directory"),
+            ([bad, "--period", "0"], "'0' must be from 0.0001 to 1000 s"),
+            ([bad, "--method", "guess"], "invalid choice: 'guess'"),
+            ([bad, "--least", "1"], "--least must be at most 0"),
+        ):
+            command = self.start("tune", *arguments, "--gains", self.file("gains.yaml"))
+            self.assertEqual(command.wait(), 2)
+            self.assertTrue(command.logged(why), (why, command.logged()))
+            self.assertFalse(command.logged("Traceback"))
+        self.assertEqual(os.listdir(self.folder), ["bad.yaml"])
 
     def test_ctrl_c_stops_the_motor_and_is_no_success(self) -> None:
         self.start_motor()

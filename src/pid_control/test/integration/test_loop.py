@@ -151,8 +151,14 @@ class Loop(unittest.TestCase):
 
     def test_controller_that_ends_stops_the_motor(self) -> None:
         nodes = self.start_all()
+        self.inputs.forget()
+        wait_until(lambda: self.inputs.count() > 0, lambda: "no inputs")
         self.assertEqual(self.end(nodes["controller"]), 0)
         self.assert_stands()
+        *before, last = [message.input for message in self.inputs.messages()]
+        self.assertTrue(before)
+        self.assertNotIn(0.0, before)
+        self.assertEqual(last, 0.0)
 
     def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
         nodes = self.start_all()
@@ -165,6 +171,37 @@ class Loop(unittest.TestCase):
         self.wait_for_speed(4.0)
         # The integral of before is gone: the first answer is the proportional term's.
         self.assertAlmostEqual(self.inputs.messages()[0].input, 4.0 * 0.08, delta=1e-6)
+
+    def test_motor_that_is_started_anew_gets_the_input_of_before(self) -> None:
+        nodes = self.start_all(timeout=TIMEOUT_S)
+        self.end(nodes["system"], signal.SIGKILL)
+        wait_until(lambda: self.outputs.publishers() == 0, lambda: "the motor is still there")
+        before = self.inputs.messages()[-1]
+        self.inputs.forget()
+        self.outputs.forget()
+        self.start("system")
+        self.wait_for_line("the motor was started anew")
+        self.wait_for_speed(4.0)
+        first = self.inputs.messages()[0]
+        # dt is 0 at the first output, whose time is before that of the last motor.
+        self.assertLess(first.time, before.time)
+        self.assertAlmostEqual(first.input, before.input, delta=1e-6)
+
+    def test_from_manual_to_automatic_the_input_does_not_jump(self) -> None:
+        self.start_all()
+        change(self.space + "/controller", mode="manual", manual_output=0.4)
+        self.wait_for_speed(5.24)
+        for mode in ("PI", "manual", "PID"):
+            self.inputs.forget()
+            change(self.space + "/controller", mode=mode)
+            wait_until(lambda: self.inputs.count() > 5, lambda: "no inputs")
+            # A jump would be the proportional term's, 0.1; an integral needs time for that.
+            inputs = [0.4, *(message.input for message in self.inputs.messages()[:5])]
+            steps = [abs(after - one) for one, after in zip(inputs, inputs[1:])]
+            self.assertLess(max(steps), 0.05, (mode, inputs))
+            if mode != "manual":
+                change(self.space + "/controller", mode="manual")
+                self.wait_for_speed(5.24)
 
     def test_limits_in_the_wrong_order_are_refused_and_nothing_changes(self) -> None:
         self.start_all()

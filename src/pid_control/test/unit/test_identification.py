@@ -8,6 +8,7 @@ import pytest
 from plants import answered, plant, recorded
 
 from pid_control.identification.fit import identify
+from pid_control.identification.model_file import as_yaml
 from pid_control.identification.reading import Reading, read_step, why_they_differ
 from pid_control.identification.record import CannotTell, record_of
 from pid_control.identification.report import as_picture, as_text
@@ -135,3 +136,14 @@ def test_report_has_each_value_with_its_doubt_and_picture_is_whole() -> None:
     lines = root.findall(".//{http://www.w3.org/2000/svg}polyline")
     assert len(lines) == 4
     assert all(line.get("points") for line in lines)
+
+
+def test_input_that_was_recorded_late_leaves_gain_and_time_constant_as_they_are() -> None:
+    record = answered([(0.0, 0.0), (2.0, 0.5)], Model(13.1, 0.04), 8.0, 0.001, outputs=8000)
+    late = record._replace(changed_at=record.changed_at + numpy.array([0.0, 0.15]))
+    found = identify(late)
+    assert found.model.gain == pytest.approx(13.1, rel=0.01)
+    assert found.model.time_constant == pytest.approx(0.04, rel=0.03)
+    assert found.model.dead_time == pytest.approx(-0.15, abs=0.002)
+    assert "recorded late by 0.15 s or more" in as_text(late, found, read_step(late))
+    assert "system_dead_time: 0.0 " in as_yaml(found, "a record")

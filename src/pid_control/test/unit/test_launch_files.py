@@ -16,7 +16,12 @@ THREE = ["/controller", "/set_point_generator", "/system"]
 
 @pytest.mark.parametrize(
     "name, nodes",
-    [("motor_control", THREE), ("system", THREE[2:]), ("pid_real", THREE[:2])],
+    [
+        ("motor_control", THREE),
+        ("system", THREE[2:]),
+        ("pid_real", THREE[:2]),
+        ("model", ["/model"]),
+    ],
 )
 def test_each_file_starts_its_nodes(name: str, nodes: list) -> None:
     config = load(name + ".launch")
@@ -60,3 +65,14 @@ def test_managed_reaches_the_motor() -> None:
     for text, is_managed in (("false", False), ("yes", True)):
         params = load("system.launch", f"managed:={text}").params
         assert params["/system/managed"].value is is_managed
+
+
+def test_model_hears_the_motors_input_and_has_an_output_of_its_own(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "model.yaml"
+    file.write_text("system_param_K: 5.0\n")
+    config = load("model.launch", f"model:={file}", "scope:=true")
+    (model,) = [node for node in config.nodes if node.package == "pid_control"]
+    assert [tuple(pair) for pair in model.remap_args] == [("motor_output", "model_output")]
+    assert private_parameters(config, "/model") == {"system_param_K": 5.0}
+    (scope,) = [node for node in config.nodes if node.package == "topic_scope"]
+    assert dict(scope.env_args)["SCOPE_FIELDS"] == "motor_output/output model_output/output"

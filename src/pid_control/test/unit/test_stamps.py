@@ -16,8 +16,8 @@ LONGEST = 0.5
         (2.5, NEXT, 0.5),
         (2.6, GAP, 0.0),
         (2.0, LATE, 0.0),
-        (1.5, LATE, 0.0),
-        (1.4, RESTART, 0.0),
+        (1.91, LATE, 0.0),
+        (1.89, RESTART, 0.0),
         (0.0, RESTART, 0.0),
     ],
 )
@@ -32,7 +32,7 @@ def test_stamp_is_judged_by_the_one_before(stamp: float, kind: str, interval: fl
 def test_late_stamp_changes_nothing() -> None:
     judge = StampJudge()
     judge.judge(2.0, LONGEST)
-    judge.judge(1.9, LONGEST)
+    judge.judge(1.95, LONGEST)
     assert judge.judge(2.01, LONGEST).interval == pytest.approx(0.01)
 
 
@@ -47,3 +47,11 @@ def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list)
         if kind != LATE:
             total += interval
             assert total <= stamp - begun + 1e-6
+
+
+def test_plant_that_was_restarted_soon_is_told_from_a_late_message_however_long_one_waits() -> None:
+    stamps = StampJudge()
+    stamps.judge(1.0, 30.0)
+    assert stamps.judge(0.95, 30.0).kind == LATE
+    assert stamps.judge(0.001, 30.0).kind == RESTART
+    assert stamps.judge(0.002, 30.0).kind == NEXT

@@ -29,6 +29,9 @@ _DEAD_TIMES = (0.0, 0.4, 1.2)
 _GAINS = (1.0, 1.4, 2.0, 4.0)
 _LIMITS = (1.0, 0.85, 0.7)
 _SEARCH_OUTPUTS, _SEARCH_LEVELS = 250, 40
+#: An input may have been recorded after it acted, by so much at most, s, and as a share of the
+#: record: whoever records may be connected later than the plant. The dead time is below 0 then.
+_EARLIEST_S, _EARLIEST = 0.5, 0.05
 #: As many outputs are fitted, at most: more cost time and tell little.
 _FIT_OUTPUTS = 6000
 #: As many thresholds of the dead zone are tried at once.
@@ -123,7 +126,8 @@ class _Fit:
         self._scale = scale[self._free]
         self._row = row
         least = numpy.full(6, -numpy.inf)
-        least[TIME_CONSTANT], least[DEAD_TIME], least[LIMIT] = 1e-4, 0.0, 1e-6
+        least[TIME_CONSTANT], least[LIMIT] = 1e-4, 1e-6
+        least[DEAD_TIME] = -min(_EARLIEST_S, _EARLIEST * record.duration) / row[TIME_CONSTANT]
         largest = numpy.full(6, numpy.inf)
         largest[TIME_CONSTANT] = largest[DEAD_TIME] = record.duration / row[TIME_CONSTANT]
         bounds = least[self._free], largest[self._free]

@@ -33,6 +33,8 @@ def as_yaml(found: Identified, origin: str) -> str:
     lines = [f"# Identified from {' '.join(origin.split())}.", "# 95 of 100 are within the +-."]
     for field, name in NAMES.items():
         value, doubt = getattr(found.model, field), getattr(found.doubt, field)
+        if field == "dead_time":
+            value = max(value, 0.0)  # below 0 where the input was recorded late
         note = f"+- {doubt:.2g}" if math.isfinite(doubt) else "not met"
         lines.append(f"{name}: {float(f'{min(value, _UNLIMITED):.6g}')!r}  # {note}")
     return "\n".join(lines) + "\n"

@@ -9,6 +9,8 @@ from pid_control.identification.record import Record
 
 #: What a step response has done after a time constant.
 _SHARE = 1.0 - float(numpy.exp(-1.0))
+#: A step that holds for less than this share of the longest is not read.
+_LONG = 0.3
 #: What is read as steady: the last outputs before the input changes, as a share of their time.
 _STEADY = 0.1
 #: As many time constants a response takes until it is steady.
@@ -45,7 +47,7 @@ def read_step(record: Record) -> Optional[Reading]:
     ends = numpy.append(record.changed_at[1:], record.times[-1])
     begins = numpy.insert(record.changed_at[:-1], 0, record.times[0])
     holds = (ends - record.changed_at)[1:]
-    steps = numpy.where(holds > 0.5 * holds.max(), numpy.abs(numpy.diff(record.inputs)), 0.0)
+    steps = numpy.where(holds > _LONG * holds.max(), numpy.abs(numpy.diff(record.inputs)), 0.0)
     index = int(numpy.argmax(steps)) + 1
     begin, time, end = begins[index], record.changed_at[index], ends[index]
     rest = record.outputs[_between(record, time - _STEADY * (time - begin), time)]
@@ -89,6 +91,8 @@ def why_they_differ(record: Record, found: Identified, reading: Reading) -> List
             causes.append(f"an input of {value:g} is in the dead zone, and acts as 0")
     if model.dead_time > _OF_TIME * model.time_constant:
         causes.append(f"the dead time of {model.dead_time:.3g} s is read as a part of T")
+    if model.dead_time < -_OF_TIME * model.time_constant:
+        causes.append("the input was recorded late, and T is read from then on")
     ratio = (reading.duration - model.dead_time) / model.time_constant
     if ratio < _SETTLED:
         causes.append(f"the step holds for {max(ratio, 0.0):.1f} T: the output is not steady yet")

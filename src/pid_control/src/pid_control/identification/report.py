@@ -47,6 +47,11 @@ def as_text(record: Record, found: Identified, reading: Optional[Reading]) -> st
             f"{reading.time:.3g} s:"
         )
         lines += [f"- {why}" for why in why_they_differ(record, found, reading)]
+    if model.dead_time < -doubt.dead_time:
+        lines.append(
+            "The output begins before its input, which was recorded late by "
+            f"{-model.dead_time:.2g} s or more: the dead time cannot be told."
+        )
     return "\n".join(lines)
 
 

@@ -11,6 +11,10 @@ from typing import NamedTuple, Optional
 #: for longer than one may wait. RESTART: the plant's time has begun anew.
 FIRST, NEXT, LATE, GAP, RESTART = "first", "next", "late", "gap", "restart"
 
+#: How late a message may be that another one has overtaken, s. A plant that was restarted soon
+#: after its start is to be told from that, also where one may wait for long.
+_LATEST_S = 0.1
+
 
 class Judged(NamedTuple):
     """What becomes of a measurement.
@@ -33,13 +37,14 @@ class StampJudge:
         """Judge the stamp of the next measurement.
 
         :param stamp: when it was made, s, in the plant's time; finite
-        :param longest: longest time without one, s. A stamp that is set back by more is of a plant
-            that was restarted, and one set back by less of a message that came late or twice
+        :param longest: longest time without one, s. A stamp that is set back by more than that, or
+            than a message may be late, is of a plant that was restarted; one that is set back by
+            less of a message that came late or twice
         """
         latest = self._latest
         if latest is None:
             kind, interval = FIRST, 0.0
-        elif latest - stamp > longest:
+        elif latest - stamp > min(longest, _LATEST_S):
             kind, interval = RESTART, 0.0
         elif stamp <= latest:
             return Judged(LATE, 0.0)

@@ -1,6 +1,6 @@
 """A record of a running plant: drives its input, and stops it at the end."""
 
-from typing import Any, Callable, Dict, NamedTuple, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 import roslib.message
 import rospy
@@ -42,8 +42,8 @@ class CannotDrive(Exception):
 class LiveExperiment:
     """Drives a plant's input and hears its output; ends the process when it has what it wants.
 
-    The last input is 0: at the end of the experiment, at Ctrl-C, and when nothing was heard of the
-    plant for a while.
+    It drives only what it hears. The last input is 0: at the end of the experiment, at Ctrl-C, and
+    when nothing was heard of the plant for a while.
 
     :ROS Subscribers:
         - the output's topic, of any type
@@ -73,6 +73,8 @@ class LiveExperiment:
         self._changes = excitation(drive.least, drive.largest, drive.seconds)
         self._heard, self._sent = Samples(), Samples()
         self._heard_at, self._has_ended = rospy.get_time(), False
+        #: When the first input was sent, in the timer's time, s.
+        self._began: Optional[float] = None
         self._group = node.default_group
         self._publisher = node.publisher(self._input.topic, input_class)
         node.subscribe(self._output.topic, output_class, self._on_output)
@@ -89,12 +91,15 @@ class LiveExperiment:
         self._heard.add(rospy.get_time(), stamp_of(message), value)
 
     def _send(self, elapsed: float) -> None:
-        if self._has_ended:
+        if self._has_ended or not self._heard.values:
             return
-        if elapsed > self._drive.seconds:
+        if self._began is None:
+            self._began = elapsed
+        time = elapsed - self._began
+        if time > self._drive.seconds:
             self._finish()
             return
-        value = [change.value for change in self._changes if change.time <= elapsed][-1]
+        value = [change.value for change in self._changes if change.time <= time][-1]
         self._publish(value)
 
     def _publish(self, value: float) -> None:
@@ -132,7 +137,8 @@ class LiveExperiment:
     def _stop(self) -> None:
         if not self._has_ended:
             self._has_ended = True
-            self._publish(0.0)
+            if self._sent.values:
+                self._publish(0.0)
 
     def _end(self) -> None:
         with self._group:  # or an input that is due just now would have the last word

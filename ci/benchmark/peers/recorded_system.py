@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""The workspace's own motor, recording when it publishes. Usage: ... RECORD"""
+
+import sys
+
+from nodekit import Node, Publisher, run
+from pid_control.nodes.system import System
+from record import Record
+
+record = Record()
+
+
+class RecordingPublisher:
+    """Stands in for a publisher, which lets nobody change it, and notes when it publishes."""
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publish = publisher.publish
+
+    def publish(self, speed: float, elapsed: float, status: str) -> None:
+        """Note the output's own time and the moment just before it is published."""
+        record.add(elapsed)
+        self._publish(speed, elapsed, status)
+
+
+class RecordedSystem(System):
+    """The motor, with a publisher that records."""
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node)
+        self._publisher = RecordingPublisher(self._publisher)
+
+
+if __name__ == "__main__":
+    try:
+        run("system", RecordedSystem)
+    finally:
+        record.write(sys.argv[1])

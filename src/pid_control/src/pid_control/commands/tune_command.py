@@ -1,0 +1,121 @@
+"""The command ``rosrun pid_control tune MODEL.yaml``."""
+
+import argparse
+import math
+import sys
+from typing import List, NoReturn
+
+import rospy
+
+from pid_control.commands.files import svg_path, write_file, yaml_path
+from pid_control.identification.model_file import ModelError, model_in
+from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
+from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
+
+#: What the exit status says beside 0.
+_WRONG = 2
+
+
+def main() -> None:
+    """Print the gains by each method, and write those of one; end with 0 or 2."""
+    arguments = _parser().parse_args(rospy.myargv()[1:])
+    if not arguments.least <= 0.0 < arguments.largest:
+        _fail("--least must be at most 0, and --largest above it")
+    try:
+        with open(arguments.model, encoding="utf-8") as file:
+            model = model_in(file.read())
+        found = gains_of(model, arguments.period, arguments.wanted)
+        responses = [
+            respond(model, found[method], arguments.period, arguments.least, arguments.largest)
+            for method in METHODS
+        ]
+        print(as_table(responses), flush=True)
+        if arguments.gains is not None:
+            chosen = found[arguments.method]
+            text = as_yaml(chosen, arguments.model, arguments.least, arguments.largest)
+            write_file(arguments.gains, text)
+        if arguments.picture is not None:
+            write_file(arguments.picture, as_picture(responses))
+        if arguments.judge:
+            _judge(responses)
+    except (ModelError, UnicodeDecodeError) as error:
+        _fail(f"{arguments.model}: {error}")
+    except OSError as error:
+        _fail(f"{error.filename or arguments.model}: {error.strerror or error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+
+
+def _fail(why: str) -> NoReturn:
+    print(f"tune: {why}", file=sys.stderr)
+    sys.exit(_WRONG)
+
+
+def _judge(responses: List[Response]) -> None:
+    # It needs a master and processes, which nothing else here does.
+    from pid_control.trial.gains_trial import judge_gains
+
+    for gains, said in judge_gains([response.gains for response in responses]):
+        print(f"\n{gains.method}:\n{said}", flush=True)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="tune",
+        description="Find the gains of a controller for a model, by each of some rules.",
+        epilog="Exit status: 0, or 2 if something is wrong with the command or the model.",
+    )
+    parser.add_argument("model", metavar="MODEL.yaml", help="what identify has written")
+    parser.add_argument(
+        "--method", choices=METHODS, default=SIMC, help="whose gains are written (%(default)s)"
+    )
+    parser.add_argument(
+        "--gains", metavar="FILE.yaml", type=yaml_path, help="write them for controller.py"
+    )
+    parser.add_argument(
+        "--picture", metavar="FILE.svg", type=svg_path, help="draw the response of each method"
+    )
+    parser.add_argument(
+        "--period",
+        metavar="S",
+        type=_seconds,
+        default=0.01,
+        help="time between two answers of the controller, s (%(default)g)",
+    )
+    parser.add_argument(
+        "--wanted",
+        metavar="S",
+        type=_seconds,
+        help="time constant that the closed loop shall have, s, for simc and lambda",
+    )
+    for name, default, text in (("--least", -1.0, "least"), ("--largest", 1.0, "largest")):
+        parser.add_argument(
+            name,
+            metavar="U",
+            type=_number,
+            default=default,
+            help=f"the controller's {text} output (%(default)g)",
+        )
+    parser.add_argument(
+        "--judge",
+        action="store_true",
+        help="have the judge say what it thinks of each, with the course's motor; takes minutes",
+    )
+    return parser
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
+    if not 1e-4 <= value <= 1e3:
+        raise argparse.ArgumentTypeError(f"{text!r} must be from 0.0001 to 1000 s")
+    return value

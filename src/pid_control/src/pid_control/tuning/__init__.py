@@ -1,0 +1,1 @@
+"""From a model to the gains of a controller: pure."""

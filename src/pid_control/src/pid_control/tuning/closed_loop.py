@@ -1,0 +1,131 @@
+"""The closed loop of a controller and a model: what a step of the set point does."""
+
+import math
+from typing import List, NamedTuple
+
+from first_order_sys_sim.first_order_plant import PlantSettings
+from first_order_sys_sim.sampled_plant import SampledPlant
+from pid_control.charts.chart import Curve, Panel, as_svg
+from pid_control.identification.response import Model
+from pid_control.law.pid import Pid, PidSettings
+from pid_control.motor.delayed_plant import DelayedPlant
+from pid_control.tuning.rules import Gains
+
+#: The step goes to this share of what the plant can do, and takes so many time constants and dead
+#: times.
+_SHARE, _LONG = 0.5, 12.0
+#: How near the output has to stay to have settled, as a share of the step.
+_NEAR = 0.02
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+_SET_POINT = "#999999"
+
+
+class Response(NamedTuple):
+    """What a step of the set point does.
+
+    :ivar gains: of the controller
+    :ivar times: from the step on, s
+    :ivar outputs: of the plant
+    :ivar inputs: of the plant
+    :ivar set_point: where the step goes to, from 0
+    """
+
+    gains: Gains
+    times: List[float]
+    outputs: List[float]
+    inputs: List[float]
+    set_point: float
+
+    @property
+    def rise_time(self) -> float:
+        """From 10 % to 90 % of the step, s; infinite where it does not get there."""
+        end = self._reached(0.9)
+        return end - self._reached(0.1) if math.isfinite(end) else math.inf
+
+    @property
+    def overshoot(self) -> float:
+        """By how much the output goes beyond the set point, as a share of the step."""
+        return max(0.0, max(value / self.set_point for value in self.outputs) - 1.0)
+
+    @property
+    def settling_time(self) -> float:
+        """From when on the output stays near the set point, s; infinite where it does not."""
+        off = [
+            time
+            for time, value in zip(self.times, self.outputs)
+            if abs(value / self.set_point - 1.0) > _NEAR
+        ]
+        latest = off[-1] if off else 0.0
+        return latest if latest < self.times[-1] else math.inf
+
+    def _reached(self, share: float) -> float:
+        for time, value in zip(self.times, self.outputs):
+            if value / self.set_point >= share:
+                return time
+        return math.inf
+
+
+def respond(model: Model, gains: Gains, period: float, least: float, largest: float) -> Response:
+    """Return the response of the reference controller with gains, and a plant.
+
+    :param model: the plant
+    :param gains: of the controller
+    :param period: time between two answers, s
+    :param least: the controller's least output
+    :param largest: its largest
+    """
+    plant = PlantSettings(model.gain, model.time_constant, model.limit, model.dead_zone)
+    # As exact as the plant's own time constant needs it, whatever the period.
+    sample_time = min(period, 0.01 * model.time_constant)
+    motor = DelayedPlant(SampledPlant(plant, sample_time), model.dead_time)
+    settings = PidSettings(gains.mode, gains.kp, gains.ki, gains.kd, gains.filter_time)
+    law = Pid(settings._replace(output_min=least, output_max=largest))
+    set_point = math.copysign(_SHARE * min(abs(model.gain) * largest, model.limit), model.gain)
+    duration = _LONG * (model.time_constant + model.dead_time + period)
+    response = Response(gains, [], [], [], set_point)
+    for number in range(math.ceil(duration / period)):
+        time = number * period
+        speed = motor.output(time)
+        given = law.update(set_point, speed, period if number else 0.0).output
+        motor.set_input(time, given)
+        response.times.append(time)
+        response.outputs.append(speed)
+        response.inputs.append(given)
+    return response
+
+
+def as_table(responses: List[Response]) -> str:
+    """Return gains and what they do, one method a line.
+
+    :param responses: of each
+    """
+    lines = [
+        f"{'':21}{'kp':>9}{'ki, 1/s':>9}{'kd, s':>10}{'rise, s':>9}{'overshoot':>11}"
+        f"{'settled, s':>12}"
+    ]
+    for one in responses:
+        gains = one.gains
+        lines.append(
+            f"{gains.method:21}{gains.kp:9.4g}{gains.ki:9.4g}{gains.kd:10.4g}"
+            f"{one.rise_time:9.3g}{100.0 * one.overshoot:9.1f} %{_settled(one):>12}"
+        )
+    return "\n".join(lines)
+
+
+def _settled(response: Response) -> str:
+    time = response.settling_time
+    return f"{time:.3g}" if math.isfinite(time) else "never"
+
+
+def as_picture(responses: List[Response]) -> str:
+    """Return all responses, over each other, as SVG.
+
+    :param responses: of each method; at least one
+    """
+    first = responses[0]
+    wanted = Curve("set point", _SET_POINT, first.times, [first.set_point] * len(first.times))
+    outputs, inputs = [wanted], []
+    for one, colour in zip(responses, _COLOURS):
+        outputs.append(Curve(one.gains.method, colour, one.times, one.outputs))
+        inputs.append(Curve("", colour, one.times, one.inputs, True))
+    return as_svg([Panel("output", outputs), Panel("input", inputs, 100.0)])

@@ -1,0 +1,60 @@
+"""What a step of the set point does, with gains."""
+
+import math
+import xml.etree.ElementTree
+
+import pytest
+
+from pid_control.identification.response import Model
+from pid_control.law.pid import PI
+from pid_control.tuning.closed_loop import as_picture, as_table, respond
+from pid_control.tuning.rules import LAMBDA, METHODS, SIMC, Gains, gains_of
+
+MODEL = Model(2.0, 1.0, 0.2)
+PERIOD = 0.01
+
+
+def test_lambda_makes_a_loop_of_that_time_constant() -> None:
+    gains = gains_of(MODEL, PERIOD, 0.5)[LAMBDA]
+    response = respond(MODEL, gains, PERIOD, -10.0, 10.0)
+    # From 10 % to 90 % a first-order system takes ln 9 time constants.
+    assert response.set_point == 10.0
+    assert response.rise_time == pytest.approx(0.5 * math.log(9.0), rel=0.15)
+    assert response.overshoot < 0.02
+    assert response.settling_time < 4.0
+
+
+def test_figures_of_a_loop_that_swings() -> None:
+    strong = Gains(SIMC, "", PI, 6.0, 30.0)
+    response = respond(MODEL, strong, PERIOD, -10.0, 10.0)
+    peak = max(response.outputs)
+    assert response.overshoot == pytest.approx(peak / 10.0 - 1.0) and peak > 10.5
+    assert response.settling_time > 2.0
+
+
+def test_weak_controller_never_gets_there() -> None:
+    response = respond(MODEL, Gains(SIMC, "", PI, 0.01, 0.001), PERIOD, -1.0, 1.0)
+    assert math.isinf(response.settling_time)
+    assert math.isinf(response.rise_time)
+    assert "never" in as_table([response])
+
+
+def test_set_point_is_within_reach_and_inputs_within_limits() -> None:
+    limited = Model(-2.0, 1.0, 0.2, 0.1, 1.2)
+    for gains in gains_of(limited, PERIOD).values():
+        response = respond(limited, gains, PERIOD, -0.5, 1.0)
+        assert response.set_point == -0.6
+        assert min(response.inputs) >= -0.5 and max(response.inputs) <= 1.0
+        assert response.outputs[-1] == pytest.approx(-0.6, abs=0.1)
+
+
+def test_table_and_picture_have_each_method() -> None:
+    found = gains_of(MODEL, PERIOD)
+    responses = [respond(MODEL, found[method], PERIOD, -1.0, 1.0) for method in METHODS]
+    lines = as_table(responses).splitlines()
+    assert [line.split()[0] for line in lines[1:]] == list(METHODS)
+    picture = as_picture(responses)
+    root = xml.etree.ElementTree.fromstring(picture)
+    assert len(list(root.iter("{http://www.w3.org/2000/svg}polyline"))) == 1 + 2 * len(METHODS)
+    for method in METHODS:
+        assert method in picture

@@ -316,6 +316,9 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(message.header.frame_id, "robot2/odom")
         self.assertEqual(self.graph.parameter("/robot2/diff_drive/frame_prefix"), "robot2/")
         self.assertEqual(self.graph.parameter("/robot2/diff_drive/initial_x"), 1.0)
+        # Each has noise of its own.
+        seeds = [self.graph.parameter(f"/robot{number}/diff_drive/seed") for number in (1, 2, 3)]
+        self.assertEqual(seeds, [0, 1, 2])
 
     def test_a_wall_stops_it_where_it_touches(self) -> None:
         contact = Ear("/contact", Bool)
@@ -348,6 +351,18 @@ class DiffDrive(unittest.TestCase):
         self.assertAlmostEqual(scan.ranges[180], 2.968, places=6)
         self.assertTrue(math.isinf(scan.ranges[180 + 45]))  # the corner is beyond 3.5 m
         self.assertLess(scan.ranges[45], 2.3)  # a box
+
+    def test_what_the_laser_is_like_can_be_changed_while_it_scans(self) -> None:
+        scans = Ear("/scan", LaserScan)
+        self.wait_for_ear("", "/scan")
+        self.addCleanup(scans.close)
+        self.addCleanup(change, "/diff_drive", scan_rays=360, scan_range=3.5, laser_x=-0.032)
+        change("/diff_drive", scan_rays=4, scan_range=2.9, laser_x=0.5)
+        self.advance(0.2)
+        scan = scans.wait_for(lambda heard: len(heard.ranges) == 4)
+        self.assertAlmostEqual(scan.range_max, 2.9, places=6)
+        self.assertAlmostEqual(scan.ranges[0], 2.5, places=6)
+        self.assertTrue(math.isinf(scan.ranges[2]))  # that wall is 3.5 m away
 
     def test_whoever_comes_late_gets_the_world_and_each_change_of_it(self) -> None:
         worlds = Ear("/world", MarkerArray)

@@ -134,6 +134,12 @@ class EnableSequence(unittest.TestCase):
         self.assertEqual(self.enable(True).message, "enabled")
         self.assert_both_run()
 
+    def test_motor_that_is_disabled_before_it_was_enabled_says_so(self) -> None:
+        self.start_motor()
+        answer = self.enable(False)
+        self.assertEqual((answer.success, answer.message), (True, "disabled already"))
+        self.wait_for_state("disabled")
+
     def test_set_point_started_after_somebody_disabled_the_motor_enables_it(self) -> None:
         self.start_motor()
         self.enable(False)

@@ -271,10 +271,30 @@ class Modules(BrowserTest):
         self.assertEqual((wait, closed), (10000, [True, True, False]))
 
     def test_typed_numbers(self) -> None:
-        texts = ["1.5", " -2,25 ", "−3", "1e3", "", "fast"]
+        texts = ["1.5", " -2.25 ", "−3", "1e3", "", "fast", "1,000", "2,5"]
         answers = self.browser.call("base/numbers.js", "a[0].map(module.readNumber)", texts)
         self.assertEqual(answers[:5], [1.5, -2.25, -3, 1000, None])
-        self.assertIsNone(answers[5])  # NaN, as it travels
+        self.assertEqual(answers[5:], [None] * 3)  # NaN, as it travels
+        said = self.browser.call("base/numbers.js", "a[0].map(module.ambiguity)", texts)
+        self.assertEqual(said[:6], [""] * 6)
+        for text, sentence in zip(texts[6:], said[6:]):
+            self.assertTrue(sentence.startswith(f"{text} can be read in two ways"), sentence)
+
+    def test_a_number_with_a_comma_is_refused_with_a_sentence(self) -> None:
+        said = self.browser.call(
+            "base/numbers.js",
+            """(() => {
+              const input = document.createElement("input");
+              input.inputMode = "decimal";
+              input.value = a[0];
+              document.body.append(input);
+              input.dispatchEvent(new Event("change", { bubbles: true }));
+              input.remove();
+              return document.getElementById("notice").textContent;
+            })()""",
+            "1,000",
+        )
+        self.assertIn("1,000 can be read in two ways", said)
 
     def test_range_grows_at_once_and_shrinks_later(self) -> None:
         steps = [[-1, 1, 0], [-1, 3, 0.1], [-0.1, 0.1, 0.2], [-0.1, 0.1, 1.0], [-0.1, 0.1, 5.0]]

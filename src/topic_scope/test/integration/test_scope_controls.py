@@ -94,6 +94,13 @@ class Controls(ScopeTest):
         self.assertEqual(rospy.get_param(NODE + "/multisine_amplitudes"), before)
         self.assertEqual(other.messages("refused"), [])
 
+    def test_a_number_with_a_comma_is_refused_by_the_node(self) -> None:
+        page = self.panelled()
+        before = rospy.get_param(NODE + "/amplitude")
+        self.set(page, "amplitude", "1,000")
+        page.wait_for("refused", lambda told: told["name"] == "amplitude")
+        self.assertEqual(rospy.get_param(NODE + "/amplitude"), before)
+
     def test_lists_that_must_have_one_length_are_changed_one_after_the_other(self) -> None:
         page = self.panelled()
         names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]

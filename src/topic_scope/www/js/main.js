@@ -4,6 +4,7 @@ import { Connection } from "./base/connection.js";
 import { byId, setPressed } from "./base/dom.js";
 import { startKeys } from "./base/keys.js";
 import { isReadable, notify, showLink, showMaster } from "./base/link.js";
+import { ambiguity } from "./base/numbers.js";
 import { colourOf, startTheme } from "./state/colours.js";
 import { State } from "./state/state.js";
 import { Sweep } from "./state/sweep.js";
@@ -120,5 +121,10 @@ state.on(["view"], ({ view: shown }) => {
     setPressed(byId(`show-${name}`), name === shown);
   }
 });
+// Before the field is filled with its former number again.
+document.addEventListener("change", ({ target }) => {
+  const problem = target.inputMode === "decimal" ? ambiguity(target.value) : "";
+  if (problem) notify(problem);
+}, true);
 setup.restoreAddress();
 connection.connect();

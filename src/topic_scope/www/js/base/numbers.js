@@ -100,13 +100,21 @@ export function short(value) {
 
 /**
  * Read a number that a person typed.
- * @param {string} text with a decimal point or comma
+ * @param {string} text with a decimal point; a comma may be that, or stand between thousands
  * @returns {?number} null for no text, NaN for something else
  */
 export function readNumber(text) {
-  const trimmed = text.trim().replace("−", "-").replace(",", ".");
+  const trimmed = text.trim().replace("−", "-");
   return trimmed === "" ? null : Number(trimmed);
 }
+
+/**
+ * Say why a number with a comma is refused.
+ * @param {string} text that a person typed
+ * @returns {string} a sentence; empty where there is no comma
+ */
+export const ambiguity = (text) => (text.includes(",")
+  ? `${text.trim()} can be read in two ways: write numbers without commas, such as 1000 or 2.5.` : "");
 
 /** The nearest number that is not out of two bounds. */
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);

@@ -10,6 +10,7 @@ import run_board
 import run_bridge
 import run_crowd
 import run_interrupt
+import run_judge
 import run_managed
 import run_record
 import run_respawn
@@ -25,6 +26,7 @@ RUNS: List[Run[Soak]] = [
     Run("stalled", "a subscriber at 1 kHz that is stopped for a minute", run_stalled.run),
     Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
     Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
+    Run("judge", "controllers whose flaws are known, and a class with broken ones", run_judge.run),
     Run("scope", "ten traces of 1 kHz on the page of the oscilloscope", run_scope.run),
     Run("board", "a board behind a bad cable that is reset and unplugged", run_board.run),
     Run("bridge", "1 kHz through the bridge, then kill -9 of it and of each side", run_bridge.run),

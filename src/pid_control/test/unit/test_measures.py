@@ -175,6 +175,8 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> Non
 def test_an_integral_that_goes_on_while_the_clock_stands_still_shows() -> None:
     record = play_one("held", pi())
     assert figure(record, "standstill_jump") < 0.005
+    assert figure(record._replace(standstill_rest=None), "standstill_jump") is None
+    assert figure(record._replace(standstill_rest=None), "standstill_answers") is None
     slope = 1.5 * 0.1
     rows = [
         row._replace(input=row.input + 0.2 * slope) if row.time > 0.6 else row

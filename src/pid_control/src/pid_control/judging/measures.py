@@ -216,8 +216,8 @@ def _kick(record: Record) -> Optional[float]:
     return max(max((row.input - line.at(row.time)) / LITTLE for row in rows), 0.0)
 
 
-def _standstill_answers(record: Record) -> float:
-    return float(record.standstill_answers)
+def _standstill_answers(record: Record) -> Optional[float]:
+    return None if record.standstill_rest is None else float(record.standstill_answers)
 
 
 def _standstill_rest(record: Record) -> Optional[float]:
@@ -227,7 +227,8 @@ def _standstill_rest(record: Record) -> Optional[float]:
 def _standstill_jump(record: Record) -> Optional[float]:
     """By how much time the integral went on while the clock stood still, s."""
     line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
-    if line is None or abs(line.slope) < _NO_GROWTH:
+    has_stood = record.standstill_rest is not None
+    if not has_stood or line is None or abs(line.slope) < _NO_GROWTH:
         return None
     rows = record.between(STANDSTILL_AT + 0.03, FASTER_AT)
     before = rows[0].time, rows[0].input

@@ -40,7 +40,8 @@ class Record(NamedTuple):
     :ivar answers: the time of each message, s, and its input, whatever that is
     :ivar busy: processor time that the controller took, s
     :ivar standstill_answers: how many messages came while the clock stood still
-    :ivar standstill_rest: share of that time in which the controller did nothing; None if unknown
+    :ivar standstill_rest: share of that time in which the controller did nothing; None where the
+        clock did not stand still
     """
 
     scenario: Scenario

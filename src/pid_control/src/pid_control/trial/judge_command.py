@@ -21,7 +21,7 @@ _LONGEST_S = 3600.0
 #: What rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
 #: How late the judge itself may be where it goes by the machine's clock, s.
-_LATEST_S = 0.05
+_LATEST_S = 0.02
 
 
 class CannotJudge(Exception):
@@ -169,7 +169,8 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
         from pid_control.trial.stage import Rivals, Stage
         from pid_control.trial.trial import OutOfTime, Trial
 
-        trial = Trial(Stage(), target, master.environment, arguments.real_time, deadline)
+        stage = Stage()
+        trial = Trial(stage, target, master.environment, arguments.real_time, deadline)
         records: List[Record] = []
         reason = ""
         for scenario in arguments.only or BY_NAME.values():
@@ -184,8 +185,11 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
                 raise CannotJudge(f"{target.name}: {error.strerror}") from None
             if is_fatal(records[-1], limits):
                 break
+        stage.close()
         if trial.latest > _LATEST_S:
-            reason = f"this machine is too busy: the judge itself was {trial.latest:.2f} s late"
+            raise CannotJudge(
+                f"this machine is too busy: the judge itself was {trial.latest:.3f} s late"
+            )
     finally:
         master.close()
     return judge(records, limits, reason), records

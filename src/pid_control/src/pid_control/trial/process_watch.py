@@ -2,7 +2,8 @@
 
 Linux marks a thread as ready to run in the moment in which a message reaches it, before the sender
 is told that it was sent. So when all threads wait, all that was sent has been dealt with, however
-busy the machine is: a thread that has to wait for a processor is ready to run.
+busy the machine is: a thread that has to wait for a processor is ready to run. Where the machine is
+so busy that Linux leaves the delivery to its threads ksoftirqd, those are ready to run.
 """
 
 import contextlib
@@ -31,6 +32,9 @@ class ProcessWatch:
     def __init__(self, mark: str) -> None:
         self._mark = f"{MARK}={mark}".encode()
         self._states: Dict[str, int] = {}
+        #: How many threads each process had when they were looked for.
+        self._counts: Dict[int, int] = {}
+        self._delivering = _delivering_threads()
         self._pids: Set[int] = set()
         self._searched_at = -1.0
         #: Processor time of processes that have ended, s.
@@ -49,6 +53,7 @@ class ProcessWatch:
 
     def busy(self) -> float:
         """Return the processor time that was used so far, s."""
+        self._pids |= set(self.pids())
         for pid in self._pids:
             with contextlib.suppress(OSError, IndexError):
                 with open(f"/proc/{pid}/stat") as stat:
@@ -59,7 +64,7 @@ class ProcessWatch:
     def is_idle(self) -> bool:
         """Tell whether all threads wait for something."""
         now = time.monotonic()
-        if now - self._searched_at > _LOOK_EVERY_S:
+        if now - self._searched_at > _LOOK_EVERY_S or self._has_other_threads():
             self._search()
             self._searched_at = now
         # Twice: a thread may have woken one that was looked at before, and wait since.
@@ -112,10 +117,16 @@ class ProcessWatch:
                 return False
         return True
 
+    def _has_other_threads(self) -> bool:
+        """Tell whether a process has got another number of threads; it takes a few microseconds."""
+        return any(_count_of_threads(pid) != count for pid, count in self._counts.items())
+
     def _search(self) -> None:
         own = os.path.basename(os.path.realpath("/proc/thread-self"))
         self._pids = set(self.pids())
-        for path in self._threads([os.getpid(), *self._pids]):
+        watched = [os.getpid(), *self._pids]
+        self._counts = {pid: _count_of_threads(pid) for pid in watched}
+        for path in [*self._threads(watched), *self._delivering]:
             if path not in self._states and not path.endswith(f"/{own}/stat"):
                 with contextlib.suppress(OSError):
                     self._states[path] = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
@@ -126,3 +137,23 @@ class ProcessWatch:
             with contextlib.suppress(OSError):
                 for thread in os.listdir(f"/proc/{pid}/task"):
                     yield f"/proc/{pid}/task/{thread}/stat"
+
+
+def _count_of_threads(pid: int) -> int:
+    """Return how many threads a process has, 0 where it has ended."""
+    try:
+        return os.stat(f"/proc/{pid}/task").st_nlink - 2
+    except OSError:
+        return 0
+
+
+def _delivering_threads() -> List[str]:
+    """Return where the states are of the kernel's threads that deliver what is sent."""
+    found = []
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            with contextlib.suppress(OSError):
+                with open(f"/proc/{name}/comm") as comm:
+                    if comm.read().startswith("ksoftirqd/"):
+                        found.append(f"/proc/{name}/stat")
+    return found

@@ -1,5 +1,6 @@
 """Runs a controller through a scenario."""
 
+import math
 import time
 from typing import Dict, List, Optional, Tuple
 
@@ -27,6 +28,8 @@ _FIRST_CLOCK = 0.01
 #: How long a controller may take to find its first topic, s, how long from then on for all, and how
 #: long the connections of the one before may take to be gone.
 _FIRST_TOPIC_S, _ALL_TOPICS_S, _GONE_S = 20.0, 5.0, 5.0
+#: How long a controller that has found all others may take to find the clock, s: it need not.
+_CLOCK_S = 1.0
 #: How long the loop is closed before a scenario begins, s.
 _SETTLE_S = 0.1
 #: In how many steps on end a controller may come to no rest.
@@ -128,12 +131,18 @@ class Trial:
 
     def _connect(self, experiment: Experiment, controller: ControllerProcess) -> bool:
         """Let time pass until the controller has found its topics; tell whether it has."""
-        end, is_alone = time.monotonic() + _FIRST_TOPIC_S, True
-        while self._stage.missing():
+        end, clock_end = time.monotonic() + _FIRST_TOPIC_S, math.inf
+        is_alone = True
+        while self._stage.missing() or not self._stage.has_clock_listener():
             self._check_time()
+            now = time.monotonic()
             if is_alone and self._stage.is_connected():
-                end, is_alone = time.monotonic() + _ALL_TOPICS_S, False
-            if controller.status is not None or time.monotonic() > end:
+                end, is_alone = now + _ALL_TOPICS_S, False
+            if not self._stage.missing():
+                clock_end = min(clock_end, now + _CLOCK_S)
+                if self._real_time or now > clock_end:
+                    return True
+            if controller.status is not None or now > end:
                 return False
             self._stage.send(experiment.send(self._clock), self._clock)
             if self._stage.has_clock_listener():

@@ -13,6 +13,7 @@ build_facts() {
     echo "ros $(has_noetic && echo "$noetic" || echo /usr)"
     echo "tests $(has_rostest && echo ON || echo OFF)"
     echo "without $(languages_left_out)"
+    echo "packages $(packages_to_build)"
 }
 
 # Without C++ and Lisp a build from scratch takes a sixth less. Who does not say which are to be left
@@ -71,21 +72,23 @@ refuse_catkin_tools() {
 }
 
 build() {
-    local read_by_it
+    local read_by_it packages
+    packages=$(packages_to_build)
+    if [ "$packages" = all ]; then packages=; fi
     read_by_it=$(build_facts; build_inputs)
     refuse_catkin_tools
     if build_must_start_over "$read_by_it"; then
-        say "building from scratch with catkin_make"
+        say "building from scratch with catkin_make${packages:+: $packages}"
         # What ci/ros2 has made there tells by itself whether it still fits.
         find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" ! -name 'ros2*' -exec rm -rf {} +
         rm -rf "$workspace/devel"
     else
-        say "building with catkin_make"
+        say "building with catkin_make${packages:+: $packages}"
     fi
     : >"$building"
     # In a shell of its own: other workspaces that the caller has sourced stay out of this one.
     if ! ROS_LANG_DISABLE=$(languages_left_out) \
-        logged run_catkin_make "$(has_rostest && echo ON || echo OFF)"; then
+        logged run_catkin_make "$(has_rostest && echo ON || echo OFF)" "${packages// /;}"; then
         [ ! -f "$stamp" ] || echo failed >>"$stamp"
         rm "$building"
         die "the build failed: see above."
@@ -95,9 +98,10 @@ build() {
     rm "$building"
 }
 
-run_catkin_make() ( # ON|OFF: with or without the tests' targets
+run_catkin_make() ( # ON|OFF PACKAGE;…: with or without the tests' targets; all packages if none is named
     unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH
     ! has_noetic || source_setup "$noetic"
     cd "$workspace" || exit
-    catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$1"
+    catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$1" \
+        -DCATKIN_WHITELIST_PACKAGES="$2"
 )

@@ -16,7 +16,7 @@ listed_packages() { # SECTION…
 
 missing_packages() { # SECTION…
     local -a listed
-    mapfile -t listed < <(listed_packages "$@")
+    mapfile -t listed < <(listed_packages "$@" | needed_of_apt)
     # Without dpkg there is no telling: everything counts as missing.
     awk '
         look == "up" { if ($1 == "installed") installed[$2]; next }

@@ -8,6 +8,7 @@ state=$workspace/build/ci-exec
 
 source "$library/usage.bash"
 source "$library/environment.bash"
+source "$library/needs.bash"
 source "$library/packages.bash"
 source "$library/build.bash"
 

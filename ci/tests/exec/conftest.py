@@ -15,6 +15,7 @@ PACKAGE_XML = """<package format="3">
   <maintainer email="nobody@example.invalid">nobody</maintainer> <license>BSD-3-Clause</license>
   <buildtool_depend>catkin</buildtool_depend>
   <build_depend>message_generation</build_depend> <exec_depend>message_runtime</exec_depend>
+  %(more)s
 </package>
 """
 CMAKE_LISTS = """cmake_minimum_required(VERSION 3.5)
@@ -60,13 +61,15 @@ class Workspace:
         #: A command that is to run it.
         self.prefix: List[str] = []
         shutil.copytree(CI, root / "ci", ignore=shutil.ignore_patterns("__pycache__", "tests"))
+        (root / "packaging").mkdir()
+        shutil.copy(str(CI.parent / "packaging" / "dependencies.txt"), str(root / "packaging"))
         self.add_package("tiny")
 
-    def add_package(self, name: str) -> None:
-        """Write a package with one message, Beat."""
+    def add_package(self, name: str, more: str = "") -> None:
+        """Write a package with one message, Beat, and more in its package.xml."""
         package = self.root / "src" / name
         (package / "msg").mkdir(parents=True)
-        (package / "package.xml").write_text(PACKAGE_XML % {"name": name})
+        (package / "package.xml").write_text(PACKAGE_XML % {"name": name, "more": more})
         (package / "CMakeLists.txt").write_text(CMAKE_LISTS % {"name": name})
         (package / "msg" / "Beat.msg").write_text("float64 period  # s\n")
 

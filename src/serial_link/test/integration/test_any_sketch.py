@@ -282,10 +282,13 @@ class AnySketch(unittest.TestCase):
         node.wait_for_log("the board says nothing", "at 115200 baud?")
         self.feed(b"\x00\x80garbled", node, "what arrives is no message of rosserial", "115200")
         # Such a board answers the request of its own time only.
-        asked = b""
-        while OLD_REQUEST not in asked:
-            self.end.wait(1.0)
-            asked += self.end.read()
+        asked = bytearray()
+
+        def is_asked() -> bool:
+            asked.extend(self.end.read())
+            return OLD_REQUEST in asked
+
+        wait_until(is_asked, lambda: f"it was asked {bytes(asked)!r}")
         self.feed(old, node, "protocol of before ROS Hydro (version byte 0xff")
 
     def feed(self, data: bytes, node: Process, *words: str) -> None:

@@ -25,7 +25,7 @@ from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
 #: How soon the board's messages come again, s, and what a busy machine may take on top.
-BACK_S, BUSY_S = 1.0, 1.0
+BACK_S, BUSY_S = 1.0, 2.0
 
 
 class Rig(unittest.TestCase):
@@ -171,13 +171,15 @@ class SerialNode(Rig):
     def test_noise_is_counted_and_what_comes_through_is_whole(self) -> None:
         link = self.start_both()
         self.set(noise=0.01)
-        self.wait_for_figure("fault: checksum", 10)
+        self.outputs.forget()
+        self.wait_for_figure("fault: checksum", 30)
+        heard = [message.status for message in self.outputs.messages()]
         self.set(noise=0.0)
         self.wait_until_back(time.monotonic())
         statuses = {"Motor Not Turning", "Motor Turning", "Motor Max Speed"}
-        heard = self.outputs.messages()
         self.assertTrue(heard)
-        self.assertLessEqual({message.status for message in heard}, statuses)
+        # One in three was damaged. Of these one in thousands has a sum that holds all the same.
+        self.assertLessEqual(len([status for status in heard if status not in statuses]), 1)
         link.wait_for_log("frames received", "fault: checksum")
         # Hundreds of bytes were garbage: they are one line, or two, not one each.
         self.assertLess(len(link.lines) + len(link.error_lines), 40)

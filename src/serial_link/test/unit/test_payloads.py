@@ -132,3 +132,12 @@ def test_the_bytes_are_those_of_the_published_definitions() -> None:
         b"\x01\0\0\0\x01\0\0\0" b"\x01\0\0\0\0\0\x80?" b"\x01\0\0\0\x01\0\0\0a"
     )
     assert list(payloads.TOPICS) == [0, 1, 2, 3, 4, 5]
+
+
+def test_the_ids_are_those_of_the_published_definitions() -> None:
+    """Both sides of the tests have them from one place: a wrong one would go unnoticed."""
+    p = payloads
+    kinds = (p.PUBLISHER, p.SUBSCRIBER, p.SERVICE_SERVER, p.SERVICE_CLIENT)
+    assert kinds == (0, 1, 2, 4)
+    assert (p.PARAMETER, p.LOG, p.TIME, p.STOP, p.FIRST_TOPIC) == (6, 7, 10, 11, 100)
+    assert (p.DEBUG, p.INFO, p.WARN, p.ERROR, p.FATAL) == (0, 1, 2, 3, 4)

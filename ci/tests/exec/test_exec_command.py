@@ -5,8 +5,10 @@ import pathlib
 import pty
 import pwd
 import re
+import signal
 import socket
 import subprocess
+import time
 from typing import Sequence
 
 import pytest
@@ -34,6 +36,32 @@ def test_arguments_arrive_unchanged(built: Workspace) -> None:
     arguments = ["--extend", "two words", "", "*"]
     result = built.run("printf", "<%s>", *arguments)
     assert result.stdout == "".join(f"<{argument}>" for argument in arguments)
+
+
+def test_ctrl_c_ends_rosrun_while_it_searches(built: Workspace, tmp_path: pathlib.Path) -> None:
+    begun, ran = tmp_path / "begun", tmp_path / "ran"
+    node = built.root / "src" / "tiny" / "node"
+    node.write_text(f"#!/bin/sh\necho \"$@\" > '{ran}'\n")
+    node.chmod(0o755)
+    try:
+        assert built.run("rosrun", "tiny", "node", "two words").returncode == 0
+        assert ran.read_text() == "two words\n"
+        ran.unlink()
+        # catkin_find is a program in Python, which may end by itself at Ctrl-C.
+        built.fakes[
+            "catkin_find"
+        ] = f"""exec sh -c 'trap "exit 0" INT; : > "$0"; sleep 60' '{begun}'"""
+        process = built.start("rosrun", "tiny", "node")
+        give_up = time.monotonic() + 60.0
+        while not begun.exists() and time.monotonic() < give_up:
+            assert process.poll() is None
+            time.sleep(0.01)  # poll
+        os.killpg(process.pid, signal.SIGINT)
+        process.communicate(timeout=60)
+        assert (process.returncode, ran.exists()) == (-signal.SIGINT, False)
+    finally:
+        built.fakes.clear()
+        node.unlink()
 
 
 def test_unknown_command_is_127(built: Workspace) -> None:

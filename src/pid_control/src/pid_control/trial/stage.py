@@ -35,7 +35,7 @@ class Stage:
         self.node.start()
 
     def close(self) -> None:
-        """Leave the graph, while the master is still there; the process does not come back to it."""
+        """Leave the graph, while the master is there; this process does not come back to it."""
         rospy.signal_shutdown("all is judged")
 
     def is_connected(self) -> bool:

@@ -135,3 +135,18 @@ def test_what_does_not_go_on_is_given_up_and_what_it_hid_comes() -> None:
     assert decoder.feed(START) == [] and decoder.is_waiting
     decoder.reset()
     assert not decoder.is_waiting
+
+
+@pytest.mark.parametrize("payload", [b"", b"a", bytes(300)])
+def test_the_second_message_within_a_lying_length_gives_it_away(payload: bytes) -> None:
+    decoder, messages = Decoder(), [Frame(125, payload), Frame(126, payload)]
+    assert decoder.feed(encode(125, bytes(LONGEST))[:7] + encode(*messages[0])) == []
+    assert decoder.feed(encode(*messages[1])[:-1]) == []
+    assert decoder.feed(encode(*messages[1])[-1:]) == messages
+    assert decoder.faults[LENGTH] == 1
+
+
+def test_a_stray_sync_byte_costs_no_message() -> None:
+    decoder, good = Decoder(), Frame(125, b"good")
+    assert decoder.feed(START[:1] + encode(*good)) == [good]
+    assert +decoder.faults == {GARBAGE: 1}

@@ -315,6 +315,13 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
     ]
 
 
+def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> None:
+    make_headers.write(make_headers.headers_of(["pid_control"]), tmp_path)
+    sketch = SOURCES.parent / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
+    command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++", str(sketch)]
+    subprocess.check_call([*command, f"-I{HERE / 'board_library'}", f"-I{tmp_path}"])
+
+
 @pytest.mark.parametrize(
     "arguments, why",
     [

@@ -15,7 +15,7 @@ from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME, Scenario
 
 #: How long a judgement may take unless another time is given, s.
-_TIME_LIMIT_S = 60.0
+_TIME_LIMIT_S = 120.0
 #: The largest limit for that, s.
 _LONGEST_S = 3600.0
 #: What rostest and roslaunch add to a command line.

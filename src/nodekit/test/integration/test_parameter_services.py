@@ -110,6 +110,10 @@ class ParameterServices(ParameterCase):
     def test_nonsense_is_answered_in_a_sentence(self) -> None:
         for text in ("[1, 2]", "5", "{", "level: [", "{[a]: 1}", "- " * 2000, "[" * 5000, "\0"):
             self.assert_refused(text, "malformed request: ")
+        self.assert_refused("{" * 4000, "malformed request: ", "at most 20 deep")
+        self.assert_refused(
+            f"{{title: {'x' * 100_000}}}", "malformed request: 100009 characters: must be at most"
+        )
         self.assert_refused("{level: 2000-99-99}", "malformed request: ")
         self.assert_refused("a: &a [*a]", "aliases")
         self.assert_refused("{1: 2}", "/1: ")

@@ -2,11 +2,11 @@
 
 from typing import Any, Dict, Mapping
 
-import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.node.clients import ANSWER_S, CallError, call_service
 from nodekit.parameter_server.services import CHANGE, DESCRIBE
+from nodekit.parameters import yaml_text
 from nodekit.parameters.kinds import to_wire
 from nodekit.parameters.schema import DescriptionError, description_in
 from nodekit_msgs.srv import SetParameters
@@ -69,19 +69,12 @@ class ParameterClient:
         if not answer.success:
             raise ChangeRefused(answer.message or "refused without a reason")
         try:
-            in_force = yaml.safe_load(answer.values)
-        except yaml.YAMLError:
+            in_force = yaml_text.load(answer.values)
+        except ValueError:
             in_force = None
         if not isinstance(in_force, dict):
             raise CallError(f"{service} sent a malformed reply: {answer.values!r:.80}")
         return in_force
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes what stands there twice, twice: nodes take no aliases."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
 
 
 def request_text(values: Mapping[str, Any]) -> str:
@@ -92,6 +85,6 @@ def request_text(values: Mapping[str, Any]) -> str:
     """
     plain = {name: to_wire(value) for name, value in values.items()}
     try:
-        return str(yaml.dump(plain, Dumper=_Dumper, allow_unicode=True))
-    except yaml.YAMLError as error:
+        return yaml_text.dump(plain)
+    except ValueError as error:
         raise ValueError(f"not a value of a parameter: {error}") from None

@@ -3,11 +3,11 @@
 from types import MethodType
 from typing import Any, Callable, Dict, Tuple
 
-import yaml
 from std_srvs.srv import TriggerRequest, TriggerResponse
 
 from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.live_parameters import LiveParameters
+from nodekit.parameters import yaml_text
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.kinds import ParameterError, format_value, to_wire
 from nodekit.parameters.schema import as_yaml, describe
@@ -16,6 +16,8 @@ from nodekit_msgs.srv import SetParametersRequest, SetParametersResponse
 #: Base names of the services, in the namespace of the parameters: std_srvs/Trigger, and
 #: nodekit_msgs/SetParameters.
 DESCRIBE, CHANGE = "describe", "change"
+#: Most characters of a request for changes: as many as a list of some ten thousand numbers has.
+LONGEST = 100_000
 
 
 def description_handler(
@@ -68,13 +70,9 @@ def _settings(text: str) -> Dict[str, Any]:
 
     :raises ValueError: if the text is something else
     """
-    try:
-        # With aliases, a short text can stand for a value without end.
-        if any(isinstance(token, yaml.AliasToken) for token in yaml.scan(text)):
-            raise ValueError("aliases (*name) are not supported")
-        settings = yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError, LookupError) as error:  # the last of a value's tag
-        raise ValueError(f"invalid YAML: {' '.join(str(error).split())}") from None
+    if len(text) > LONGEST:
+        raise ValueError(f"{len(text)} characters: must be at most {LONGEST}")
+    settings = yaml_text.load(text)
     if settings is None:
         return {}
     if not isinstance(settings, dict):
@@ -84,4 +82,4 @@ def _settings(text: str) -> Dict[str, Any]:
 
 def _values_as_yaml(values: ParameterSet) -> str:
     settings = {name: to_wire(value) for name, value in values.as_dict().items()}
-    return str(yaml.safe_dump(settings, sort_keys=False, allow_unicode=True, width=1000))
+    return yaml_text.dump(settings)

@@ -11,6 +11,7 @@ from typing import Any, Dict, List, Mapping, Type
 
 import yaml
 
+from nodekit.parameters import yaml_text
 from nodekit.parameters.declaration import ParameterSet
 from nodekit.parameters.kinds import (
     BoolParameter,
@@ -37,8 +38,6 @@ _KINDS: Dict[str, Type[Parameter[Any]]] = {
 AT_START = "at the next start"
 #: What an entry of a description always has.
 _NEEDED = {"name", "value", "type"}
-#: The loader of libyaml takes a tenth of the time of the one in Python.
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 #: Most characters that a value, and a kind, set as the width of their column of a table.
 _WIDEST_VALUE = 24
 _WIDEST_KIND = 30
@@ -146,7 +145,7 @@ def as_yaml(description: List[Dict[str, Any]]) -> str:
 
     :param description: what :func:`describe` returned
     """
-    return str(yaml.safe_dump(description, sort_keys=False, allow_unicode=True, width=1000))
+    return yaml_text.dump(description)
 
 
 def description_in(text: str) -> List[Dict[str, Any]]:
@@ -157,8 +156,8 @@ def description_in(text: str) -> List[Dict[str, Any]]:
     :raises DescriptionError: if it is something else
     """
     try:
-        entries = yaml.load(text, _LOADER)
-    except (yaml.YAMLError, RecursionError):
+        entries = yaml_text.load(text)
+    except ValueError:
         raise DescriptionError("the description is not valid YAML") from None
     if not isinstance(entries, list):
         raise DescriptionError("the description is not a list of parameters")

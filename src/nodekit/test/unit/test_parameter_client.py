@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy
 import pytest
 import yaml
 from hypothesis import given
@@ -25,7 +26,17 @@ def test_what_stands_there_twice_is_written_twice() -> None:
     assert yaml.safe_load(text) == {"xs": same, "ys": same}
 
 
-@pytest.mark.parametrize("value, sent", [((1, 2), [1, 2]), (b"\x01\xff", [1, 255])])
+@pytest.mark.parametrize(
+    "value, sent",
+    [
+        ((1, 2), [1, 2]),
+        (b"\x01\xff", [1, 255]),
+        (numpy.bool_(True), True),
+        (numpy.str_("a"), "a"),
+        (numpy.array([1.5, 2.0]), [1.5, 2.0]),
+        ([numpy.float32(0.5), 1], [0.5, 1]),
+    ],
+)
 def test_values_are_sent_as_the_server_has_them(value: Any, sent: Any) -> None:
     assert yaml.safe_load(request_text({"a": value})) == {"a": sent}
 

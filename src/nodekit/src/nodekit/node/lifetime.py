@@ -27,8 +27,7 @@ from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.declaration import ParameterSet, Snapshot
-from nodekit.parameters.kinds import BoolParameter
+from nodekit.parameters.declaration import OwnParameters, Snapshot
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
@@ -36,12 +35,6 @@ from nodekit_msgs.srv import SetParameters
 
 #: Least time between two warnings about messages that are left out, s.
 _WARN_EVERY_S = 10.0
-
-
-class OwnParameters(ParameterSet):
-    """Private parameters of every node; read once, before its class is made."""
-
-    managed = BoolParameter(False, help="wait until others configure and activate the node")
 
 
 class Surroundings:

@@ -27,6 +27,7 @@ from typing import (
     TypeVar,
 )
 
+from nodekit.parameters.class_rules import judge_default, judge_members
 from nodekit.parameters.kinds import (
     BoolParameter,
     EnumParameter,
@@ -63,6 +64,9 @@ Snapshot = TypeVar("Snapshot", bound="ParameterSet")
 Rule = Callable[[Any], None]
 Kind = TypeVar("Kind", bound=Parameter[Any])
 
+#: Names that no class may declare once more; see :class:`OwnParameters`.
+_of_every_node: Collection[str] = ()
+
 
 def read_once(parameter: Kind) -> Kind:
     """Mark a parameter that a node reads as it is made, and not again.
@@ -72,7 +76,10 @@ def read_once(parameter: Kind) -> Kind:
 
     :param parameter: the parameter
     :returns: the same
+    :raises TypeError: if it is something else
     """
+    if not isinstance(parameter, Parameter):
+        raise TypeError(f"read_once: refused {parameter!r:.80}: must be a parameter")
     parameter.read_once = True
     return parameter
 
@@ -112,13 +119,13 @@ class ParameterSet:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        for name, item in vars(cls).items():
-            if isinstance(item, Parameter) and hasattr(ParameterSet, name):
-                raise TypeError(f"{cls.__name__}.{name}: every ParameterSet has a {name} already")
+        judge_members(cls, dir(ParameterSet), _of_every_node)
         members: Dict[str, Any] = {}
         for base in reversed(cls.__mro__):
             members.update(vars(base))
         cls.declared = {key: item for key, item in members.items() if isinstance(item, Parameter)}
+        for parameter in cls.declared.values():
+            parameter.default = judge_default(cls.__name__, parameter)
         cls.rules = [item for item in members.values() if hasattr(item, "parameters")]
         for method in cls.rules:
             unknown = sorted(set(getattr(method, "parameters")) - set(cls.declared))
@@ -132,7 +139,7 @@ class ParameterSet:
             raise TypeError("undeclared parameters: " + ", ".join(unknown))
         for name, parameter in self.declared.items():
             self.__dict__[name] = (
-                parameter.coerce(values[name]) if name in values else parameter.default
+                parameter.accept(values[name]) if name in values else parameter.default
             )
         broken = self.broken_rule(self.declared)
         if broken is not None:
@@ -167,11 +174,11 @@ class ParameterSet:
         :raises ParameterError: if a default is not allowed
         :raises TypeError: if a name is not declared
         """
-        cls(**defaults)
+        judged = cls(**defaults)
         members = {}
-        for name, value in defaults.items():
+        for name in defaults:
             members[name] = copy.copy(cls.declared[name])
-            members[name].default = value
+            members[name].default = judged.__dict__[name]
         return type(cls.__name__, (cls,), members)
 
     def broken_rule(self, names: Collection[str]) -> Optional[RuleError]:
@@ -215,3 +222,12 @@ class ParameterSet:
         :raises ParameterError: if a value or a combination is not allowed
         """
         return type(self)(**{**self.__dict__, **changes})
+
+
+class OwnParameters(ParameterSet):
+    """Private parameters of every node; read once, before its class is made."""
+
+    managed = BoolParameter(False, help="wait until others configure and activate the node")
+
+
+_of_every_node = OwnParameters.declared

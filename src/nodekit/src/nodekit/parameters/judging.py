@@ -4,7 +4,7 @@ import difflib
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from nodekit.parameters.declaration import ParameterSet, Snapshot
-from nodekit.parameters.kinds import MISSING, Parameter, ParameterError, to_wire
+from nodekit.parameters.kinds import MISSING, Parameter, ParameterError, plain, to_wire
 from nodekit.parameters.refusals import RuleError
 
 
@@ -70,7 +70,8 @@ def corrections(values: ParameterSet, raw: Mapping[str, Any]) -> Dict[str, Any]:
 
 def _accept(parameter: Parameter[Any], raw: Any, current: Any) -> Any:
     """Return what a raw value means; the one in force is not judged again."""
-    return current if _denotes(raw, to_wire(current)) else parameter.coerce(raw)
+    raw = plain(raw)
+    return current if _denotes(raw, to_wire(current)) else parameter.accept(raw)
 
 
 def _denotes(raw: Any, value: Any) -> bool:

@@ -9,8 +9,9 @@ from typing import Any, ClassVar, Generic, Optional, Sequence, Tuple, TypeVar, U
 
 Value = TypeVar("Value")
 
-#: What XML, and so the parameter server, has no way to carry.
-_NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+#: What XML, and so the parameter server, has no way to carry, or carries as something else: a
+#: carriage return arrives as a line feed.
+_NOT_IN_XML = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class ParameterError(ValueError):
@@ -68,7 +69,6 @@ class Parameter(Generic[Value]):
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
-        self.default = self.coerce(self.default)
 
     @overload
     def __get__(self, instance: None, owner: type) -> "Parameter[Value]":
@@ -100,6 +100,14 @@ class Parameter(Generic[Value]):
         :raises ParameterError: if the value is not allowed
         """
         raise NotImplementedError
+
+    def accept(self, raw: Any) -> Value:
+        """Turn a value from anywhere into one of this kind, see :func:`plain` and :meth:`coerce`.
+
+        :param raw: the value, also as numpy has it
+        :raises ParameterError: if the value is not allowed
+        """
+        return self.coerce(plain(raw))
 
     def refuse(self, raw: Any) -> ParameterError:
         """Return the error, to be raised, that says why a value is refused.
@@ -165,7 +173,8 @@ class BytesParameter(Parameter[bytes]):
         return f"at most {self.max_length} bytes"
 
     def coerce(self, raw: Any) -> bytes:
-        value = getattr(raw, "data", raw)  # XML-RPC delivers what is binary wrapped
+        wrapped = getattr(raw, "data", None)  # XML-RPC delivers what is binary wrapped
+        value = wrapped if isinstance(wrapped, bytes) else plain(raw)
         if isinstance(value, (list, tuple)) and all(type(number) is int for number in value):
             try:
                 value = bytes(value)
@@ -186,6 +195,9 @@ class EnumParameter(Parameter[str]):
 
     def __init__(self, default: str, *, choices: Sequence[str], unit: str = "", help: str) -> None:
         super().__init__(default, unit=unit, help=help)
+        is_list = not isinstance(choices, str) and all(isinstance(each, str) for each in choices)
+        if not is_list or any(map(_NOT_IN_XML.search, choices)):
+            raise TypeError(f"choices: refused {choices!r:.80}: must be a list of words")
         self.choices = tuple(choices)
 
     @property
@@ -224,6 +236,8 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
         help: str,
     ) -> None:
         super().__init__(tuple(default), unit=unit, help=help)
+        if not isinstance(element, Parameter):
+            raise TypeError(f"element: refused {element!r:.80}: must be a parameter, with brackets")
         self.element = element
         self.min_length, self.max_length = min_length, max_length
 
@@ -241,20 +255,34 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
         if not isinstance(raw, (list, tuple)) or not self.min_length <= len(raw) <= self.max_length:
             raise self.refuse(raw)
         try:
-            return tuple(self.element.coerce(item) for item in raw)
+            return tuple(self.element.accept(item) for item in raw)
         except ParameterError:
             raise self.refuse(raw) from None
+
+
+def plain(raw: Any) -> Any:
+    """Return a raw value as Python has it.
+
+    :param raw: any value
+    :returns: Python's number or text for a scalar of numpy and for what is derived from text, a
+        list for an array; anything else as it is
+    """
+    if isinstance(raw, str):
+        return str.__str__(raw)
+    # numpy is not imported: most nodes do without.
+    return raw.tolist() if hasattr(raw, "tolist") and hasattr(raw, "dtype") else raw
 
 
 def to_wire(value: Any) -> Any:
     """Return a value as the parameter server takes it.
 
-    :param value: a coerced value
-    :returns: lists for tuples and bytes, plain text for what is derived from text
+    :param value: a coerced value, or one that is to become a parameter's
+    :returns: lists for tuples and bytes, and what :func:`plain` returns
     """
-    if isinstance(value, (tuple, bytes)):
+    value = plain(value)
+    if isinstance(value, (tuple, list, bytes)):
         return [to_wire(item) for item in value]
-    return str(value) if isinstance(value, str) else value
+    return value
 
 
 def format_value(value: Any, limit: int = 80) -> str:
@@ -263,13 +291,14 @@ def format_value(value: Any, limit: int = 80) -> str:
     :param value: any raw or coerced value
     :param limit: longest result, characters
     """
+    wrapped, value = getattr(value, "data", None), plain(value)
     if isinstance(value, float):
         text = f"{value:.6g}"
         text = (text if float(text) == value else f"{value:.12g}").replace("e+0", "e")
     elif isinstance(value, str):
         text = f"'{value}'"
     else:
-        text = repr(getattr(value, "data", to_wire(value)))  # base64 arrives wrapped
+        text = repr(wrapped if isinstance(wrapped, bytes) else to_wire(value))
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 

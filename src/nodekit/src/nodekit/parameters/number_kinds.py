@@ -46,6 +46,12 @@ class _NumberParameter(Parameter[Value]):
         self.minimum, self.maximum = minimum, maximum
         self.above, self.below = above, below
         self.step = step
+        bounds = {"minimum": minimum, "maximum": maximum, "above": above, "below": below}
+        for name, bound in bounds.items():
+            if bound is not None and (not _is_number(bound) or math.isnan(bound)):
+                raise ValueError(f"{name}: refused {format_value(bound)}: must be a number")
+        if step is not None and not (_is_number(step) and 0.0 < step < math.inf):
+            raise ValueError(f"step: refused {format_value(step)}: must be a number above 0")
 
     @property
     def allowed(self) -> str:
@@ -128,6 +134,10 @@ class IntParameter(_NumberParameter[int]):
         if number is None or not number.is_integer() or not self._in_range(number):
             raise self.refuse(raw)
         return int(number)
+
+
+def _is_number(bound: object) -> bool:
+    return isinstance(bound, numbers.Real) and not isinstance(bound, bool)
 
 
 def _finite_number(raw: Any) -> Optional[float]:

@@ -12,9 +12,9 @@ import rospy
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.legal_names import IllegalName
-from nodekit.node.lifetime import OwnParameters
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
+from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.kinds import ParameterError
 from nodekit.process import arguments
 from nodekit.rospy_internals import registration, start

@@ -14,6 +14,7 @@ from typing import Any, Callable, List, Tuple
 
 import rosgraph
 import rospy
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
@@ -29,6 +30,7 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.process.host import host_all
 from nodekit.process.run import init_node
+from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -296,6 +298,52 @@ class Callbacks(OnMaster):
         node.start()
         publisher.publish("x")
         wait_until(lambda: len(calls) > 5, lambda: str(calls))
+
+
+class Texts(OnMaster):
+    """A text that is none, as ``os.fsdecode`` makes of a name in Latin-1, harms nothing else."""
+
+    NO_TEXT = os.fsdecode(b"caf\xe9")
+
+    def ear(self, topic: str, kind: type) -> Ear:
+        ear = Ear(topic, kind)
+        self.addCleanup(ear.close)
+        return ear
+
+    def test_a_line_of_the_log_is_escaped(self) -> None:
+        ear = self.ear("/rosout", Log)
+        wait_until(lambda: ear.publishers() > 0, lambda: "no connection")
+        rospy.loginfo("%s %s", self.space, self.NO_TEXT)
+        ear.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
+        # It is latched: who comes now gets it, and all that follows.
+        late = self.ear("/rosout", Log)
+        late.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
+        rospy.loginfo("%s afterwards", self.space)
+        for each in (ear, late):
+            each.wait_for(lambda line: line.msg == f"{self.space} afterwards")
+
+    def test_a_message_is_refused_and_the_next_one_sent(self) -> None:
+        node, plain = self.node(), self.publisher("plain")
+        publisher = node.publisher("ours", String)
+        node.start()
+        for each, topic in ((plain, "plain"), (publisher, "ours")):
+            with self.subTest(topic=topic):
+                ear = self.ear(f"{self.space}/{topic}", String)
+                wait_until(lambda: each.get_num_connections() > 0, lambda: "no connection")
+                with self.assertRaises(UnicodeEncodeError):
+                    each.publish(self.NO_TEXT)
+                each.publish("fine")
+                self.assertEqual(ear.wait_for(lambda _: True).data, "fine")
+
+    def test_an_answer_is_refused_and_the_next_one_sent(self) -> None:
+        node, texts = self.node(), [self.NO_TEXT, "fine"]
+        node.service("ask", Trigger, lambda _: TriggerResponse(True, texts.pop(0)))
+        node.start()
+        client = rospy.ServiceProxy(self.space + "/ask", Trigger, persistent=True)
+        self.addCleanup(client.close)
+        with self.assertRaisesRegex(rospy.ServiceException, "surrogates not allowed"):
+            client()
+        self.assertEqual(client().message, "fine")
 
 
 class Closing(OnMaster):

@@ -1,4 +1,4 @@
-"""How rospy writes its log to the console and to a file."""
+"""How rospy writes its log to the console, to a file and to ``/rosout``."""
 
 import atexit
 import logging
@@ -8,6 +8,7 @@ import time
 from typing import Any, Optional
 
 import rosgraph.roslogging
+import rospy.impl.rosout
 from rosgraph.roslogging import RosStreamHandler
 
 #: Shortest time between two notices that lines are lost, s.
@@ -21,7 +22,9 @@ def mend_logs() -> None:
 
     rospy raises the error of a full disk, a closed pipe or a character that the console lacks in
     whoever logs, so that a talker falls silent. Python's handler of the file prints a traceback
-    for each line instead. And a node whose log file cannot be opened does not start.
+    for each line instead. And a node whose log file cannot be opened does not start. A line with a
+    byte that is no text, as a name of a file may have, goes nowhere: ``/rosout`` keeps it for those
+    who come later, and turns each of them away.
     """
     emit, handle_error = RosStreamHandler.emit, logging.Handler.handleError
     configure = rosgraph.roslogging.configure_logging
@@ -53,10 +56,23 @@ def mend_logs() -> None:
         configure(*args, **kwds)
         return None
 
+    to_rosout = rospy.impl.rosout._rosout
+
+    def escaped_to_rosout(level: int, *fields: Any) -> Any:
+        return to_rosout(level, *map(_as_text, fields))
+
     RosStreamHandler.emit = emit_or_drop
+    rospy.impl.rosout._rosout = escaped_to_rosout
     setattr(logging.Handler, "handleError", drop_with_notice)
     rosgraph.roslogging.configure_logging = configure_with_or_without_file
     atexit.register(_let_go_of_output)
+
+
+def _as_text(field: Any) -> Any:
+    """Return a field of a line with escapes for what is no character, as on the console."""
+    if not isinstance(field, str):
+        return field
+    return field.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _escape_from_now_on(handler: logging.Handler) -> bool:

@@ -13,6 +13,7 @@ import rospy.impl.init
 
 from nodekit.rospy_internals.accepting import mend_accepting
 from nodekit.rospy_internals.logs import mend_logs
+from nodekit.rospy_internals.serialising import mend_serialising
 from nodekit.rospy_internals.shutdown import mend_shutdown
 from nodekit.rospy_internals.subscribers import ask_for_statistics_once
 
@@ -26,6 +27,7 @@ def apply_patches() -> None:
     ask_for_statistics_once()
     mend_accepting()
     mend_logs()
+    mend_serialising()
     mend_shutdown()
 
 

@@ -91,9 +91,7 @@ class OneTrace:
 
 
 @late
-def test_the_samples_of_picture_cursors_and_replay_stand_at_their_stamps(
-    delays: List[float],
-) -> None:
+def test_the_samples_of_a_trace_stand_at_their_stamps_and_in_phase(delays: List[float]) -> None:
     times, values = recorded(delays).samples(0.0, 2000.0)
     check(times, values)
     turned = phase((times, values), (numpy.array(STAMPS), truth(numpy.array(STAMPS))), math.inf)

@@ -84,7 +84,7 @@ class Plots(PageTest):
 
         def marked() -> bool:
             seen[0] = self.browser.run(written)
-            peaks = re.findall(r"^([\d.]+) Hz, ([\d.]+) dB$", seen[0], re.MULTILINE)
+            peaks = re.findall(r"^([\d.]+) ± [\d.]+ Hz, ([\d.]+) dB$", seen[0], re.MULTILINE)
             return any(
                 abs(float(hertz) - 1.0) < 0.01 and abs(float(level) - 20 * math.log10(2.0)) < 0.2
                 for hertz, level in peaks
@@ -93,7 +93,9 @@ class Plots(PageTest):
         wait_until(marked, lambda: seen)
         self.browser.choose("[aria-label='spectrum scale']", "linear")
         wait_until(
-            lambda: re.search(r"^1\.000 Hz, 2\.0\d\d$", self.browser.run(written), re.MULTILINE),
+            lambda: re.search(
+                r"^1\.000 ± [\d.]+ Hz, 2\.0\d\d$", self.browser.run(written), re.MULTILINE
+            ),
             lambda: self.browser.run(written),
         )
         self.browser.choose("[aria-label='spectrum scale']", "dB")

@@ -5,7 +5,7 @@ import math
 import numpy
 import pytest
 import scipy.signal
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.spectrum import WINDOWS, Spectrum, peaks, reduced, spectrum
@@ -64,7 +64,7 @@ def test_uneven_samples_are_put_at_even_times(frequency: float, peak: float, see
     values = peak * numpy.sin(2 * math.pi * frequency * times)
     found = spectrum(EPOCH + times, values, "flattop")
     assert found is not None
-    (at, height), *_ = peaks(found, "flattop", 1)
+    (at, height, _), *_ = peaks(found, "flattop", 1)
     assert at == pytest.approx(frequency, abs=found.step)
     assert decibels(numpy.array(height / peak)) == pytest.approx(0.0, abs=0.1)
 
@@ -80,6 +80,42 @@ def test_a_peak_is_told_between_the_lines(frequency: float, peak: float, window:
     assert told[0][0] == pytest.approx(frequency, abs=0.1 * found.step)
     assert decibels(numpy.array(told[0][1] / peak)) == pytest.approx(0.0, abs=0.1)
     assert len(told) == 1
+
+
+@pytest.mark.parametrize("averages", [8, 16, 32])
+def test_a_part_of_few_periods_has_no_figures(averages: int) -> None:
+    times = numpy.arange(1000) / 100.0
+    found = spectrum(times, 2.0 * numpy.sin(2 * math.pi * times), averages=averages)
+    assert found is not None
+    told = peaks(found, "hann")
+    assert told and told[0].uncertainty is None
+
+
+@given(
+    st.floats(0.2, 49.0),
+    st.floats(0.0, 6.28),
+    windows,
+    st.sampled_from([1, 2, 4, 8, 16, 32, 64]),
+    st.integers(0, 1000),
+)
+@settings(max_examples=300)
+@example(1.0, 0.0, "hann", 4, 0)
+def test_a_peak_is_as_sure_as_it_says_or_not_measurable(
+    frequency: float, angle: float, window: str, averages: int, seed: int
+) -> None:
+    times = numpy.arange(1000) / 100.0
+    values = 2.0 * numpy.sin(2 * math.pi * frequency * times + angle)
+    values += 1e-3 * numpy.random.RandomState(seed).standard_normal(len(times))
+    found = spectrum(EPOCH + times, values, window, averages)
+    assert found is not None
+    for at, height, uncertainty in peaks(found, window, 1):
+        line = frequency / found.step
+        is_clear = 6.0 < line < len(found.amplitudes) - 7.0
+        assert uncertainty is not None or not is_clear
+        if uncertainty is not None:
+            assert 0.0 < uncertainty <= 0.5 * found.step
+            assert abs(at - frequency) <= uncertainty
+            assert height == pytest.approx(2.0, rel=0.02)
 
 
 def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:

@@ -1,5 +1,6 @@
 """The spectrum of a trace: the amplitude of the sine at each frequency."""
 
+import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy
@@ -23,6 +24,10 @@ _UNEVEN = 1e-3
 _BUNCHED = 10.0
 #: A peak is this much above the middle of all lines, and this part of the largest one at least.
 _ABOVE, _SMALLEST = 10.0, 1e-3
+#: Up to this line, or as far as the window reaches, a peak is mixed with its mirror image.
+_LOWEST = 3
+#: How well the frequency of a peak is known, lines.
+_SURE = 0.5
 
 
 class Spectrum(NamedTuple):
@@ -36,6 +41,20 @@ class Spectrum(NamedTuple):
     step: float
     amplitudes: numpy.ndarray
     seconds: float
+
+
+class Peak(NamedTuple):
+    """A sine in a spectrum.
+
+    :param frequency: Hz
+    :param amplitude: in the unit of the trace
+    :param uncertainty: how far off the frequency may be, Hz; None where frequency and amplitude
+        cannot be measured, as there are too few periods in a part
+    """
+
+    frequency: float
+    amplitude: float
+    uncertainty: Optional[float]
 
 
 def spectrum(
@@ -71,8 +90,8 @@ def spectrum(
     return Spectrum(rate / length, amplitudes, len(times) / rate)
 
 
-def peaks(found: Spectrum, window: str, most: int = 5) -> List[Tuple[float, float]]:
-    """Return frequency and amplitude of the largest peaks, the largest first.
+def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
+    """Return the largest peaks, the largest first.
 
     :param found: the spectrum
     :param window: the window that it was made with
@@ -82,13 +101,17 @@ def peaks(found: Spectrum, window: str, most: int = 5) -> List[Tuple[float, floa
     reach = WINDOWS[window][1]
     least = max(_ABOVE * float(numpy.median(lines)), _SMALLEST * float(lines.max()))
     tall = numpy.flatnonzero((lines[1:-1] > lines[:-2]) & (lines[1:-1] >= lines[2:])) + 1
-    result: List[Tuple[float, float]] = []
+    lowest = max(_LOWEST, reach)
+    result: List[Peak] = []
     for index in sorted(tall, key=lambda one: -lines[one]):
         near = lines[max(index - reach, 0) : index + reach + 1]
         if len(result) == most or lines[index] < least or lines[index] == 0.0:
             break
         if lines[index] >= near.max():
-            result.append(_top(found, int(index), window))
+            frequency, amplitude = _top(found, int(index), window)
+            # At the other end, half of the rate, there is a mirror image, too.
+            is_clear = lowest < frequency / found.step < len(lines) - 1 - lowest
+            result.append(Peak(frequency, amplitude, _SURE * found.step if is_clear else None))
     return result
 
 
@@ -153,8 +176,10 @@ def _top(found: Spectrum, index: int, window: str) -> Tuple[float, float]:
     low, top, high = numpy.log(numpy.maximum(found.amplitudes[index - 1 : index + 2], 1e-300))
     bend = low - 2.0 * top + high
     aside = (low - high) / (2.0 * bend) if bend < 0.0 else 0.0
-    # What the window leaves of a sine that lies so far beside a line.
     (mean, *others), _ = WINDOWS[window]
+    if not others:  # it is no parabola: two lines beside a sine are as one to the other distance
+        aside = math.copysign(1.0 / (1.0 + math.exp(top - max(low, high))), high - low)
+    # What the window leaves of a sine that lies so far beside a line.
     left = mean * numpy.sinc(aside)
     for k, part in enumerate(others, 1):
         left += part / 2.0 * (numpy.sinc(aside - k) + numpy.sinc(aside + k))

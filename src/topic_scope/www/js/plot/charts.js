@@ -47,8 +47,11 @@ export function spectra(traces, fields, scale) {
       field,
       xs: values.map((_, index) => first + index * step),
       ys: values.map((value) => (value === null ? null : level(value))),
-      marks: peaks.map(([x, y]) => ({
-        x, y: level(y), text: `${figure(x, 4)} Hz, ${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`,
+      marks: peaks.map(([x, y, uncertainty]) => ({
+        x,
+        y: level(y),
+        text: uncertainty === null ? "not measurable: too few periods or samples of one"
+          : `${figure(x, 4)} ± ${figure(uncertainty, 2)} Hz, ${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`,
       })),
     };
   });

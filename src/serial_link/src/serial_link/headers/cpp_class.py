@@ -5,7 +5,7 @@ class in the package's namespace that derives from ros::Msg, a pointer and a len
 pointer for a text, and a float for 64 bits.
 """
 
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Tuple
 
 from nodekit.message_definitions import TIMES, Constant, Field
 from serial_link.headers.wire_header import WIRE_PATH
@@ -167,31 +167,30 @@ def _constructor(one: Class) -> Iterator[str]:
 
 
 def _serialise(field: Field) -> Iterator[str]:
-    name, out = member(field.name), "outbuffer + offset"
-    if not field.is_array:
-        yield from ("    " + line for line in _put(field.base, f"this->{name}", out))
-        return
-    count = f"{field.length}"
-    if field.length is None:
-        count = f"this->{field.name}_length"
-        yield f"    offset += serial_link::put({out}, {count});"
-    yield f"    for (uint32_t i = 0; i < {count}; i++) {{"
-    yield from ("      " + line for line in _put(field.base, f"this->{name}[i]", out))
-    yield "    }"
+    if field.is_array and field.length is None:
+        yield f"    offset += serial_link::put(outbuffer + offset, {_count(field)});"
+    yield from _each(field, _put, "outbuffer + offset")
 
 
 def _deserialise(field: Field) -> Iterator[str]:
-    name, source = member(field.name), "inbuffer + offset"
+    if field.is_array and field.length is None:
+        parts = f"{_count(field)}, this->{field.name}_room, this->{member(field.name)}"
+        yield f"    offset += serial_link::get_length(inbuffer + offset, {parts});"
+    yield from _each(field, _get, "inbuffer + offset")
+
+
+def _count(field: Field) -> str:
+    return f"this->{field.name}_length" if field.length is None else str(field.length)
+
+
+def _each(field: Field, lines: Callable[[str, str, str], List[str]], buffer: str) -> Iterator[str]:
+    """Return the lines for a field, of an array those for an element in a loop."""
+    name = f"this->{member(field.name)}"
     if not field.is_array:
-        yield from ("    " + line for line in _get(field.base, f"this->{name}", source))
+        yield from ("    " + line for line in lines(field.base, name, buffer))
         return
-    count = f"{field.length}"
-    if field.length is None:
-        count = f"this->{field.name}_length"
-        parts = f"{count}, this->{field.name}_room, this->{name}"
-        yield f"    offset += serial_link::get_length({source}, {parts});"
-    yield f"    for (uint32_t i = 0; i < {count}; i++) {{"
-    yield from ("      " + line for line in _get(field.base, f"this->{name}[i]", source))
+    yield f"    for (uint32_t i = 0; i < {_count(field)}; i++) {{"
+    yield from ("      " + line for line in lines(field.base, name + "[i]", buffer))
     yield "    }"
 
 

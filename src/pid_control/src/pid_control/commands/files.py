@@ -1,8 +1,6 @@
-"""Files that commands write and read."""
+"""Files that commands write."""
 
-import argparse
 import os
-from typing import Tuple
 
 
 def write_file(path: str, text: str) -> None:
@@ -20,19 +18,3 @@ def write_file(path: str, text: str) -> None:
     finally:
         if os.path.exists(partial):
             os.remove(partial)
-
-
-def yaml_path(text: str) -> str:
-    """Judge the path of a YAML file, for argparse."""
-    return _ending(text, (".yaml", ".yml"))
-
-
-def svg_path(text: str) -> str:
-    """Judge the path of a picture, for argparse."""
-    return _ending(text, (".svg",))
-
-
-def _ending(text: str, endings: Tuple[str, ...]) -> str:
-    if not text.lower().endswith(endings):
-        raise argparse.ArgumentTypeError(f"{text!r} does not end in {' or '.join(endings)}")
-    return text

@@ -9,7 +9,8 @@ import rosbag
 import rospy
 
 from nodekit import Node, run
-from pid_control.commands.files import svg_path, write_file, yaml_path
+from pid_control.commands.arguments import number, svg_path, yaml_path
+from pid_control.commands.files import write_file
 from pid_control.identification.fit import identify
 from pid_control.identification.model_file import as_yaml
 from pid_control.identification.reading import read_step
@@ -102,10 +103,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--picture", metavar="FILE.svg", type=svg_path, help="draw the fit")
     live = parser.add_argument_group("a running plant")
     live.add_argument(
-        "--least", metavar="U", type=_number, default=0.0, help="the least input (%(default)g)"
+        "--least", metavar="U", type=number, default=0.0, help="the least input (%(default)g)"
     )
     live.add_argument(
-        "--largest", metavar="U", type=_number, default=1.0, help="the largest one (%(default)g)"
+        "--largest", metavar="U", type=number, default=1.0, help="the largest one (%(default)g)"
     )
     live.add_argument(
         "--seconds",
@@ -119,25 +120,15 @@ def _parser() -> argparse.ArgumentParser:
         part.add_argument(
             name,
             metavar="S",
-            type=_number,
+            type=number,
             default=default,
             help=f"leave out what is {text} that, s from the start of the bag",
         )
     return parser
 
 
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
 def _seconds(text: str) -> float:
-    value = _number(text)
+    value = number(text)
     if not 1.0 <= value <= _LONGEST_S:
         raise argparse.ArgumentTypeError(f"{text!r} must be from 1 to {_LONGEST_S:g} s")
     return value

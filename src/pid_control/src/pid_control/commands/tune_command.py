@@ -1,13 +1,13 @@
 """The command ``rosrun pid_control tune MODEL.yaml``."""
 
 import argparse
-import math
 import sys
 from typing import List, NoReturn
 
 import rospy
 
-from pid_control.commands.files import svg_path, write_file, yaml_path
+from pid_control.commands.arguments import number, svg_path, yaml_path
+from pid_control.commands.files import write_file
 from pid_control.identification.model_file import ModelError, model_in
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
@@ -92,7 +92,7 @@ def _parser() -> argparse.ArgumentParser:
         parser.add_argument(
             name,
             metavar="U",
-            type=_number,
+            type=number,
             default=default,
             help=f"the controller's {text} output (%(default)g)",
         )
@@ -104,18 +104,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
 def _seconds(text: str) -> float:
-    value = _number(text)
+    value = number(text)
     if not 1e-4 <= value <= 1e3:
         raise argparse.ArgumentTypeError(f"{text!r} must be from 0.0001 to 1000 s")
     return value

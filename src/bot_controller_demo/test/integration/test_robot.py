@@ -243,6 +243,20 @@ class Robots(unittest.TestCase):
         self.assertEqual(fifth.status.status, GoalStatus.SUCCEEDED)
         self.assertLessEqual(fifth.result.progress.distance, 0.1)
 
+    def test_goal_that_is_refused_stops_the_robot_that_the_action_drives(self) -> None:
+        self.act("there", pose(3.0, 0.0, 0.0))
+        self.until(lambda: self.told_of("there"), "no feedback")
+        self.until(lambda: self.commands()[-1].linear > 0.0, "it stays", 5.0)
+        self.act("nowhere", pose(2.0, 0.0, 0.0, "map"))
+        self.assertEqual(self.outcome("nowhere").status.status, GoalStatus.ABORTED)
+        self.assertEqual(self.outcome("there").status.status, GoalStatus.PREEMPTED)
+        self.until(lambda: self.commands()[-1] == STOP, "it drives on", 1.0, PROGRESS)
+        commands = len(self.commands())
+        for _ in range(60):
+            self.clock.step(PROGRESS)
+        self.assertEqual(len(self.commands()), commands)
+        self.assertEqual(self.odometry().twist.twist, Twist())
+
     def test_a_goal_behind_a_wall_is_aborted_and_the_robot_stands(self) -> None:
         walls = "/lab/diff_drive/walls"
         self.graph.set_parameter(walls, [[0.6, -5.0, 0.6, 5.0]])
@@ -321,6 +335,14 @@ class Robots(unittest.TestCase):
         self.assertAlmostEqual(heading(heard(WAY_ODOM)[-1]), 3.0, delta=0.06)
         self.graph.set_parameter("/way/waypoint_controller/repeat", True)
         self.until(lambda: heard(WAY_ODOM)[-1].twist.twist.linear.x > 0.1, "it stays", 60.0)
+        self.graph.set_parameter("/way/waypoint_controller/waypoints", [])
+        stands = Twist()
+        silent = (WAY_PROGRESS,)
+        self.until(lambda: heard(WAY_ODOM)[-1].twist.twist == stands, "it drives on", 9.0, *silent)
+        self.graph.set_parameter("/way/waypoint_controller/waypoints", [[1.0, 0.0], [0.0, 0.0]])
+        self.until(
+            lambda: heard(WAY_ODOM)[-1].twist.twist.linear.x > 0.1, "it stays", 60.0, *silent
+        )
         self.graph.kill("/way/waypoint_controller")
         wait_until(lambda: commands.messages()[-1] == Twist(), lambda: "it drives on")
 

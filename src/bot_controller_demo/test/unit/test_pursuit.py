@@ -148,7 +148,9 @@ def pose(frame: str = "", x: float = 0.0, z: float = 0.0, w: float = 1.0) -> Pos
     return message
 
 
-@pytest.mark.parametrize("named, frame", [("odom", "odom"), ("/odom", "odom"), ("", None)])
+@pytest.mark.parametrize(
+    "named, frame", [("odom", "odom"), ("/odom", "odom"), ("odom", "/odom"), ("", None)]
+)
 def test_a_goal_is_in_the_frame_of_the_odometry_or_names_none(
     named: str, frame: Optional[str]
 ) -> None:

@@ -538,6 +538,8 @@ class Made(Managed):
         wait_until(lambda: len(driver.ticks) > count, lambda: "no ticks any more")
         driver.plan.clear()
         self.assertTrue(self.change("deactivate"))
+        with self.assertRaises(ValueError):
+            driver.timer.set_rate(-1.0)
         driver.timer.set_rate(200.0)  # from the next activation on
         count = len(driver.ticks)
         time.sleep(0.05)  # five ticks of a timer that does not heed

@@ -32,7 +32,12 @@ except PortUnavailable as error:
 #: Tells whether a terminal is open to one program alone; termios does not name it.
 _TIOCGEXCL = 0x80045440
 #: Opens a port without a lock, as a terminal program may, and waits.
-HOLD = "import sys; port = open(sys.argv[1], 'rb+', buffering=0); print('open'); sys.stdin.read()"
+HOLD = """
+import sys
+port = open(sys.argv[1], 'rb+', buffering=0)
+print('open', flush=True)
+sys.stdin.read()
+"""
 
 
 @pytest.fixture

@@ -1,8 +1,7 @@
 """The link to a microcontroller, by rosserial's protocol."""
 
-import sys
 import time
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Sequence, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -45,11 +44,16 @@ class SerialNode:
 
     :ROS Parameters:
         - those of :class:`.SerialParameters`, private; and whatever the board asks for
+
+    :param node: the node
+    :param words: of the command line: the port, and with tcp its number, as rosserial_python's
+        node takes them; before the parameters
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, words: Sequence[str] = ()) -> None:
         self._settings = node.parameters(SerialParameters)
-        self._adopt_arguments()
+        if words:
+            self._settings.update(**dict(zip(("port", "tcp_port"), words)))
         self._node_name = node.name
         self._tally = Counts()
         self._link = BoardLink(self._port(), self._tally, _ros_time)
@@ -69,13 +73,6 @@ class SerialNode:
         node.own(self._board)
         node.every(1.0, self._report, steady=True)
         node.before_end(self._link.say_stop)
-
-    def _adopt_arguments(self) -> None:
-        """Have the port, and with tcp its number, from the command line as rosserial_python has."""
-        words = rospy.myargv(sys.argv)[1:]
-        names = ("port", "tcp_port")
-        if words:
-            self._settings.update(**dict(zip(names, words)))
 
     def _port(self) -> Port:
         values = self._settings.values
@@ -129,4 +126,5 @@ def _ros_time() -> Tuple[int, int]:
 
 def main() -> None:
     """Run the node until it is shut down."""
-    run("serial_node", SerialNode)
+    words = [word for word in rospy.myargv()[1:] if not word.startswith("-")]
+    run("serial_node", lambda node: SerialNode(node, words))

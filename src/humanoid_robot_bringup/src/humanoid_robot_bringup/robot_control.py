@@ -9,6 +9,8 @@ from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest
 from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, give_up, run
 
 _CONTROLLER = "proportional_controller"
+#: The phase of a goal to which there is no progress.
+_GIVEN_UP = "given_up"
 
 
 def _coordinate(unit: str, what: str) -> FloatParameter:
@@ -75,7 +77,7 @@ class RobotControl:
         is_new = self._set_at is not None and progress.header.stamp > self._set_at
         if is_new and progress.phase == Progress.ARRIVED:
             rospy.signal_shutdown("arrived")
-        elif is_new and progress.phase == Progress.GIVEN_UP:
+        elif is_new and progress.phase == _GIVEN_UP:
             give_up(f"the robot makes no progress: {progress.distance:.2f} m are left")
 
     def _on_change(self, new: RobotControlParameters, old: RobotControlParameters) -> None:

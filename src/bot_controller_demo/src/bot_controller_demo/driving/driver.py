@@ -13,7 +13,7 @@ from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.laws.freshness import Freshness
 from bot_controller_demo.laws.geometry import Goal, Pose, heading_of
 from bot_controller_demo.laws.pursuit import ARRIVED, Guidance, Pursuit
-from bot_controller_demo.laws.standstill import Standstill
+from bot_controller_demo.laws.standstill import GIVEN_UP, Standstill
 from bot_controller_demo.laws.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
 from bot_controller_demo.laws.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
@@ -106,7 +106,7 @@ class Driver:
         guidance = self._pursuit.step(self._pose, settings.tuning)
         phase = guidance.phase
         if self._makes_no_progress(guidance, settings.no_progress_timeout):
-            phase = Progress.GIVEN_UP
+            phase = GIVEN_UP
             self.stop()
         else:
             self._commands.publish(guidance.velocity)
@@ -117,7 +117,7 @@ class Driver:
         progress.header.stamp = self._stamp
         progress.header.frame_id = self.frame
         left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
-        if phase == Progress.GIVEN_UP:
+        if phase == GIVEN_UP:
             rospy.logwarn(
                 "no progress for %g s: the goal is given up and the robot stopped; %s",
                 settings.no_progress_timeout,

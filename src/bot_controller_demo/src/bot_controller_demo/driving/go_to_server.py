@@ -6,6 +6,7 @@ import rospy
 
 from bot_controller_demo.driving.goals import GoalRefused
 from bot_controller_demo.laws.pursuit import ARRIVED
+from bot_controller_demo.laws.standstill import GIVEN_UP
 from bot_controller_demo_msgs.msg import GoToAction, GoToFeedback, GoToResult, Progress
 from nodekit import Node
 
@@ -80,7 +81,7 @@ class GoToServer:
         self._server.publish_feedback(GoToFeedback(progress))
         if progress.phase == ARRIVED:
             self._server.set_succeeded(GoToResult(progress), "arrived")
-        elif progress.phase == Progress.GIVEN_UP:
+        elif progress.phase == GIVEN_UP:
             why = f"no progress: the robot has stopped {progress.distance:.2f} m from its goal"
             self._server.set_aborted(GoToResult(progress), why)
 

@@ -5,6 +5,10 @@ import math
 from bot_controller_demo.laws.geometry import Errors
 from bot_controller_demo.laws.pursuit import TURNING
 
+#: The phase of a goal that is given up. Progress has no constant for it: one more would make it
+#: another message, which the nodes of before do not know.
+GIVEN_UP = "given_up"
+
 #: An error that falls to this part of its least counts as progress: a slow robot makes it too, and
 #: what odometry's noise makes of a robot at rest does not for long.
 _CLOSER = 0.99

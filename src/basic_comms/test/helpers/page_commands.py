@@ -31,7 +31,7 @@ _FENCE = re.compile(r"^ *```(\S*)")
 _REFUSED = "# refused"
 _LAUNCHES = re.compile(
     r"(\./ci/exec )?(roslaunch (?!-)|rosrun nodekit host|rosrun \w+ (?!scope|plot_bag)\w+\.py"
-    r"|rosrun (diff_drive_sim|executors_demo|lifecycle_demo|my_robot_package"
+    r"|rosrun (diff_drive_sim|executors_demo|lifecycle_demo|motor_control|my_robot_package"
     r"|parameters_demo|robot_interfaces_demo) (?!timeline|fleet_report)\w+)"
 )
 _GOES_ON_BESIDE = re.compile(r"rostopic (echo|pub)|rosrun topic_scope scope|roslaunch topic_scope")

@@ -52,6 +52,10 @@ NOT_TYPED = {
             "roslaunch my_robot_package robust_node",
         )
     },
+    "docs/nodes/serial_link.md": {
+        "rosservice call /zero_encoder": "is the board's own, and comes when the board has told of "
+        "it: the tutorial of the microcontroller types it"
+    },
     "docs/packaging.md": {
         "./ci/deb": "takes root, and minutes of building",
         "sudo apt": "takes the packages: ci/deb types it",

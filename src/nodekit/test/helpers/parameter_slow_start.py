@@ -3,18 +3,18 @@
 
 import itertools
 
-import rospy
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit import Node, run
 
 
-def start(_node: Node) -> None:
+def start(node: Node) -> None:
     """Register services without end."""
     print("starting", flush=True)
     for number in itertools.count():
-        service = rospy.Service(f"~{number}", Trigger, lambda request: TriggerResponse())
-        service.shutdown()
+        lifetime = node.lifetime()
+        lifetime.service(f"~{number}", Trigger, lambda request: TriggerResponse())
+        lifetime.close()
 
 
 if __name__ == "__main__":

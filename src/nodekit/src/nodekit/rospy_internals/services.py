@@ -5,6 +5,7 @@ import socket
 from typing import Any, Dict, List, Tuple
 
 import rospy
+from rospy.impl.registration import get_service_manager
 
 from nodekit.rospy_internals.made import NameTaken
 
@@ -42,9 +43,11 @@ class ClosableService(rospy.Service):
     def shutdown(self, reason: str = "") -> None:
         """End the service; the client of a call that is under way still gets its answer.
 
-        :param reason: for rospy's debug log
+        :param reason: as rospy has it; without effect
         """
-        super().shutdown(reason)
+        self.done = True
+        with contextlib.suppress(KeyError):  # rospy's own end empties the table without its lock
+            get_service_manager().unregister(self.resolved_name, self)
         for service, transport in list(self._lasting):
             if service is self:
                 with contextlib.suppress(OSError, AttributeError):  # it has just ended

@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger
 
 from bot_controller_demo_msgs.msg import GoToActionGoal, GoToActionResult
+from bot_controller_demo_msgs.srv import SetGoal
 from lifecycle_msgs.msg import State
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
@@ -22,6 +23,8 @@ from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 SIMULATOR, CONTROLLER = "/diff_drive", "/proportional_controller"
 #: Messages of the action's state, which come at 5 Hz.
 SOME = 4
+#: Messages of odometry, which come at 30 Hz.
+A_SECOND = 30
 
 
 class ManagedRobot(unittest.TestCase):
@@ -60,6 +63,15 @@ class ManagedRobot(unittest.TestCase):
         """Wait until the controller has been cleaned up, and has stopped the robot before."""
         self.state.wait_for(lambda state: state.label == "unconfigured")
         self.commands.wait_for(lambda command: command == Twist())
+
+    def assert_it_stands(self) -> None:
+        """See that the controller, which is active again, leaves the robot where it is."""
+        self.state.wait_for(lambda state: state.label == "active")
+        self.odometry.forget()
+        self.commands.forget()
+        wait_until(lambda: self.odometry.count() >= A_SECOND, lambda: "no odometry")
+        self.assertEqual(self.commands.messages(), [])
+        self.assertEqual(self.odometry.messages()[-1].twist.twist, Twist())
 
     def act(self, name: str) -> None:
         """Send a goal of the action, and wait until it is pursued."""
@@ -115,6 +127,16 @@ class ManagedRobot(unittest.TestCase):
                     lambda: f"it drives on: {self.commands.messages()[-3:]}",
                 )
                 self.assertTrue(manage(ManageNodesRequest.RESUME).success)
+                self.wait_until_it_drives()
+            self.act("third")
+            with self.subTest("paused while the action drives"):
+                self.assertTrue(manage(ManageNodesRequest.PAUSE).success)
+                result = self.results.wait_for(lambda each: each.status.goal_id.id == "third")
+                self.assertEqual(result.status.status, GoalStatus.ABORTED)
+                self.assertTrue(manage(ManageNodesRequest.RESUME).success)
+                self.assert_it_stands()
+                set_goal = rospy.ServiceProxy(CONTROLLER + "/set_goal", SetGoal)
+                self.assertTrue(set_goal(100.0, 0.0, 0.0).success)
                 self.wait_until_it_drives()
 
 

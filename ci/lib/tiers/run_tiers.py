@@ -19,6 +19,8 @@ AT_A_TIME = 3
 LOOK_S = 1.0
 # Of the output of a failed step.
 LINES_SHOWN = 200
+# The steps that the end names, those that take most of the processors.
+STEPS_SHOWN = 8
 
 
 def run_steps(steps: List[Step], directory: pathlib.Path) -> List[StepResult]:
@@ -67,7 +69,7 @@ def run_steps(steps: List[Step], directory: pathlib.Path) -> List[StepResult]:
                         begin(step)
                     else:
                         why = f"not run: {step.after} has failed"
-                        results.append(StepResult(step, 0, 1, 0, 0.0, why))
+                        results.append(StepResult(step, 0, 1, 0, 0.0, 0.0, why))
                         report(results[-1])
         except BaseException:
             for future in running:
@@ -88,7 +90,7 @@ def report(result: StepResult) -> None:
         f"{'ok' if result.good else 'FAILED':6} "
         f"{result.step.tier}/{result.step.name}: "
         f"{numbers(result.passed, result.failed, result.skipped)}, "
-        f"{result.seconds:.1f} s",
+        f"{result.seconds:.1f} s, of processors {result.cpu_seconds:.1f} s",
         flush=True,
     )
     for failure in result.failures:
@@ -108,8 +110,8 @@ def summarise(names: List[str], results: List[StepResult], seconds: float) -> bo
 
     :returns: whether everything is well
     """
-    row = "%-12s %7s %7s %8s %9s"
-    print("\n" + row % ("tier", "passed", "failed", "skipped", "seconds"))
+    row = "%-12s %7s %7s %8s %9s %11s"
+    print("\n" + row % ("tier", "passed", "failed", "skipped", "seconds", "processor s"))
     total = [0, 0, 0]
     for name in names:
         mine = [result for result in results if result.step.tier == name]
@@ -119,12 +121,24 @@ def summarise(names: List[str], results: List[StepResult], seconds: float) -> bo
             sum(result.failed for result in mine) if mine else 1,
             sum(result.skipped for result in mine),
         ]
-        seconds_of_tier = f"{sum(result.seconds for result in mine):.1f}"
-        print(row % (name, *tally, seconds_of_tier) + ("" if mine else "  no test ran"))
+        times = f"{sum(result.seconds for result in mine):.1f}", f"{cpu_seconds(mine):.1f}"
+        print(row % (name, *tally, *times) + ("" if mine else "  no test ran"))
         total = [one + other for one, other in zip(total, tally)]
-    print(f"{seconds:.0f} s in all, {AT_A_TIME} steps at a time\n")
+    dearest = sorted(results, key=lambda result: -result.cpu_seconds)[:STEPS_SHOWN]
+    print("most of the processors went to:")
+    for result in dearest:
+        print(f"  {result.cpu_seconds:6.1f} s  {result.step.tier}/{result.step.name}")
+    print(
+        f"{seconds:.0f} s in all, {AT_A_TIME} steps at a time, "
+        f"{cpu_seconds(results) / 60:.1f} minutes of processor time\n"
+    )
     print(numbers(*total))
     return total[1] == 0 and total[2] == 0
+
+
+def cpu_seconds(results: List[StepResult]) -> float:
+    """The processor time of some steps, s."""
+    return sum(result.cpu_seconds for result in results)
 
 
 def main(names: List[str]) -> int:

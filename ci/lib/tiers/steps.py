@@ -14,6 +14,8 @@ from xml.etree import ElementTree
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 # How long a command may take to clean up behind itself after the time is up, s.
 GRACE = 30.0
+# How often a command is asked whether it has ended, s.
+POLL_S = 0.05
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,6 +44,7 @@ class StepResult:
     failed: int
     skipped: int
     seconds: float
+    cpu_seconds: float  # of the command and of all that it has waited for
     log: str
     failures: Sequence[str] = ()  # each failed case and the first line of why
 
@@ -74,17 +77,20 @@ class Runner:
                 start_new_session=True,
             )
             self._running.add(process)
+            cpu_seconds = 0.0
             if self._interrupted:  # perhaps before interrupt() could see this process
                 stop(process)
             try:
-                status = process.wait(step.time_limit)
+                cpu_seconds = wait_and_measure(process, step.time_limit)
+                status = process.wait()
             except subprocess.TimeoutExpired:
                 output.write(b"\nstopped: it took more than %d s\n" % step.time_limit)
                 status = -1
             stop(process)
             self._running.discard(process)
             end_leftovers(directory)
-        return judge(step, status, results, time.monotonic() - began, log)
+        seconds = time.monotonic() - began
+        return judge(step, status, results, seconds, cpu_seconds, log)
 
     def interrupt(self) -> None:
         """Make the steps that are running, or only just starting, end soon."""
@@ -94,8 +100,30 @@ class Runner:
                 os.killpg(process.pid, signal.SIGINT)
 
 
+def wait_and_measure(process: "subprocess.Popen[bytes]", limit: float) -> float:
+    """Wait until a process has ended, and leave it to be waited for once more.
+
+    :param limit: for how long, s
+    :returns: processor time of it and of all that it has waited for, s
+    :raises subprocess.TimeoutExpired: if it has not ended by then
+    """
+    deadline = time.monotonic() + limit
+    while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
+        if time.monotonic() > deadline:
+            raise subprocess.TimeoutExpired(process.args, limit)
+        time.sleep(POLL_S)
+    # See proc(5); what comes before the bracket may hold anything.
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+
+
 def judge(
-    step: Step, status: int, results: pathlib.Path, seconds: float, log: pathlib.Path
+    step: Step,
+    status: int,
+    results: pathlib.Path,
+    seconds: float,
+    cpu_seconds: float,
+    log: pathlib.Path,
 ) -> StepResult:
     """Count a step's tests; what ends badly or tests nothing has at least one failure."""
     passed, failures, skipped = count(results) if step.writes_junit else (int(status == 0), [], 0)
@@ -107,7 +135,7 @@ def judge(
     if passed + failed + skipped == 0:
         failed = 1
         text += "\nno test ran\n"
-    return StepResult(step, passed, failed, skipped, seconds, text, failures)
+    return StepResult(step, passed, failed, skipped, seconds, cpu_seconds, text, failures)
 
 
 def environment(directory: pathlib.Path) -> Dict[str, str]:

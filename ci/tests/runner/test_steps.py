@@ -96,6 +96,12 @@ def wait_until_gone(pid: int) -> None:
         threading.Event().wait(0.01)
 
 
+def test_processor_time_is_that_of_all_it_started(tmp_path: pathlib.Path) -> None:
+    burn = "import time\nwhile time.process_time() < 0.5: pass"
+    inner = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {burn!r}])"
+    assert run(tmp_path, sys.executable, "-c", inner).cpu_seconds >= 0.5
+
+
 def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
     names = ("ROS_MASTER_URI", "ROS_HOME", "ROS_LOG_DIR", "TMPDIR", "HYPOTHESIS_STORAGE_DIRECTORY")
     command = ("sh", "-c", "echo " + " ".join("$" + name for name in names))
@@ -106,13 +112,17 @@ def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
 
 
 def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
-    good = StepResult(Step("unit", "a", []), passed=3, failed=0, skipped=0, seconds=1.0, log="")
+    good = StepResult(Step("unit", "a", []), 3, 0, 0, seconds=1.0, cpu_seconds=90.0, log="")
     assert run_tiers.summarise(["unit"], [good, good], 2.0)
     assert capsys.readouterr().out.splitlines()[-1] == "6 passed, 0 failed, 0 skipped"
 
-    bad = StepResult(Step("unit", "b", []), passed=1, failed=0, skipped=1, seconds=1.0, log="")
+    bad = StepResult(Step("unit", "b", []), 1, 0, 1, seconds=1.0, cpu_seconds=150.0, log="")
     assert not run_tiers.summarise(["unit"], [good, bad], 2.0)
-    assert capsys.readouterr().out.splitlines()[-1] == "4 passed, 0 failed, 1 skipped"
+    told = capsys.readouterr().out.splitlines()
+    assert told[-1] == "4 passed, 0 failed, 1 skipped"
+    dearest = ["   150.0 s  unit/b", "    90.0 s  unit/a"]
+    assert told[told.index("most of the processors went to:") + 1 :][:2] == dearest
+    assert "4.0 minutes of processor time" in told[-3]
 
     assert not run_tiers.summarise(["unit", "docs"], [good], 2.0)
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 1 failed, 0 skipped"

@@ -831,6 +831,21 @@ class Command(Managed):
         with mock.patch.object(lifecycle, "MasterClient", side_effect=KeyboardInterrupt):
             self.assertEqual(self.typed("get", node), (130, "", ""))
 
+    def test_node_that_does_not_answer_is_named_and_leaves_a_status(self) -> None:
+        self.driver("inactive")
+        mute = self.space + "/mute"
+        # What it is known by is there, and all else is missing.
+        service = rospy.Service(mute + "/get_transition_graph", GetAvailableTransitions, None)
+        self.addCleanup(service.shutdown)
+        status, out, err = self.typed("get")
+        self.assertEqual((status, "/driver: inactive [2]" in out.splitlines()), (1, True), out)
+        self.assertIn("lifecycle: /mute does not answer: /mute/get_state cannot be called", err)
+        for words in (["get", mute], ["list", mute], ["set", mute, "configure"]):
+            with self.subTest(words):
+                status, out, err = self.typed(*words)
+                self.assertEqual((status, out), (1, ""))
+                self.assertIn("lifecycle: /mute does not answer: /mute/", err)
+
     def test_transitions(self) -> None:
         self.driver("active")
         node = self.space + "/driver"

@@ -54,12 +54,12 @@ def command(*words: str) -> "subprocess.CompletedProcess[str]":
 
 
 class ParameterServices(ParameterCase):
-    """Two nodes in one group."""
+    """Two nodes in one group; the name of one begins as that of the other."""
 
     @classmethod
     def setUpClass(cls) -> None:
         cls.server = Server()
-        cls.nodes = [ParameterNode(f"{LAB}/{name}") for name in ("first", "second")]
+        cls.nodes = [ParameterNode(f"{LAB}/{name}") for name in ("first", "first2")]
         for node in cls.nodes:
             rospy.wait_for_service(node.name + "/change", 30.0)
 
@@ -172,6 +172,7 @@ class ParameterServices(ParameterCase):
             self.assertIn(node.name + "\n", done.stdout)
         self.assertRegex(done.stdout, r"(?m)^  level +=")
         entries = yaml.safe_load(command("describe", "--yaml", self.node.name).stdout)
+        self.assertEqual(list(entries), [self.node.name])
         self.assertEqual([entry["name"] for entry in entries[self.node.name]], list(DEFAULTS))
         wrong = command("describe", self.node.name + "s")
         self.assertEqual((wrong.returncode, wrong.stdout), (1, ""))

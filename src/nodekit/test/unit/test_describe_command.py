@@ -10,6 +10,7 @@ from std_srvs.srv import TriggerResponse
 
 from nodekit import BoolParameter, ParameterSet
 from nodekit.commands import describe as command
+from nodekit.node.clients import CallError
 from nodekit.parameters.schema import as_yaml, describe
 
 
@@ -63,3 +64,27 @@ def test_a_pipe_has_80_columns(monkeypatch: "pytest.MonkeyPatch", lines: Any) ->
     node, *table = lines()
     assert node == "/switch"
     assert len(table) > 1 and 70 < max(map(len, table)) <= 80
+
+
+def test_status_and_names_tell_of_one_in_many_that_does_not_answer(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]", lines: Any
+) -> None:
+    names = [f"/robot{number:02}" for number in range(2 * command._TOGETHER + 1)]
+    mute, answer = names[3], command.call_service
+
+    def answer_but_one(service: str, kind: Any) -> Any:
+        future = answer(service, kind)
+        if service.startswith(mute + "/"):
+            future = Future()
+            future.set_exception(CallError("no answer within 2 s"))
+        return future
+
+    monkeypatch.setattr(command, "call_service", answer_but_one)
+    monkeypatch.setattr(command.MasterClient, "namespaces_offering", lambda *_: names)
+    with pytest.raises(SystemExit) as ended:
+        command.main()
+    assert ended.value.code == 1
+    printed = capsys.readouterr()
+    told = [line for line in printed.out.splitlines() if line.startswith("/")]
+    assert told == [name for name in names if name != mute]
+    assert printed.err == f"describe: {mute} does not answer: no answer within 2 s\n"

@@ -213,6 +213,31 @@ class Here(Managing):
         go_on.set()  # it is configured after all, and cleaned up then
         wait_until(lambda: "b cleanup" in self.diary, lambda: str(self.diary))
 
+    def test_a_command_that_another_one_overtakes_is_answered(self) -> None:
+        self.drivers(*ABC)
+        go_on = threading.Event()
+        self.addCleanup(go_on.set)
+        self.plan["b configure"] = lambda: go_on.wait(TIMEOUT_S)
+        self.manager(request_timeout=TIMEOUT_S)  # not even on a busy machine
+        answers: List[ManageNodesResponse] = []
+
+        def send(command: int) -> None:
+            threading.Thread(
+                target=lambda: answers.append(self.command(command)), daemon=True
+            ).start()
+
+        send(ManageNodesRequest.STARTUP)
+        wait_until(lambda: "b configure" in self.diary, lambda: str(self.diary))
+        send(ManageNodesRequest.RESET)
+        # Before the other one is done, which what hangs holds up.
+        wait_until(lambda: answers, lambda: "the first is not answered")
+        first = answers[0]
+        self.assertEqual((first.success, first.message), (False, "superseded by another command"))
+        go_on.set()
+        wait_until(lambda: answers[1:], lambda: "the second is not answered")
+        second = answers[1]
+        self.assertEqual((second.success, second.message), (True, "all are unconfigured"))
+
     def test_one_that_is_not_there(self) -> None:
         nodes = self.drivers("a", "b")
         self.manager(respawn_window=0.5, heartbeat_timeout=0.8)

@@ -198,6 +198,16 @@ class Monitors(unittest.TestCase):
         demo.wait_for_log("robot_01: present")
         self.wait_for_line("robot_01", "OK", monitor="/in_one/fleet_monitor")
 
+    def test_report_is_no_success_where_there_is_a_warning_alone(self) -> None:
+        robot, monitor = "/in_one/robot_monitor", "/in_one/fleet_monitor"
+        rospy.set_param(f"{robot}/period", 0.2)
+        rospy.set_param(f"{robot}/fault", "low_battery")
+        self.wait_for_line("WARN: 1 robot, 1 wrong: robot_01", monitor=monitor)
+        self.assertFalse(report(monitor).success)
+        rospy.set_param(f"{robot}/fault", "none")
+        self.wait_for_line("OK: 1 robot, nothing wrong", monitor=monitor)
+        self.assertTrue(report(monitor).success)
+
     def test_launch_file_starts_both_with_the_file_s_parameters(self) -> None:
         arguments = "__ns:=launched robot_name:=r2 period:=0.1 fault:=hot"
         with launched(f"robot_interfaces_demo robot_status_demo.launch {arguments}"):
@@ -233,16 +243,18 @@ class Monitors(unittest.TestCase):
             return "sim: present" in str(monitor.lines)
 
         wait_until(heard, lambda: str(monitor.lines))
-        # More than ten periods of the machine's time, in which the clock stands still.
-        rospy.sleep(1.2)
-        self.assertEqual(monitor.logged("sim: stale"), [])
         self.assertIn("OK: 1 robot", report("/simulated").message)
+        # After fifty periods of the machine's time, in which the clock stands still.
+        stands = "simulated time stands still, so no robot becomes stale"
+        self.wait_for_line("WARN: 1 robot, nothing wrong", stands, monitor="/simulated")
+        self.assertEqual(monitor.logged("sim: stale"), [])
 
         def lost() -> bool:
             go_on()
             return bool(monitor.logged("sim: lost"))
 
         wait_until(lost, lambda: str(monitor.lines))
+        self.assertNotIn(stands, report("/simulated").message)
         self.assertEqual(monitor.interrupt(), 0)
 
 

@@ -2,7 +2,7 @@
 
 import re
 import time
-from typing import Any, Collection, Dict, List, Optional, Set
+from typing import Collection, Dict, List, Optional, Set
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
@@ -15,6 +15,7 @@ from ros2_bridge.parameters.to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.to_ros2 import ParametersToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.pairing import parameter_services, ranked
 from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
@@ -163,10 +164,10 @@ class NodeBridge:
             else:
                 self._to_ros1[name].retry_write_all()
 
-    def _forward_events(self, arrived: List[Any]) -> None:
-        for data, info in arrived:
-            if not self._side.is_ours(info["publisher_gid"]["data"]):
-                event = deserialize_message(data, ParameterEvent)
+    def _forward_events(self, arrived: List[Arrived]) -> None:
+        for one in arrived:
+            if not self._side.is_ours(one.sender):
+                event = deserialize_message(one.data, ParameterEvent)
                 parameters = self._to_ros1.get(self._names.in_ros1(event.node) or "")
                 if parameters is not None:
                     parameters.write_event(event)

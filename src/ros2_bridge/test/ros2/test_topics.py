@@ -15,6 +15,7 @@ from std_msgs.msg import Float32, String
 from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.codec import Codec
@@ -194,12 +195,7 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
         (bad, b"a", 5),
         (good, b"ours", 1),
     ]
-    pair._forward(
-        [
-            (data, {"publisher_gid": {"data": sender}, "publication_sequence_number": number})
-            for data, sender, number in arrived
-        ]
-    )
+    pair._forward([Arrived(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 3, "lost": 2, "refused": 1}
     assert len(passed) == 3
 

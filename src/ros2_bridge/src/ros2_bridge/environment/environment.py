@@ -23,7 +23,7 @@ from ros2_bridge.environment.start import home
 from ros2_bridge.types.twins import RENAMED, TwinPackage, make_twins
 
 #: Versions of Python that the wheels are for.
-PYTHONS = ((3, 11), (3, 12), (3, 13))
+PYTHONS = ((3, 11), (3, 12), (3, 13), (3, 14))
 #: ROS 1's own packages that ROS 2 has and PyPI has not: what is bridged of them.
 WITHOUT_WHEEL = {
     "tf2_msgs": {"msg/TFMessage.msg": "geometry_msgs/TransformStamped[] transforms\n"},

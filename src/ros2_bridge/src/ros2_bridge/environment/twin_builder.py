@@ -2,8 +2,9 @@
 
 Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
 lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
-called here, and what they write is compiled for rclpy and fastrtps: its CMake files start ten
-programs for each package, and build classes for C++ and introspection too, which nobody uses here.
+called here, and what they write is compiled for rclpy and fastrtps, which asks for introspection
+too: its CMake files start ten programs for each package, and build classes for C++, which nobody
+uses here.
 """
 
 import concurrent.futures
@@ -24,6 +25,7 @@ from rosidl_generator_py.cli import GeneratePython
 from rosidl_parser import parser
 from rosidl_typesupport_c.cli import GenerateCTypesupport
 from rosidl_typesupport_fastrtps_c.cli import GenerateFastRTPSCTypesupport
+from rosidl_typesupport_introspection_c.cli import GenerateIntrospectionCTypesupport
 
 ENVIRONMENT = pathlib.Path(sys.prefix)
 LIBRARIES = ENVIRONMENT / "lib"
@@ -32,11 +34,13 @@ INDEX = SHARE / "ament_index" / "resource_index"
 SITE = pathlib.Path(sysconfig.get_path("purelib"))
 
 C, FASTRTPS = "rosidl_typesupport_c", "rosidl_typesupport_fastrtps_c"
+INTROSPECTION = "rosidl_typesupport_introspection_c"
 #: What each service needs: its event has a time in it.
 ALWAYS = ["builtin_interfaces", "service_msgs"]
 #: Libraries of a package that has a wheel, and of one that was built here.
-OF_PACKAGE = ("rosidl_generator_c", FASTRTPS, C, "rosidl_generator_py", "twin")
-OF_ROS2 = ("rosidl_runtime_c", C, FASTRTPS, "rosidl_typesupport_fastrtps_cpp", "fastcdr", "rcutils")
+OF_PACKAGE = ("rosidl_generator_c", FASTRTPS, INTROSPECTION, C, "rosidl_generator_py", "twin")
+OF_FASTRTPS = ("rosidl_typesupport_fastrtps_cpp", "fastcdr")
+OF_ROS2 = ("rosidl_runtime_c", C, FASTRTPS, INTROSPECTION, *OF_FASTRTPS, "rcutils")
 #: Not optimised: that takes twice as long, and few messages are converted by this code.
 FLAGS = ("-O0", "-fPIC", "-w", "-DNDEBUG")
 
@@ -58,6 +62,11 @@ class Package(NamedTuple):
         return self.place / "generated" / self.name
 
     @property
+    def introspection(self) -> pathlib.Path:
+        """Folder of the introspection's code, some of whose files have the names of others."""
+        return self.place / "introspection" / self.name
+
+    @property
     def module(self) -> pathlib.Path:
         """Folder of its Python module."""
         return SITE / self.name
@@ -67,7 +76,7 @@ def generate(package: Package) -> None:
     """Write a package's code, and install its definitions."""
     name, code, share = package.name, package.code, SHARE / package.name
     source = package.place / "source"
-    for place in (code.parent, share, package.module):
+    for place in (code.parent, package.introspection.parent, share, package.module):
         shutil.rmtree(str(place), ignore_errors=True)
     interfaces = sorted(path.relative_to(source) for path in source.glob("*/*"))
     idl: Any = translate(
@@ -84,10 +93,12 @@ def generate(package: Package) -> None:
     GenerateC("c").generate(name, idl, paths, code, type_description_files=hashes)
     for generator in (
         GenerateFastRTPSCTypesupport("fastrtps_c"),
-        GenerateCTypesupport("c", typesupport_implementations=[FASTRTPS]),
+        GenerateCTypesupport("c", typesupport_implementations=[FASTRTPS, INTROSPECTION]),
         GeneratePython("py", typesupport_implementations=[C]),
     ):
         generator.generate(name, idl, paths, code)
+    introspection = GenerateIntrospectionCTypesupport("introspection_c")
+    introspection.generate(name, idl, paths, package.introspection)
     (code / "__init__.py").touch()
     for path in [*interfaces, pathlib.Path("package.xml")]:
         shutil.copy(str(source / path), str(share / path))
@@ -106,7 +117,8 @@ def units(package: Package) -> List[pathlib.Path]:
     """Return what is to be compiled: few files that include the rest, as headers take the time."""
     alone = [*package.code.glob("*.c"), *package.code.rglob("*__description.c")]
     found = list(alone)
-    for folder in [path for path in package.code.iterdir() if path.is_dir()]:
+    places = [*package.code.iterdir(), *package.introspection.iterdir()]
+    for folder in [path for path in places if path.is_dir()]:
         for suffix in (".c", ".cpp"):
             parts = sorted(path for path in folder.rglob("*" + suffix) if path not in alone)
             if parts:
@@ -135,6 +147,10 @@ def build(packages: List[Package], includes: List[pathlib.Path]) -> None:
         own = f"{package.name}__twin"
         link(LIBRARIES / f"lib{own}.so", [one for one in parts if one not in entry], there)
         link(package.module / f"{package.name}_s__{C}.so", entry, [own])
+        for kind in (FASTRTPS, INTROSPECTION):  # loaded by these names
+            alias = LIBRARIES / f"lib{package.name}__{kind}.so"
+            alias.unlink(missing_ok=True)
+            alias.symlink_to(f"lib{own}.so")
 
 
 def link(target: pathlib.Path, objects: List[pathlib.Path], libraries: List[str]) -> None:
@@ -161,12 +177,13 @@ def main(twins: pathlib.Path, given: List[str]) -> None:
         headers,
         *headers.iterdir(),
         *twins.glob("*/generated"),
+        *twins.glob("*/introspection"),
         pathlib.Path(sysconfig.get_path("include")),
         pathlib.Path(numpy.get_include()),
     ]
     build(packages, includes)
     for package in packages:
-        for path in package.code.rglob("*.o"):
+        for path in package.place.rglob("*.o"):
             path.unlink()
 
 

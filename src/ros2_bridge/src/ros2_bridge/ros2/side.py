@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
+from ros2_bridge.ros2.taking import Arrived, Taker
 from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
 from ros2_bridge.rules.settings import Quality
 
@@ -56,6 +57,7 @@ class Ros2:
         self._published: "Counter[str]" = collections.Counter()
         self._subscribed: "Counter[str]" = collections.Counter()
         self.node = self.make_node(name)
+        self._taker = Taker()  # for the thread of this loop
         self.messages = WaitLoop(self.context, "messages from ROS 2")
         self.calls = WaitLoop(self.context, "calls from ROS 2")
         self.participant = self._find_participant()
@@ -114,11 +116,11 @@ class Ros2:
             self.node.destroy_publisher(publisher)
 
     def subscribe(
-        self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Any]], None]
+        self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Arrived]], None]
     ) -> Callable[[], None]:
         """Subscribe to a topic.
 
-        :param receive: called with what has arrived, each message as bytes, what is known of it
+        :param receive: called with what has arrived
         :returns: what ends it
         """
         with self._lock:
@@ -130,9 +132,9 @@ class Ros2:
         handle = subscription.handle
 
         def receive_messages(most: int) -> None:
-            messages: List[Any] = []
+            messages: List[Arrived] = []
             while len(messages) < most:
-                message = handle.take_message(cls, True)
+                message = self._taker.take(handle)
                 if message is None:
                     break
                 messages.append(message)

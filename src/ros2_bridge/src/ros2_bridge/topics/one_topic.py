@@ -9,6 +9,7 @@ import rospy
 from nodekit import Node
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType
@@ -181,13 +182,12 @@ class TopicToRos1:
         mine = self._found
         return (mine.latched, mine.best_effort) == (found.latched, found.best_effort)
 
-    def _forward(self, arrived: List[Any]) -> None:
+    def _forward(self, arrived: List[Arrived]) -> None:
         messages = []
-        for data, info in arrived:
-            sender = info["publisher_gid"]["data"]
+        for data, sender, number in arrived:
             if self._side.is_ours(sender):
                 continue  # what has come from ROS 1
-            self._count_lost(sender, info["publication_sequence_number"])
+            self._count_lost(sender, number)
             message = self.kind.raw()
             try:
                 message._buff = self.kind.codec.to_ros1(data, self._seq)

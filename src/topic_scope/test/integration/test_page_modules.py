@@ -582,6 +582,18 @@ class Modules(BrowserTest):
         )
         self.assertEqual(layers, {"a": 0, "b": 1, "c": 2, "d": 3})
 
+    def test_odometries_are_of_one_robot_where_namespace_and_frame_are_the_same(self) -> None:
+        told = [("/a/ground_truth", "base"), ("/a/odom", "base"), ("/b/odom", "base")]
+        told += [("/c/x", ""), ("/c/y", ""), ("/d/x", "base"), ("/d/y", "base")]
+        robots = self.browser.call(
+            "robots/odometries.js",
+            "module.robotsOf(a[0].map(([topic, body]) => ({ topic, body })))"
+            ".map(({ topic, others }) => [topic, ...others.map((other) => other.topic)])",
+            told,
+        )
+        once = [["/a/odom", "/a/ground_truth"], ["/b/odom"], ["/c/x"], ["/c/y"], ["/d/x", "/d/y"]]
+        self.assertEqual(robots, once)
+
     def test_nothing_overlaps_in_the_graph(self) -> None:
         dice = random.Random(8)
         graphs = [_random_graph(dice) for _ in range(150)]

@@ -62,6 +62,7 @@ def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
     assert robot["heading"] == pytest.approx(3.0, abs=1e-4)
     assert (robot["x"], robot["y"], robot["speed"], robot["turn"]) == (1.0, 2.0, 0.25, -0.5)
     assert (robot["topic"], robot["frame"], robot["silent"]) == ("/odom", "odom", False)
+    assert robot["body"] == "base"
     assert told(shown.moving(11.5))["robots"][0]["silent"]
     receive(shown, "/odom", odometry(math.nan, 0.0, 0.0), 12.0)
     assert told(shown.moving(12.0))["robots"][0]["x"] == 1.0

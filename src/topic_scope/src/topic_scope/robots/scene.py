@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 import numpy
 
 from topic_scope.messages.definitions import Array, Record, Scalar, Text
-from topic_scope.robots.frames import Frames, Place, Transform, transform_of
+from topic_scope.robots.frames import Frames, Place, Transform, bare, transform_of
 from topic_scope.robots.markers import Markers, finite
 
 #: The types that are looked at wherever they are on the graph.
@@ -105,8 +105,10 @@ class Scene:
             return
         frame = message["header"]["frame_id"]
         speeds = {"speed": finite(twist["linear"]["x"]), "turn": finite(twist["angular"]["z"])}
-        self._odometry[topic] = _Said({"frame": frame, "transform": transform, **speeds}, now)
-        self._frames.set_odometry(topic, frame, message["child_frame_id"], transform)
+        body = message["child_frame_id"]
+        said = {"frame": frame, "body": bare(body), "transform": transform, **speeds}
+        self._odometry[topic] = _Said(said, now)
+        self._frames.set_odometry(topic, frame, body, transform)
 
     def _add_goal(self, topic: str, message: Message) -> None:
         transform = transform_of(message["pose"]["position"], message["pose"]["orientation"])
@@ -143,6 +145,7 @@ class Scene:
         return {
             "topic": topic,
             "frame": place.root,
+            "body": said["body"],
             "x": finite(place.transform.position[0]),
             "y": finite(place.transform.position[1]),
             "heading": finite(place.transform.heading),

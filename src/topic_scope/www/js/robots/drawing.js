@@ -5,6 +5,7 @@ import { niceStep, tickText } from "../base/numbers.js";
 const GRID = 90; // pixels between lines, at least
 const ROBOT = 0.14; // radius of a robot's sign, m
 const LEAST = 9; // and in pixels
+const FONT = "12px system-ui, sans-serif";
 
 const colour = ([red, green, blue, alpha]) =>
   `rgba(${[red, green, blue].map((part) => Math.round(part * 255)).join()},${alpha})`;
@@ -97,6 +98,12 @@ export class Drawing {
     this.context.fill();
   }
 
+  /** How wide a text is, pixels. */
+  widthOf(text) {
+    this.context.font = FONT;
+    return this.context.measureText(text).width;
+  }
+
   /** Text beside a place, upright and of one size. */
   text(text, x, y, fill, lower = 0) {
     const { context } = this;
@@ -105,7 +112,7 @@ export class Drawing {
     const { a, b, c, d, e, f } = context.getTransform();
     const ratio = Math.sqrt(Math.abs(a * d - b * c)) * this.pixel;
     context.setTransform(ratio, 0, 0, ratio, e, f);
-    context.font = "12px system-ui, sans-serif";
+    context.font = FONT;
     context.fillStyle = fill;
     context.fillText(text, 12, lower - 10);
     context.restore();
@@ -161,11 +168,11 @@ export class Drawing {
     }));
   }
 
-  /** A robot: a disc with a nose. */
-  robot(robot, fill) {
+  /** A robot: a disc with a nose; faint where it is silent, or seen otherwise. */
+  robot(robot, fill, isFaint) {
     const { context } = this;
     const radius = Math.max(ROBOT, LEAST * this.pixel);
-    context.globalAlpha = robot.silent ? 0.35 : 1;
+    context.globalAlpha = isFaint ? 0.35 : 1;
     this.at(robot, () => {
       context.fillStyle = fill;
       this.disc(0, 0, radius * 0.75);

@@ -8,6 +8,15 @@ const DEGREES = 180 / Math.PI;
 /** The name of a robot by its topic: robot1 for /robot1/odom. */
 export const nameOf = (topic) => topic.replace(/^\//, "").replace(/(.)\/odom$/, "$1");
 
+/** How far another odometry of a robot is from the one that it is shown by. */
+function away(robot, { x, y, heading, frame, silent }) {
+  if (silent) return "silent";
+  if (frame !== robot.frame) return `in the frame ${frame}`;
+  const turn = heading - robot.heading;
+  const turned = Math.abs(Math.atan2(Math.sin(turn), Math.cos(turn))) * DEGREES;
+  return `${Math.hypot(x - robot.x, y - robot.y).toFixed(2)} m and ${turned.toFixed(0)}° away`;
+}
+
 /** Shows a row for each robot. */
 export class RobotList {
   /**
@@ -26,18 +35,21 @@ export class RobotList {
   }
 
   /**
-   * @param {Object[]} robots as the server sends them
+   * @param {Object[]} robots see odometries.js
    * @param {string} chosen topic of the one that is chosen
    */
   show(robots, chosen) {
     const topics = robots.map(({ topic }) => topic);
     if (topics.join() !== [...this.rows.keys()].join()) this.make(topics);
-    for (const { topic, x, y, heading, speed, silent } of robots) {
+    for (const robot of robots) {
+      const { topic, x, y, heading, speed, silent, others } = robot;
       const row = this.rows.get(topic);
       setPressed(row, topic === chosen);
       const place = `${x.toFixed(2)}, ${y.toFixed(2)} m, ${(heading * DEGREES).toFixed(0)}°`;
       const motion = silent ? "no data" : `${typed(speed, 2)} m/s`;
-      setText(row, `${nameOf(topic)}: ${`${place}, ${motion}`.replaceAll("-", "−")}`);
+      const lines = others.map((other) => `${nameOf(other.topic)} is ${away(robot, other)}`);
+      lines.unshift(`${nameOf(topic)}: ${`${place}, ${motion}`.replaceAll("-", "−")}`);
+      setText(row, lines.join("\n"));
     }
   }
 

@@ -7,12 +7,14 @@ import { Camera } from "./camera.js";
 import { Drawing, placesOf } from "./drawing.js";
 import { Goals } from "./goals.js";
 import { nameOf, RobotList } from "./list.js";
+import { robotsOf } from "./odometries.js";
 import { startPointer } from "./pointer.js";
 import { Trails } from "./trails.js";
 import { Wheel } from "./wheel.js";
 
 const CLOSER = 1.25;
 const STEP = 60; // of the arrow keys, pixels
+const LINE = 15; // height of a name, pixels
 
 /** Shows the robots, and follows what the user does with the picture. */
 export class RobotView {
@@ -27,7 +29,7 @@ export class RobotView {
     this.styles = new Map();
     const style = (name) => this.style(name);
     this.drawing = new Drawing(this.canvas.getContext("2d"), this.camera, style);
-    this.robots = [];
+    this.robots = []; // see odometries.js
     this.scans = [];
     this.scenery = { markers: [], paths: [], goals: [] };
     this.trails = new Trails();
@@ -87,7 +89,7 @@ export class RobotView {
 
   showRobots({ robots, scans }) {
     const isFirst = !this.robots.length && robots.length > 0;
-    this.robots = robots;
+    this.robots = robotsOf(robots);
     this.scans = scans;
     this.trails.add(robots);
     byId("robots-empty").hidden = robots.length > 0;
@@ -109,6 +111,8 @@ export class RobotView {
       const { value } = select;
       select.replaceChildren(...options(topics));
       if (topics.includes(value)) select.value = value;
+      select.disabled = !topics.length;
+      byId(`${id}-none`).hidden = topics.length > 0;
     };
     fill("drive-topic", commands);
     fill("goal-topic", goals);
@@ -187,23 +191,33 @@ export class RobotView {
     scenery.paths.forEach((path) => drawing.inside(path.at, () =>
       drawing.line(placesOf(path), this.style("good"), 2)));
     this.scans.forEach((scan) => drawing.scan(scan, this.style("bad")));
-    for (const { topic } of this.robots) {
-      this.trails.of(topic).forEach((line) => drawing.line(line, this.colour(topic), 1.5, [5, 3]));
+    for (const { topic, others } of this.robots) {
+      const trail = (one, dash) => this.trails.of(one).forEach((line) =>
+        drawing.line(line, this.colour(topic), 1.5, dash));
+      others.forEach((other) => trail(other.topic, [1, 3]));
+      trail(topic, [5, 3]);
     }
     this.goals.shown(scenery.goals).forEach(({ topic, isFaint, ...goal }) =>
       drawing.goal(goal, nameOf(topic), isFaint));
-    this.robots.forEach((robot) => drawing.robot(robot, this.colour(robot.topic)));
+    for (const robot of this.robots) {
+      for (const other of robot.others) drawing.robot(other, this.colour(robot.topic), true);
+    }
+    this.robots.forEach((robot) => drawing.robot(robot, this.colour(robot.topic), robot.silent));
     this.names();
   }
 
-  /** Write the names of the robots; those of robots at one place go below one another. */
+  /** Write the names of the robots, one below another where they would cover each other. */
   names() {
     const written = [];
     for (const { topic, x, y } of this.robots) {
-      const [across, down] = this.camera.toPicture(x, y);
-      const near = written.filter(([left, top]) => Math.hypot(left - across, top - down) < 14);
-      this.drawing.text(nameOf(topic), x, y, this.style("text"), 15 * near.length);
-      written.push([across, down]);
+      const [left, top] = this.camera.toPicture(x, y);
+      const width = this.drawing.widthOf(nameOf(topic));
+      const covers = (down) => written.some((one) =>
+        left < one.left + one.width && one.left < left + width && Math.abs(top + down - one.top) < LINE);
+      let down = 0;
+      while (covers(down)) down += LINE;
+      this.drawing.text(nameOf(topic), x, y, this.style("text"), down);
+      written.push({ left, top: top + down, width });
     }
   }
 

@@ -1,0 +1,21 @@
+/** Which odometries are of one robot. */
+
+const spaceOf = (topic) => topic.slice(0, topic.lastIndexOf("/") + 1);
+
+/**
+ * Put the odometries of a robot together: those of one namespace that are about the same frame, such
+ * as what its wheels tell and where it really is.
+ * @param {Object[]} odometries as the server sends them
+ * @returns {Object[]} for each robot the one called odom, or else the first, with the "others"
+ */
+export function robotsOf(odometries) {
+  const robots = new Map();
+  for (const one of odometries) {
+    const key = one.body ? `${spaceOf(one.topic)} ${one.body}` : one.topic;
+    robots.set(key, [...(robots.get(key) ?? []), one]);
+  }
+  return [...robots.values()].map((seen) => {
+    const main = seen.find(({ topic }) => topic.endsWith("/odom")) ?? seen[0];
+    return { ...main, others: seen.filter((other) => other !== main) };
+  });
+}

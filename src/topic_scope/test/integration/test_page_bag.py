@@ -296,6 +296,8 @@ class Bag(unittest.TestCase):
         )
         self.assertEqual(browser.text("#run"), "Run")
         self.assertFalse(browser.find("#show-graph").is_displayed())
+        buttons = browser.driver.find_elements("css selector", ".run")
+        self.assertEqual([one.text for one in buttons if one.is_displayed()], ["Run"])
         # It plays with a key, and stops with it.
         first = browser.picture()
         browser.keys(" ")

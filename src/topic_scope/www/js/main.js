@@ -116,6 +116,7 @@ startTools(state, view, plot, sweep, open, charts.chart);
 startKeys(keyList({ state, view, cursors, trigger, open }));
 byId("reconnect").addEventListener("click", () => connection.connect());
 state.on(["view"], ({ view: shown }) => {
+  document.body.dataset.view = shown;
   for (const name of ["scope", "graph", "robots"]) {
     byId(`${name}-view`).hidden = name !== shown;
     setPressed(byId(`show-${name}`), name === shown);

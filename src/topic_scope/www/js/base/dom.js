@@ -1,5 +1,7 @@
 /** Short ways to find, make and change elements, and to save files. */
 
+import { partsOf } from "./names.js";
+
 /**
  * Find an element by its id.
  * @param {string} id
@@ -28,6 +30,15 @@ function filled(element, attributes, children) {
  */
 export function make(tag, attributes = {}, ...children) {
   return filled(document.createElement(tag), attributes, children);
+}
+
+/**
+ * Make the text of a name, which a narrow place breaks between its parts alone.
+ * @param {string} name
+ * @returns {HTMLSpanElement}
+ */
+export function nameText(name) {
+  return make("span", {}, ...partsOf(name).flatMap((part, place) => (place ? [make("wbr"), part] : [part])));
 }
 
 /**

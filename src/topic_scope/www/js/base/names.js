@@ -21,6 +21,13 @@ export function byName(a, b) {
 }
 
 /**
+ * Split a name where it may go on in the next line: before a slash, bracket, point or @, and after "_".
+ * @param {string} name
+ * @returns {string[]}
+ */
+export const partsOf = (name) => name.match(/[/[.@]?[^/[.@_]*_*/g).filter(Boolean);
+
+/**
  * Make a test of whether a text has all the words of a search.
  * @param {string} search
  * @returns {{words: string[], fits: function(string): boolean}}

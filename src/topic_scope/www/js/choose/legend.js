@@ -1,6 +1,6 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
-import { byId, make, setPressed, setText } from "../base/dom.js";
+import { byId, make, nameText, setPressed, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { scaledText } from "../state/traces.js";
@@ -38,6 +38,8 @@ export class Legend {
     this.rows = new Map();
     this.spreads = new Map(); // field -> from its least to its greatest value
     this.body = byId("legend");
+    this.table = this.body.parentElement;
+    this.room = this.table.parentElement;
     this.cursorsShown = 0;
     this.more = make("th", { scope: "col" }, byId("show-measures"));
     state.on(["fields", "hidden", "right", "colours", "traces", "theme", "measures"], () => this.build());
@@ -45,6 +47,7 @@ export class Legend {
       if ((state.values.cursors !== null) !== this.withCursors) this.build();
     });
     plot.onDrawn(() => this.showCursors());
+    new ResizeObserver(() => this.fit()).observe(this.room);
     this.build();
   }
 
@@ -69,7 +72,18 @@ export class Legend {
       }
     }
     this.body.replaceChildren(...[...this.rows.values()].map((row) => row.element));
+    this.fit();
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
+  }
+
+  /** Have figures stand below the names where a row has no room for all. */
+  fit() {
+    this.room.classList.remove("stacked");
+    this.room.classList.toggle("stacked", this.isTooWide);
+  }
+
+  get isTooWide() {
+    return this.table.offsetWidth > this.room.clientWidth;
   }
 
   row(field) {
@@ -119,7 +133,7 @@ export class Legend {
     const name = make("td", { class: "name", title: `${field}: drag it to another plot` },
       make("i", {
         class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
-      }), field, scaled && make("em", { class: "scaled" }, scaled), badge);
+      }), nameText(field), scaled && make("em", { class: "scaled" }, scaled), badge);
     startDrag(name, state, field);
     const choice = (control) => make("td", { class: "choice" }, control);
     const element = make(
@@ -152,6 +166,7 @@ export class Legend {
         setText(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
       }
     }
+    if (this.isTooWide) this.fit(); // as numbers have become longer
   }
 
   showCursors() {

@@ -1,6 +1,6 @@
 /** Managed nodes: their states, and buttons for the transitions that are allowed. */
 
-import { byId, make } from "../base/dom.js";
+import { byId, make, nameText } from "../base/dom.js";
 
 /**
  * Make what shows a row for each managed node, above the panels.
@@ -16,7 +16,7 @@ export function startManaged({ values }, send) {
       click: () => send({ type: "transition", node, label }),
     }, label));
     return make("div", { class: "managed-node", "data-node": node },
-      make("span", { class: "name" }, node),
+      make("span", { class: "name" }, nameText(node)),
       make("output", { class: "status", "data-state": state }, state), ...buttons);
   }
 

@@ -1,6 +1,6 @@
 /** A panel for each node that describes its parameters or can be enabled and reset. */
 
-import { byId, make, setText } from "../base/dom.js";
+import { byId, make, nameText, setText } from "../base/dom.js";
 import { byName, searchFor } from "../base/names.js";
 import { Parameter } from "./parameter.js";
 
@@ -84,7 +84,7 @@ export class Panels {
           else this.closed.add(node);
         },
       },
-      make("summary", {}, node, this.status(node)),
+      make("summary", {}, nameText(node), this.status(node)),
       make("div", { class: "body" }, readonly ? null : this.services(node, services), ...rows),
     );
   }
@@ -133,7 +133,7 @@ export class Panels {
       "aria-label": `${name}: ${text}`,
       click: () => call(data),
     }, text));
-    const title = known ? [] : [make("span", { class: "name" }, own ? short : name)];
+    const title = known ? [] : [make("span", { class: "name" }, nameText(own ? short : name))];
     return { parts: [...title, ...buttons], answer };
   }
 

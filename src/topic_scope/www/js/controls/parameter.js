@@ -1,6 +1,6 @@
 /** One parameter of a node: its control, what it means, and why a value was refused. */
 
-import { make, options, setText } from "../base/dom.js";
+import { make, nameText, options, setText } from "../base/dom.js";
 import { readNumber, short, typed } from "../base/numbers.js";
 import { allowed, isPoor, travel } from "./slider.js";
 
@@ -33,7 +33,7 @@ export class Parameter {
     this.element = make(
       "div", { class: "parameter", "data-name": parameter.name },
       make("div", { class: "row" },
-        make("label", { title: parameter.name }, parameter.name),
+        make("label", { title: parameter.name }, nameText(parameter.name)),
         this.control, make("span", { class: "unit" }, parameter.unit || "")),
       this.ends,
       make("p", { class: "help" }, [parameter.help, range && `(${range})`].filter(Boolean).join(" ")),

@@ -1,7 +1,7 @@
 /** Tells the time and the values under the pointer. */
 
 import { clockText } from "../base/clock.js";
-import { make } from "../base/dom.js";
+import { make, nameText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { sampleOf } from "../state/colours.js";
 import { scaledText } from "../state/traces.js";
@@ -55,7 +55,7 @@ export class Hover {
     };
     this.box.replaceChildren(make("b", {}, this.timeText(time, shown)), ...fields.flatMap((field) => [
       make("i", { style: `background: ${sampleOf(this.state, field)}` }),
-      make("span", {}, field, scaled(field)), make("span", { class: "figure" }, value(field)),
+      make("span", {}, nameText(field), scaled(field)), make("span", { class: "figure" }, value(field)),
     ]));
     this.line.style.left = `${100 * this.part}%`;
     const isRight = this.part > 0.5;

@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""Nothing on the page covers anything else, or is cut off, on screens as people have them."""
+
+from typing import Any, ClassVar, Dict, List, Sequence
+
+import rospy
+from browsing.page_test import PROCESSED, SIGNAL, BrowserTest
+from browsing.waiting import wait_until
+from nav_msgs.msg import Odometry
+from wire.robot import Robot
+
+from nodekit.testing.running import rosrun
+
+LAPTOP, SCREEN, PHONE = (1366, 768), (1920, 1080), (390, 844)
+#: Nobody publishes it: its row has words in the place of figures.
+LONG = "/robot1/left_arm/joint_states/position[shoulder]"
+#: Boxes of what can be seen of some elements.
+_BOXES = """
+return [...document.querySelectorAll(arguments[0])].filter((one) => one.checkVisibility())
+  .map((one) => { const { left, top, right, bottom } = one.getBoundingClientRect();
+    return { left, top, right, bottom, text: one.textContent }; })
+"""
+#: How many lines each part of the names takes that is not to be broken.
+_LINES = """
+return [...document.querySelectorAll("#legend .name > span:first-of-type")].flatMap((name) =>
+  [...name.childNodes].filter((one) => one.nodeType === Node.TEXT_NODE).map((part) => {
+    const range = document.createRange();
+    range.selectNodeContents(part);
+    return range.getClientRects().length; }))
+"""
+#: How wide the labels of a goal's numbers are, and what they would need in one line.
+_ROOM = """
+return [...document.querySelectorAll(".goal-numbers label")].map((label) => {
+  const range = document.createRange();
+  range.selectNodeContents(label.firstChild);
+  return { room: label.clientWidth, needed: range.getBoundingClientRect().width,
+    lines: range.getClientRects().length }; })
+"""
+
+Box = Dict[str, Any]
+
+
+def overlap(one: Box, other: Box) -> bool:
+    """Tell whether two boxes have an area in common."""
+    across = min(one["right"], other["right"]) - max(one["left"], other["left"])
+    down = min(one["bottom"], other["bottom"]) - max(one["top"], other["top"])
+    return across > 0.5 and down > 0.5
+
+
+class Layout(BrowserTest):
+    """How the page looks; all in one session."""
+
+    ARGUMENTS: ClassVar[Sequence[str]] = (SIGNAL, PROCESSED, LONG)
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        cls.browser.open(cls.scope.url)
+        cls.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+
+    def tearDown(self) -> None:
+        self.browser.resize(*LAPTOP)
+        self.assertEqual(self.browser.errors(), [])
+
+    def boxes(self, selector: str) -> List[Box]:
+        """Return the boxes of what can be seen."""
+        found: List[Box] = self.browser.run(_BOXES, selector)
+        return found
+
+    def resize(self, width: int, height: int) -> None:
+        """Give the page a size, and wait until all that is drawn has it."""
+        self.browser.resize(width, height)
+        for _ in range(2):  # what is drawn anew may move what is beside it
+            self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
+
+    def show_cursors(self) -> None:
+        """Show cursors of both kinds until the end of the test."""
+        for button in ("#cursors", "#level-cursors"):
+            self.browser.run("document.querySelector(arguments[0]).click()", button)
+        self.addCleanup(self.browser.keys, "v", "c")
+        wait_until(lambda: len(self.boxes(".handle b")) == 4, lambda: self.boxes(".handle b"))
+
+    def test_with_cursors_all_figures_and_labels_are_to_be_seen(self) -> None:
+        self.show_cursors()
+        for size in (LAPTOP, SCREEN, PHONE):
+            self.resize(*size)
+            labels, readouts = self.boxes(".handle b"), self.boxes(".overlay .readout")
+            self.assertEqual([len(labels), len(readouts)], [4, 2])
+            for label in labels:
+                self.assertFalse(any(overlap(label, one) for one in readouts), (size, label))
+            self.assertFalse(overlap(*readouts), (size, readouts))
+            for field in (SIGNAL, PROCESSED):
+                row = f"#legend tr[data-field='{field}'] "
+                cells, buttons = self.boxes(row + "[data-cell]"), self.boxes(row + "td:last-child")
+                self.assertEqual([len(cells), len(buttons)], [10, 1])
+                for cell in cells:
+                    self.assertFalse(overlap(cell, buttons[0]), (size, cell))
+                    self.assertTrue(0 <= cell["left"] and cell["right"] <= size[0], (size, cell))
+
+    def test_names_are_broken_between_their_parts_alone(self) -> None:
+        self.show_cursors()
+        for size in (LAPTOP, SCREEN, PHONE):
+            self.resize(*size)
+            lines = self.browser.run(_LINES)
+            self.assertGreater(len(lines), 8)
+            self.assertEqual(set(lines), {1}, size)
+        row = f"#legend tr[data-field='{LONG}'] .name > span:first-of-type"
+        self.assertEqual(self.browser.text(row), LONG)
+
+    def show_robots(self) -> None:
+        """Show the robots until the end of the test."""
+        self.browser.keys("r")
+        self.addCleanup(self.browser.keys, "r")
+
+    def test_why_there_is_nothing_to_drive_or_to_send_is_said(self) -> None:
+        self.show_robots()
+        for part, what in (("drive", "Twist"), ("goal", "PoseStamped")):
+            reason = self.browser.wait_for(f"#{part}-topic-none").text
+            self.assertIn(f"no node subscribes to geometry_msgs/{what}", reason)
+            self.assertFalse(self.browser.find(f"#{part}-topic").is_enabled())
+
+    def test_one_robot_with_two_odometries_is_listed_once(self) -> None:
+        robot = Robot("/al/")
+        self.addCleanup(robot.close)
+        truth = rospy.Publisher("/al/ground_truth", Odometry, queue_size=1)
+        self.addCleanup(truth.unregister)
+        message = Odometry(child_frame_id="base")
+        message.header.frame_id = "odom"
+        message.pose.pose.position.x = 0.25
+        message.pose.pose.orientation.w = 1.0
+        self.show_robots()
+
+        def listed() -> str:
+            truth.publish(message)
+            return self.browser.text("#robot-list button")
+
+        said = "al: 0.00, 0.00 m, 0°, 0 m/s\nal/ground_truth is 0.25 m and 0° away"
+        wait_until(lambda: listed() == said, listed)
+        self.assertEqual(self.browser.count("#robot-list li"), 1)
+        self.assertFalse(self.boxes("#goal-topic-none, #drive-topic-none"))
+        for size in (LAPTOP, SCREEN, PHONE):  # nothing of the numbers of a goal is cut off
+            self.resize(*size)
+            labels = self.browser.run(_ROOM)
+            self.assertEqual([label["lines"] for label in labels], [1, 1, 1], size)
+            for label in labels:
+                self.assertGreaterEqual(label["room"], label["needed"], (size, label))
+
+    def test_graph_and_robots_have_nothing_of_the_scope_on_them(self) -> None:
+        own = "#kind, #show-panels, #foot-frames, #foot-view"
+        self.assertEqual(len(self.boxes(own)), 4)
+        self.addCleanup(self.browser.run, "document.querySelector('#show-scope').click()")
+        for key in "gr":
+            self.browser.keys(key)
+            self.assertEqual(self.boxes(own), [], key)
+            self.browser.keys(key)
+        self.assertEqual(len(self.boxes(own)), 4)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_page_layout")
+    rosrun("topic_scope", "page_layout", Layout)

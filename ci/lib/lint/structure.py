@@ -44,6 +44,7 @@ SIBLINGS: Dict[str, Set[str]] = {
 ROOMS: Dict[str, List[str]] = {
     "nodekit": [
         "entry_point",
+        "call_arguments",
         "message_definitions",
         "lifecycle_states",
         "parameters",
@@ -175,6 +176,7 @@ INDEPENDENT: Dict[str, List[Set[str]]] = {
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
 PURE = (
+    "nodekit.call_arguments",
     "nodekit.message_definitions",
     "nodekit.lifecycle_states",
     "nodekit.parameters",

@@ -16,6 +16,7 @@ from typing import Any, Dict, Optional
 import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
+from nodekit.call_arguments import LONGEST_S, judge_wait
 from nodekit.groups.groups import Outside
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
@@ -88,8 +89,10 @@ class _Executor:
 
         :param timeout: longest wait for that, s
         :returns: whether all calls were made
+        :raises ValueError: if the time-out is no number
         """
-        return self._ready.close(timeout)
+        judge_wait(timeout)
+        return self._ready.close(min(timeout, LONGEST_S))
 
     def _work(self) -> None:
         while True:

@@ -29,6 +29,7 @@ from typing import (
 import rosgraph
 
 # What a reading holds is public as this module is.
+from nodekit.call_arguments import judge_timeout
 from nodekit.parameters.kinds import MISSING as MISSING
 from nodekit.parameters.kinds import UNREADABLE as UNREADABLE
 
@@ -122,11 +123,13 @@ class MasterClient:
     :param timeout: longest wait for an answer, s
     :param master_uri: URI of the master; by default, of the one of this process
     :raises MasterUnreachable: if the URI is none of HTTP
+    :raises ValueError: if the time-out is none
     """
 
     def __init__(
         self, node_name: str, node_uri: str = "", timeout: float = 5.0, master_uri: str = ""
     ) -> None:
+        judge_timeout(timeout)
         self._uri = master_uri or rosgraph.get_master_uri()
         self._node_name = node_name
         self._node_uri = node_uri

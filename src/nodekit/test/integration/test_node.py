@@ -134,6 +134,38 @@ class Start(OnMaster):
         self.assertIn(self.space + "/one/rate: refused -1", str(caught.exception))
         self.assertIn(self.space + "/one/gain: refused 'x'", str(caught.exception))
 
+    def test_parameters_are_declared_once(self) -> None:
+        class Others(Settings):
+            """Further parameters of the same node."""
+
+        node = self.node()
+        part = node.lifetime()
+        part.parameters(Settings)
+        refused = f"{self.space}/one: parameters: refused Others beside Settings: must all be "
+        for again in (node, node.lifetime()):
+            with self.assertRaisesRegex(ValueError, refused):
+                again.parameters(Others)
+        self.node("two").parameters(Others)
+        part.close()
+        node.parameters(Others)
+        node.start()
+        self.assertEqual(self.server.get(self.space + "/one/gain"), 1.0)
+
+    def test_callbacks_that_nobody_awaits_are_refused(self) -> None:
+        async def awaited(*_: Any) -> None:
+            pass
+
+        given: Any
+        for given, why in ((awaited, "must not be async def"), (None, "must be a function")):
+            node = self.node()
+            with self.assertRaisesRegex(TypeError, f"/beside: refused .*{why}"):
+                node.follow("beside", given)
+            with self.assertRaisesRegex(TypeError, f"/one: add_listener: refused .*{why}"):
+                node.parameters(Settings).add_listener(given)
+            node.close()
+        with self.assertRaisesRegex(TypeError, "/one: on_change: refused .*must not be async def"):
+            self.node().parameters(Settings, on_change=awaited)
+
 
 class Callbacks(OnMaster):
     """Callbacks of a node exclude each other unless it asks for something else."""

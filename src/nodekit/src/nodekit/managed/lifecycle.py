@@ -6,6 +6,7 @@ from typing import Any, Callable, List, Mapping, Union
 
 import rospy
 
+from nodekit.call_arguments import judge_function
 from nodekit.lifecycle_states import (
     ACTIVATING,
     ACTIVE,
@@ -37,6 +38,7 @@ class Lifecycle:
     :param node: whose
     :param callbacks: what to call in each transition state; the first two get a maker of their own
     :param tell: called after each step, with it
+    :raises TypeError: if a callback is no function, or async
 
     :ivar previous: the state before the latest transition, which may be under way
     """
@@ -47,6 +49,8 @@ class Lifecycle:
         callbacks: Mapping[State, Callable[..., Result]],
         tell: Callable[[Transition], None],
     ) -> None:
+        for state, callback in callbacks.items():
+            judge_function(callback, f"{node.name}: callback of {state.label}")
         self.machine = Machine(tell)
         self.previous = self.machine.state
         self._node = node

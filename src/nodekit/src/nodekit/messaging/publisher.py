@@ -5,6 +5,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence
 
 import rospy
 
+from nodekit.call_arguments import judge_message_class
 from nodekit.rospy_internals import made, publishers
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
@@ -41,6 +42,7 @@ class Publisher:
     :param lifespan: for how long they get it where it is not latched, s: a node that starts a
         moment later does not have to wait for the next one. Not in the same process, where the
         subscriptions are open before anything is published
+    :raises TypeError: if the class is not that of a message
     """
 
     __slots__ = (
@@ -59,6 +61,7 @@ class Publisher:
     def __init__(
         self, name: str, data_class: type, latch: bool = False, lifespan: float = 0.0
     ) -> None:
+        judge_message_class(data_class, name)
         self.resolved_name = name
         self.data_class = data_class
         self._latch = latch

@@ -5,6 +5,7 @@ from typing import Any, Callable, List, Optional
 
 import rospy
 
+from nodekit.call_arguments import judge_message_class
 from nodekit.rospy_internals import latched, made, subscribers
 
 
@@ -19,11 +20,13 @@ class Subscription:
     :param receive: called with a list of messages, oldest first, and whether the calling thread may
         be kept waiting; from a thread for each publisher, or from that of a publisher in this
         process
+    :raises TypeError: if the class is not that of a message
     """
 
     def __init__(
         self, name: str, data_class: type, receive: Callable[[List[Any], bool], None]
     ) -> None:
+        judge_message_class(data_class, name)
         self.resolved_name = name
         self._data_class, self._receive = data_class, receive
         self._subscriber: Optional[rospy.Subscriber] = None

@@ -7,6 +7,7 @@ from weakref import WeakValueDictionary
 
 import rospy
 
+from nodekit.call_arguments import judge_function
 from nodekit.groups.groups import Group, Outside
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
@@ -26,6 +27,7 @@ class Callback:
     :param group: its group
     :param function: the function
     :param what: names it in the log
+    :raises TypeError: if the function is none, or async
 
     :ivar failures: what it has raised
     :ivar calls: what waits for an executor, None without one
@@ -35,6 +37,7 @@ class Callback:
     kind = "callback"
 
     def __init__(self, group: Group, function: Callable[..., Any], what: str) -> None:
+        judge_function(function, what)
         self.group = group
         self.function = function
         self.closed = False

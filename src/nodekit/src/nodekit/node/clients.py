@@ -15,14 +15,20 @@ import genpy
 import rospy
 from rosgraph.network import parse_http_host_and_port as host_and_port
 
+from nodekit.call_arguments import (
+    judge_function,
+    judge_service_class,
+    judge_timeout,
+    judge_wait,
+)
 from nodekit.groups.groups import Outside
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Answering, Callback
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.transport.service_call import CallFailed, ServiceCall
 
-#: How long a call takes at most where the user does not say, and what he may say, s.
-TIMEOUT_S, LONGEST_S = 5.0, 1e9
+#: How long a call takes at most where the user does not say, s.
+TIMEOUT_S = 5.0
 #: How long a node may take to answer whoever only looks, s.
 ANSWER_S = 2.0
 #: Most calls of one client that are under way at once.
@@ -169,7 +175,9 @@ class CallFuture(concurrent.futures.Future):
         """Have a function called with this when it is done, in the client's callback group.
 
         :param function: what to call
+        :raises TypeError: if it is no function, or async
         """
+        judge_function(function, f"{self._client.name}: add_done_callback")
         super().add_done_callback(lambda _: self._client.done.offer(partial(self._tell, function)))
 
     def _tell(self, function: Callable[["CallFuture"], Any]) -> None:
@@ -198,9 +206,11 @@ class Client:
     :param name: of the service, resolved
     :param service_class: its type
     :param done: calls back when calls are done
+    :raises TypeError: if the class is not that of a service
     """
 
     def __init__(self, name: str, service_class: Any, done: Callback) -> None:
+        judge_service_class(service_class, name)
         self.name, self.done = name, done
         self.server = _Server(name, service_class)
         self.under_way: Set[CallFuture] = set()
@@ -227,9 +237,7 @@ class Client:
         :raises CallError: if the request cannot be sent, or too many are under way
         :raises ValueError: if the time-out is none
         """
-        if not (0.0 < timeout <= LONGEST_S):
-            must = f"must be a number in (0, {LONGEST_S:g}]"
-            raise ValueError(f"timeout: refused {timeout!r} s: {must}")
+        judge_timeout(timeout)
         if self._is_closed or rospy.is_shutdown():
             raise CallCancelled(f"{self.name} is not called: its client is closed")
         if len(self.under_way) >= MOST_CALLS:
@@ -248,7 +256,9 @@ class Client:
         :param timeout: longest wait, s; by default, until the node ends. With 0 it is looked once,
             which takes up to 0.1 s where the server does not answer
         :returns: whether it can be called now
+        :raises ValueError: if the time-out is no number
         """
+        judge_wait(timeout)
         began = told = time.monotonic()
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
@@ -294,6 +304,7 @@ def call_service(
     :param timeout: longest time to the answer, s
     :returns: the answer, which comes later
     :raises CallError: if the request cannot be sent
+    :raises ValueError: if the time-out is none
     """
     done = Callback(Outside(), lambda function, future: function(future), name)
     client = Client(name, service_class, done)
@@ -308,7 +319,9 @@ def probe_service(name: str, timeout: float = ANSWER_S) -> Dict[str, str]:
     :returns: what its server says of itself: ``type`` and ``md5sum`` of the service, ``callerid``
         for the name of the node
     :raises CallError: if it does not answer
+    :raises ValueError: if the time-out is none
     """
+    judge_timeout(timeout)
     return _Server(name, None).probe(ServiceCall(timeout))
 
 

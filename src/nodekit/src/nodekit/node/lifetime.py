@@ -7,6 +7,7 @@ from typing import Any, Callable, Collection, Iterator, List, Optional, Type
 import rospy
 from std_srvs.srv import Trigger
 
+from nodekit.call_arguments import judge_function, judge_name, judge_service_class
 from nodekit.groups.groups import Group, Outside, ReentrantGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
@@ -27,7 +28,7 @@ from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.declaration import OwnParameters, Snapshot
+from nodekit.parameters.declaration import OwnParameters, ParameterSet, Snapshot
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
@@ -46,14 +47,16 @@ class Surroundings:
     :ivar group: the group of callbacks that are given none
     :ivar rates: timers whose rates follow the node's parameters
     :ivar ready: the queue of the executor that makes their calls, None without one
+    :ivar live: the parameters that were made last, None before
     """
 
-    __slots__ = ("names", "opener", "group", "rates", "ready")
+    __slots__ = ("names", "opener", "group", "rates", "ready", "live")
 
     def __init__(self, names: Names, opener: Opener) -> None:
         self.names, self.opener = names, opener
         self.group, self.rates = Group(), RateFollowers()
         self.ready: Optional[ReadyQueue] = None
+        self.live: Optional[LiveParameters[Any]] = None
 
 
 class Lifetime(Owner, Maker):
@@ -125,6 +128,7 @@ class Lifetime(Owner, Maker):
         group: Optional[Group] = None,
     ) -> Subscription:
         resolved, throttle = self.resolve(name), Throttle(_WARN_EVERY_S)
+        judge_function(callback, resolved)
 
         def only_finite(message: Any) -> None:
             if is_finite(message):
@@ -158,14 +162,17 @@ class Lifetime(Owner, Maker):
         group: Optional[Group] = None,
     ) -> Service:
         resolved = self.resolve(name)
+        judge_service_class(service_class, resolved)
         callback = self.own(Answering(group or self.default_group, handler, resolved))
         return self._open(Service(resolved, service_class, callback.answer))
 
     def client(self, name: str, service_class: type, group: Optional[Group] = None) -> Client:
         resolved = self.resolve(name)
         group = group or self.default_group
-        done = self.own(Callback(group, lambda function, future: function(future), resolved))
-        return self.own(Client(resolved, service_class, done))
+        done = Callback(group, lambda function, future: function(future), resolved)
+        client = Client(resolved, service_class, done)
+        self.own(done)
+        return self.own(client)
 
     def _subscribe(
         self,
@@ -179,9 +186,12 @@ class Lifetime(Owner, Maker):
         resolved = self.resolve(name)
         group = group or self.default_group
         receiving = Receiving(group, callback, resolved, batches, depth)
-        return self._open(Subscription(resolved, data_class, self.own(receiving).receive))
+        subscription = Subscription(resolved, data_class, receiving.receive)
+        self.own(receiving)
+        return self._open(subscription)
 
     def resolve(self, name: str) -> str:
+        judge_name(name, "name, which comes first")
         return self._surroundings.names.resolve(name)
 
     def every(
@@ -193,6 +203,8 @@ class Lifetime(Owner, Maker):
         group: Optional[Group] = None,
     ) -> NodeTimer:
         group = group or self.default_group
+        if callable(rate):
+            judge_function(rate, f"{self.name}: rate")
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
         timer = self._timer(get_scheduler(steady), group, rate, callback, catch_up, what)
         if callable(rate):
@@ -206,8 +218,10 @@ class Lifetime(Owner, Maker):
         exempt: Collection[str] = (),
         group: Optional[Group] = None,
     ) -> "LiveParameters[Snapshot]":
+        self._judge_declaration(declaration)
         used = (*exempt, *OwnParameters.declared)
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
+        self._surroundings.live = live
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:
             self._open(ChangeCallback(group or self.default_group, live, on_change))
@@ -218,6 +232,16 @@ class Lifetime(Owner, Maker):
             publisher = partial(Lifetime.publisher, self)
             self.own(reconfigure.ReconfigureInterface(live, publisher, self._serve))
         return self._open(live)
+
+    def _judge_declaration(self, declaration: Any) -> None:
+        if not (isinstance(declaration, type) and issubclass(declaration, ParameterSet)):
+            must = "must be a class that derives from ParameterSet"
+            raise TypeError(f"{self.name}: parameters: refused {declaration!r:.80}: {must}")
+        live = self._surroundings.live
+        if live is not None and not live.is_closed:
+            must = "must all be declared in one class, which may derive from several"
+            what = f"{declaration.__name__} beside {live.declaration.__name__}"
+            raise ValueError(f"{self.name}: parameters: refused {what}: {must}")
 
     def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
         """Offer a service in no group: a callback that takes its time holds up no user."""

@@ -23,7 +23,9 @@ class Maker(Protocol):
     other nodes, or has an executor, needs a whole Node.
 
     Names are relative, private (``~name``) or global. Callbacks are called in the node's own group,
-    one at a time, unless another ``group`` is given.
+    one at a time, unless another ``group`` is given. What is not of the kind that is asked for is
+    refused at once with a TypeError: a callback that is none or ``async def``, a class that is not
+    a message's or a service's.
     """
 
     @property
@@ -174,6 +176,7 @@ class Maker(Protocol):
         :param exempt: names beside them that are used but not declared
         :param group: the callback's group; the node's own by default
         :returns: an object whose ``values`` are those in force
+        :raises ValueError: if this node has parameters already
         :raises ParameterError: if a value on the server is not allowed
         """
         ...

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import rospy
 
+from nodekit.call_arguments import judge_name
 from nodekit.node.legal_names import judged
 
 
@@ -29,8 +30,11 @@ class Names(NamedTuple):
 
         :param namespace: namespace of the node; a relative one is in that of the process
         :param name: base name of the node
+        :raises TypeError: if one of them is no text
         :raises IllegalName: if ROS does not allow that name
         """
+        judge_name(namespace, "namespace")
+        judge_name(name, "node name")
         node = f"{rospy.resolve_name(namespace).rstrip('/')}/{name}"
         return cls(judged(node, "node name"), True)
 

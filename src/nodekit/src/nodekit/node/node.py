@@ -2,6 +2,7 @@
 
 from typing import Any, Callable, Optional
 
+from nodekit.call_arguments import judge_function
 from nodekit.node.lifetime import Lifetime, Surroundings
 from nodekit.node.names import Names
 from nodekit.node.opening import Opener
@@ -49,10 +50,12 @@ class Node(Lifetime):
         :param namespace: its namespace; a relative one is in that of the process
         :param cls: its class, called with the node
         :returns: the node, which is closed with this one
+        :raises TypeError: if a name is no text, or the class cannot be called
         :raises ParameterError: if one of its parameters is refused
         :raises Exception: what its class or its start raises; nothing of it stays then either
         """
         names = Names.hosted(namespace, name)
+        judge_function(cls, f"{names.node}: class")
         node = Node(names, Opener() if self._opener.has_started else self._opener)
         try:
             node._guest = cls(node)

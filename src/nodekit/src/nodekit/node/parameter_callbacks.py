@@ -2,6 +2,7 @@
 
 from typing import Any, Callable
 
+from nodekit.call_arguments import judge_function
 from nodekit.groups.groups import Group
 from nodekit.node.callbacks import Bell
 from nodekit.parameter_server.followed_parameter import FollowedParameter
@@ -23,6 +24,7 @@ class ChangeCallback(Bell):
         self, group: Group, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
         super().__init__(group, self._report_change, f"{live.namespace}: on_change")
+        judge_function(on_change, self.what)
         self._live, self._on_change = live, on_change
         self._reported = live.values
 
@@ -52,6 +54,7 @@ class FollowCallback(Bell):
         self, group: Group, key: str, watcher: Watcher, callback: Callable[[Any], Any]
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
+        judge_function(callback, key)
         #: What is to be opened before the first ring.
         self.followed = FollowedParameter(key, watcher, self._on_value)
         self._value = self.followed.first()

@@ -4,6 +4,7 @@ from typing import Any, Dict, Mapping
 
 from std_srvs.srv import Trigger
 
+from nodekit.call_arguments import judge_timeout
 from nodekit.node.clients import ANSWER_S, CallError, call_service
 from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameters import yaml_text
@@ -25,9 +26,11 @@ class ParameterClient:
 
     :param node: global name of the node
     :param timeout: longest wait for an answer, s
+    :raises ValueError: if that is none
     """
 
     def __init__(self, node: str, timeout: float = ANSWER_S) -> None:
+        judge_timeout(timeout)
         self.node, self._timeout = node.rstrip("/"), timeout
 
     def describe(self) -> Dict[str, Dict[str, Any]]:

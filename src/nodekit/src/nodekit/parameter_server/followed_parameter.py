@@ -3,6 +3,7 @@
 import copy
 from typing import Any, Callable, Optional, Sequence
 
+from nodekit.call_arguments import judge_function
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher, get_watcher
 from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
@@ -20,9 +21,11 @@ class FollowedParameter:
     :param watcher: reads the server
     :param callback: called with each new raw value, None where there is none; must not
         block: other changes wait for it
+    :raises TypeError: if it is no function, or async
     """
 
     def __init__(self, key: str, watcher: Watcher, callback: Callable[[Optional[Any]], object]):
+        judge_function(callback, key)
         self.key = key.rstrip("/")
         self._watcher = watcher
         self._callback = callback

@@ -7,6 +7,7 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 
 import rospy
 
+from nodekit.call_arguments import judge_function
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
@@ -44,6 +45,7 @@ class LiveParameters(Generic[Snapshot]):
     :raises MasterUnreachable: if the master does not answer
 
     :ivar values: the snapshot in force; never changes itself, is replaced
+    :ivar is_closed: whether it has followed the server, and does not any more
     """
 
     values: Snapshot
@@ -63,7 +65,7 @@ class LiveParameters(Generic[Snapshot]):
         self._reconciler = Reconciler(declaration, exempt)
         self._watched = WatchedKey(self.namespace, self._is_news, self._on_reading)
         self._lock = threading.Lock()
-        self._is_open = False
+        self._is_open = self.is_closed = False
         #: What :meth:`change` has to write when this is opened, by name.
         self._unwritten: Dict[str, Any] = {}
         #: Replaced and never changed, since several threads walk through it.
@@ -111,7 +113,9 @@ class LiveParameters(Generic[Snapshot]):
 
         :param bell: must not block: other changes wait for it
         :returns: a function that ends this
+        :raises TypeError: if it is no function, or async
         """
+        judge_function(bell, f"{self.namespace}: add_listener")
         with self._lock:
             self._bells += (bell,)
 
@@ -255,7 +259,7 @@ def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
     """
     for one in parameters:
         with one._lock:
-            one._is_open = False
+            one._is_open, one.is_closed = False, True
     parameters[0]._watcher.close(*(one._watched for one in parameters))
 
 

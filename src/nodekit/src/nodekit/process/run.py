@@ -9,6 +9,7 @@ from typing import Any, Callable, List
 
 import rospy
 
+from nodekit.call_arguments import judge_function, judge_name
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.legal_names import IllegalName
@@ -40,7 +41,10 @@ def run(name: str, cls: NodeClass) -> None:
 
     :param name: name of the node where none is given by ``__name``
     :param cls: the node's class, called with the process's :class:`.Node`
+    :raises TypeError: if the name is no text, or the class cannot be called
     """
+    judge_name(name, "run: name, which comes first")
+    judge_function(cls, "run: class")
     try:
         arguments.judge(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
         start.register_signals()

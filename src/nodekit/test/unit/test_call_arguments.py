@@ -1,0 +1,288 @@
+"""What is not of the kind that is asked for is refused where it is given, in words that help."""
+
+import asyncio
+import functools
+import math
+from typing import Any, Callable, Iterator, List, Tuple, Type
+
+import pytest
+import rospy
+from std_msgs.msg import Float32, String
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit import (
+    Client,
+    FollowedParameter,
+    ManagedNode,
+    Node,
+    ParameterClient,
+    SingleThreadedExecutor,
+    call_service,
+    host_all,
+    probe_service,
+    run,
+)
+from nodekit.call_arguments import judge_function
+from nodekit.groups.groups import Outside
+from nodekit.managed.gate import Gate
+from nodekit.managed.stage import Stage
+from nodekit.master import MasterClient
+from nodekit.node.callbacks import Callback
+from nodekit.node.clients import CallFuture
+from nodekit.node.names import Names
+
+NO_WATCHER: Any = None
+
+
+async def awaited(*_: Any) -> None:
+    """Nobody awaits it."""
+
+
+async def awaited_often(*_: Any) -> Any:
+    yield 1
+
+
+def generator(*_: Any) -> Iterator[int]:
+    yield 1
+
+
+class Mistaken:
+    """Has what is no callback as a method, and as itself."""
+
+    async def on_message(self, _: Any) -> None:
+        pass
+
+    async def __call__(self, *_: Any) -> None:
+        pass
+
+
+def node() -> Any:
+    return Node(Names("/lab/one", True))
+
+
+def client() -> Any:
+    return Client("/lab/ask", Trigger, Callback(Outside(), print, "done"))
+
+
+def future() -> Any:
+    return CallFuture(client(), 1.0)
+
+
+def stage() -> Any:
+    return Stage(node(), Gate(), "configure")
+
+
+#: What takes a function, and what the refusal says it is for.
+TAKERS: List[Tuple[str, Callable[[Any], Any]]] = [
+    ("/lab/topic", lambda given: node().subscribe("topic", String, given)),
+    ("/lab/topic", lambda given: node().subscribe("topic", String, given, finite=True)),
+    ("/lab/topic", lambda given: node().subscribe_batches("topic", String, given)),
+    ("/lab/ask", lambda given: node().service("ask", Trigger, given)),
+    ("/lab/one: ", lambda given: node().every(1.0, given)),
+    ("/lab/one: before_end", lambda given: node().before_end(given)),
+    ("/lab/one: before_deactivate", lambda given: node().before_deactivate(given)),
+    ("/lab/one: before_deactivate", lambda given: stage().before_deactivate(given)),
+    ("/lab/ask: add_done_callback", lambda given: future().add_done_callback(given)),
+    ("/lab/key", lambda given: FollowedParameter("/lab/key", NO_WATCHER, given)),
+    ("/lab/one: class", lambda given: node().host("one", "/lab", given)),
+    ("run: class", lambda given: run("one", given)),
+]
+
+
+def refusal(give: Callable[[], Any], kind: Type[Exception] = TypeError) -> str:
+    """Return why something is refused."""
+    with pytest.raises(kind) as caught:
+        give()
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("what, take", TAKERS)
+@pytest.mark.parametrize("given", [None, "text", 5.0])
+def test_callback_that_is_no_function(what: str, take: Callable[[Any], Any], given: Any) -> None:
+    text = refusal(lambda: take(given))
+    assert text.startswith(what)
+    assert text.endswith(f": refused {given!r}: must be a function")
+
+
+@pytest.mark.parametrize("what, take", TAKERS)
+def test_callback_that_nobody_awaits(what: str, take: Callable[[Any], Any]) -> None:
+    text = refusal(lambda: take(awaited))
+    assert text.startswith(what)
+    assert ": refused awaited: must not be async def, as nobody awaits it: " in text
+    assert text.endswith("write def, and in it asyncio.run(...) around what must be awaited")
+
+
+def test_the_way_out_of_async_is_one() -> None:
+    def callback(argument: Any) -> None:
+        asyncio.run(awaited(argument))
+
+    judge_function(callback, "callback")
+    callback(1)
+
+
+@pytest.mark.parametrize(
+    "given, shown",
+    [
+        (Mistaken().on_message, "Mistaken.on_message"),
+        (Mistaken(), "<"),
+        (functools.partial(awaited, 1), "functools.partial("),
+        (awaited_often, "awaited_often"),
+    ],
+)
+def test_async_in_every_form(given: Any, shown: str) -> None:
+    text = refusal(lambda: node().subscribe("topic", String, given))
+    assert text.startswith(f"/lab/topic: refused {shown}")
+    assert "must not be async def" in text
+
+
+def test_generator_would_do_nothing() -> None:
+    text = refusal(lambda: node().every(1.0, generator))
+    assert text.startswith("/lab/one: generator: refused generator: must not have a yield")
+
+
+@pytest.mark.parametrize("given", [print, Mistaken, String, [].append, functools.partial(print)])
+def test_whatever_can_be_called_is_a_function(given: Any) -> None:
+    """A class too, whatever its objects do when they are called."""
+    node().subscribe("topic", String, given)
+
+
+def test_rate_that_nobody_awaits() -> None:
+    text = refusal(lambda: node().every(awaited, print))
+    assert text.startswith("/lab/one: rate: refused awaited: must not be async def")
+
+
+def test_callback_of_a_managed_node_that_nobody_awaits() -> None:
+    class Managed(ManagedNode):
+        async def on_configure(self, made: Any) -> None:  # type: ignore[override]
+            pass
+
+    text = refusal(lambda: Managed(node()))
+    assert text.startswith("/lab/one: callback of configuring: refused ")
+    assert "Managed.on_configure: must not be async def" in text
+
+
+@pytest.mark.parametrize(
+    "give",
+    [
+        lambda given: node().publisher("topic", given),
+        lambda given: node().subscribe("topic", given, print),
+        lambda given: node().subscribe("topic", given, print, finite=True),
+        lambda given: node().subscribe_batches("topic", given, print),
+        lambda given: node().latest("topic", given),
+        lambda given: stage().publisher("topic", given),
+    ],
+)
+@pytest.mark.parametrize(
+    "given, shown",
+    [
+        ("std_msgs/Float32", "'std_msgs/Float32'"),
+        (None, "None"),
+        (String("hello"), 'data: "hello"'),
+        (Trigger, "Trigger"),
+        (str, "str"),
+    ],
+)
+def test_what_is_no_message_class(give: Callable[[Any], Any], given: Any, shown: str) -> None:
+    must = "must be a message class, such as std_msgs.msg.Float32"
+    assert refusal(lambda: give(given)) == f"topic /lab/topic: refused {shown}: {must}"
+
+
+@pytest.mark.parametrize(
+    "give",
+    [
+        lambda given: node().service("ask", given, print),
+        lambda given: node().client("ask", given),
+        lambda given: call_service("/lab/ask", given),
+    ],
+)
+@pytest.mark.parametrize(
+    "given, shown",
+    [
+        ("std_srvs/Trigger", "'std_srvs/Trigger'"),
+        (None, "None"),
+        (TriggerResponse, "TriggerResponse"),
+        (Trigger(), "<"),
+    ],
+)
+def test_what_is_no_service_class(give: Callable[[Any], Any], given: Any, shown: str) -> None:
+    text = refusal(lambda: give(given))
+    assert text.startswith(f"service /lab/ask: refused {shown}")
+    assert text.endswith(": must be a service class, such as std_srvs.srv.Trigger")
+
+
+def test_what_is_refused_is_not_made() -> None:
+    one = node()
+    for give in (
+        lambda: one.subscribe("topic", Trigger, print),
+        lambda: one.service("ask", TriggerResponse, print),
+        lambda: one.client("ask", TriggerResponse),
+    ):
+        refusal(give)
+    assert not list(one.callbacks())
+
+
+def test_messages_of_any_type_and_of_services_are_messages() -> None:
+    for kind in (rospy.AnyMsg, Float32, TriggerResponse):
+        node().subscribe("topic", kind, print)
+        node().publisher("topic", kind)
+
+
+@pytest.mark.parametrize(
+    "give, what",
+    [
+        (lambda: node().publisher(String, "topic"), "name, which comes first: refused String"),
+        (lambda: node().subscribe(print, String, "topic"), "name, which comes first: refused "),
+        (lambda: node().every(print, 5.0), "/lab/one: a timer: refused 5.0"),
+        (lambda: run(Mistaken, "one"), "run: name, which comes first: refused Mistaken"),
+        (lambda: node().host("one", Mistaken, "/lab"), "namespace: refused Mistaken"),
+        (lambda: host_all(node(), [(Mistaken, "/lab", "one")]), "node name: refused Mistaken"),
+    ],
+)
+def test_arguments_in_another_order(give: Callable[[], Any], what: str) -> None:
+    text = refusal(give)
+    assert text.startswith(what)
+    assert text.endswith((": must be text", ": must be a function"))
+
+
+@pytest.mark.parametrize(
+    "timeout", [None, 0.0, -1.0, math.nan, math.inf, 2e9, "5", rospy.Duration(5)]
+)
+@pytest.mark.parametrize(
+    "give",
+    [
+        lambda timeout: client().call(Trigger._request_class(), timeout=timeout),
+        lambda timeout: client().call_async(Trigger._request_class(), timeout),
+        lambda timeout: call_service("/lab/ask", Trigger, timeout=timeout),
+        lambda timeout: probe_service("/lab/ask", timeout),
+        lambda timeout: ParameterClient("/lab/one", timeout),
+        lambda timeout: MasterClient("/lab/one", timeout=timeout),
+    ],
+)
+def test_request_without_a_time_out(give: Callable[[Any], Any], timeout: Any) -> None:
+    text = refusal(lambda: give(timeout), ValueError)
+    assert text == f"timeout: refused {timeout!r} s: must be a number in (0, 1e+09]"
+
+
+@pytest.mark.parametrize("timeout", [None, math.nan, "5", rospy.Duration(5)])
+@pytest.mark.parametrize(
+    "give",
+    [
+        lambda timeout: client().wait_for_service(timeout),
+        lambda timeout: SingleThreadedExecutor().shutdown(timeout),
+    ],
+)
+def test_waiting_without_a_time_out(give: Callable[[Any], Any], timeout: Any) -> None:
+    text = refusal(lambda: give(timeout), ValueError)
+    must = "must be a number, math.inf to wait as long as it takes"
+    assert text == f"timeout: refused {timeout!r} s: {must}"
+
+
+def test_waiting_as_long_as_it_takes() -> None:
+    assert SingleThreadedExecutor().shutdown(math.inf)
+
+
+@pytest.mark.parametrize("declaration", [None, String, "Settings", object()])
+def test_parameters_that_are_not_declared_in_a_class(declaration: Any) -> None:
+    text = refusal(lambda: node().parameters(declaration))
+    assert text.startswith("/lab/one: parameters: refused ")
+    assert text.endswith(": must be a class that derives from ParameterSet")

@@ -13,6 +13,7 @@ import machine
 import peers
 import report
 from context import Bench
+from goals import GOALS
 from measurements import MEASUREMENTS, Measurement
 from processes import Session
 from results import Results
@@ -36,11 +37,14 @@ def main() -> int:
     say("building the peers")
     built = peers.prepare(fetch=not options.quick)
     results = Results()
+    steal = machine.Steal()
     with tempfile.TemporaryDirectory(prefix="bench-") as directory:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
             measure(chosen, Bench(session, built, options.quick), options.repeats, results)
     names = [one.name for one in chosen]
+    facts["load after"] = machine.load()
+    facts["taken by the host"] = f"{100.0 * steal.share():.1f} % of the time"
     facts["duration"] = f"{time.monotonic() - began:.0f} s"
     print(report.tables(results, names, facts, built.left_out))
     if options.json:
@@ -64,19 +68,19 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="an overview in a minute")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
-    parser.add_argument("--repeats", type=int, metavar="N", help="5 unless given")
+    parser.add_argument("--repeats", type=int, metavar="N", help="at most; 12 unless given")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
     parser.add_argument("--plot", type=pathlib.Path, metavar="FILE", help="draw, .svg or .png")
     options = parser.parse_args()
     if options.repeats is None:
-        options.repeats = 1 if options.quick else 5
+        options.repeats = 1 if options.quick else 12
     if options.repeats < 1:
         parser.error("--repeats: at least 1")
     return options
 
 
 def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
-    """Run all measurements, every repeat taking each subject in turn."""
+    """Run all measurements, each repeat all subjects in turn, until more would say little."""
     began = latest = time.monotonic()
     for repeat in range(repeats):
         now = time.monotonic()
@@ -85,7 +89,8 @@ def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Resu
             return
         latest = now
         for measurement in chosen:
-            if repeat >= measurement.repeats:
+            disturbed = results.disturbed[measurement.name]
+            if repeat >= measurement.repeats + disturbed or is_settled(measurement, results):
                 continue
             for subject in rotated(measurement.subjects, repeat):
                 if subject in bench.peers.left_out:
@@ -97,14 +102,30 @@ def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Resu
                 run(measurement, bench, subject, repeat, results)
 
 
+def is_settled(measurement: Measurement, results: Results) -> bool:
+    """Tell whether more turns of a measurement would say little more of any of its goals."""
+    goals = [goal for goal in GOALS if goal.measurement == measurement.name]
+    verdicts = [verdict for verdict in (goal.judge(results) for goal in goals) if verdict]
+    return bool(verdicts) and all(verdict.is_settled for verdict in verdicts)
+
+
 def run(
     measurement: Measurement, bench: Bench, subject: str, repeat: int, results: Results
 ) -> None:
-    """Run one measurement of one subject; a failure is reported and ends nothing else."""
+    """Run one measurement of one subject; a failure is reported and ends nothing else.
+
+    Nothing comes of a turn in which the host took much of the processors' time.
+    """
     what = f"{measurement.name}, {subject}"
     say(f"{what}, repeat {repeat + 1}" if repeat >= 0 else f"{what}, warm-up")
+    steal = machine.Steal()
     try:
-        results.add(measurement.name, subject, repeat, measurement.measure(bench, subject))
+        figures = measurement.measure(bench, subject)
+        if steal.share() <= machine.STOLEN:
+            results.add(measurement.name, subject, repeat, figures)
+        else:
+            results.disturbed[measurement.name] += 1
+            say(f"{what}: left out, as the host took {100.0 * steal.share():.1f} % of the time")
     except (LookupError, OSError, RuntimeError, ValueError) as error:
         results.failures.append(f"{what}: {error!r}")
         say(results.failures[-1])

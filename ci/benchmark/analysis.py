@@ -2,8 +2,14 @@
 
 import bisect
 import math
+import random
 import statistics
 from typing import Callable, List, NamedTuple, Optional, Sequence
+
+#: How many samples of the turns the interval of a median is made from.
+RESAMPLES = 1000
+#: How sure the interval is: the share of these samples whose median lies in it.
+CONFIDENCE = 0.95
 
 
 class Sample(NamedTuple):
@@ -12,6 +18,13 @@ class Sample(NamedTuple):
     #: on the machine's monotonic clock, s
     moment: float
     value: float
+
+
+class Interval(NamedTuple):
+    """Where a median lies, given how few turns there were."""
+
+    low: float
+    high: float
 
 
 class Matched(NamedTuple):
@@ -125,9 +138,21 @@ def drift(calls: Sequence[Sample]) -> float:
     return statistics.median(late[-tenth:]) - statistics.median(late[:tenth])
 
 
-def median_ratio(ours: Sequence[float], theirs: Sequence[float]) -> float:
-    """Return the median over the repeats of ours / theirs, each pair being of one repeat."""
-    return statistics.median(a / b if b else math.inf for a, b in zip(ours, theirs))
+def interval(values: Sequence[float]) -> Interval:
+    """Return between which values the median of a figure lies, by the bootstrap's percentiles.
+
+    Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13: turns are drawn from
+    the turns, with replacement and as many, and the medians of such draws scatter as the median
+    itself does. The same values always give the same interval.
+
+    :param values: the figure of each turn, at least one
+    """
+    draw = random.Random(0)
+    medians = sorted(
+        statistics.median(draw.choices(values, k=len(values))) for _ in range(RESAMPLES)
+    )
+    rest = (1.0 - CONFIDENCE) / 2.0
+    return Interval(percentile(medians, rest), percentile(medians, 1.0 - rest))
 
 
 def highest_passing(steps: Sequence[float], passes: Callable[[float], bool]) -> Optional[float]:

@@ -1,5 +1,7 @@
 """The goals, and whether the results reach them."""
 
+import enum
+import statistics
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import boards
@@ -8,10 +10,26 @@ import robots
 import startup
 import timing
 import transitions
+from analysis import Interval, interval
 from floor import FLOOR
 from loop import LOOP
 from results import Results
 from stacks import COURSE, MANAGED, OURS, RCLPY, RELAY, ROSCPP
+
+
+#: Least turns that say something, of a measurement that takes more than one.
+LEAST_TURNS = 3
+#: An interval is narrow whose width is this share of its value, or less.
+NARROW = 0.05
+
+
+class Outcome(enum.Enum):
+    """Whether a goal is reached; only where the whole interval lies on one side of it."""
+
+    PASS = "pass"
+    SHORT = "SHORT"
+    UNCLEAR = "unclear"
+    NOT_MEASURABLE = "not measurable here"
 
 
 class Verdict(NamedTuple):
@@ -21,8 +39,20 @@ class Verdict(NamedTuple):
     figure: str
     #: the value that the goal is about: a ratio to a peer, or the figure itself
     value: float
+    #: where the value's median lies
+    interval: Interval
+    #: how many turns it comes from
+    turns: int
     is_ratio: bool
-    passed: bool
+    outcome: Outcome
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether more turns would say little more."""
+        if self.turns < LEAST_TURNS:
+            return False
+        narrow = self.interval.high - self.interval.low <= NARROW * abs(self.value)
+        return narrow or self.outcome in (Outcome.PASS, Outcome.SHORT)
 
 
 class Goal(NamedTuple):
@@ -34,8 +64,8 @@ class Goal(NamedTuple):
     #: whether the value is to be the limit or less; or else the limit or more
     at_most: bool
     unit: str
-    #: returns the figure in words and the value; raises LookupError where not measured
-    read: Callable[[Results], Tuple[str, float]]
+    #: returns the figure in words and the value of each turn; raises LookupError where not measured
+    read: Callable[[Results], Tuple[str, List[float]]]
 
     @property
     def text(self) -> str:
@@ -48,11 +78,24 @@ class Goal(NamedTuple):
         :returns: None where something was not measured
         """
         try:
-            figure, value = self.read(results)
+            figure, values = self.read(results)
         except LookupError:
             return None
-        passed = value <= self.limit if self.at_most else value >= self.limit
-        return Verdict(figure, value, self.unit == " x", passed)
+        where = interval(values)
+        outcome = self._outcome(where)
+        if results.disturbed[self.measurement] and len(values) < LEAST_TURNS:
+            outcome = Outcome.NOT_MEASURABLE
+        is_ratio = self.unit == " x"
+        return Verdict(figure, statistics.median(values), where, len(values), is_ratio, outcome)
+
+    def _outcome(self, where: Interval) -> Outcome:
+        best, worst = where if self.at_most else where[::-1]
+        if self._is_reached_by(worst):
+            return Outcome.PASS
+        return Outcome.UNCLEAR if self._is_reached_by(best) else Outcome.SHORT
+
+    def _is_reached_by(self, value: float) -> bool:
+        return value <= self.limit if self.at_most else value >= self.limit
 
 
 def number(value: float) -> str:
@@ -69,12 +112,12 @@ def _against(
     subject: str,
     peer: str,
 ) -> Goal:
-    def read(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, List[float]]:
         ours = results.median(measurement, subject, figure)
         theirs = results.median(measurement, peer, figure)
         return (
             f"{number(ours)} against {number(theirs)}{unit}",
-            results.ratio(measurement, subject, peer, figure),
+            results.ratios(measurement, subject, peer, figure),
         )
 
     return Goal(measurement, f"{what}, against {peer}", limit, True, " x", read)
@@ -85,13 +128,13 @@ def _times_better(
 ) -> Goal:
     """Of a figure of which ``better`` has many times as much as ``worse``."""
 
-    def read(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, List[float]]:
         more = results.median(measurement, better, figure)
         less = results.median(measurement, worse, figure)
         ours, theirs = (more, less) if better == OURS else (less, more)
         return (
             f"{number(ours)} against {number(theirs)}{unit}",
-            results.ratio(measurement, better, worse, figure),
+            results.ratios(measurement, better, worse, figure),
         )
 
     peer = worse if better == OURS else better
@@ -107,35 +150,37 @@ def _itself(
     subject: str = OURS,
     at_most: bool = True,
 ) -> Goal:
-    def read(results: Results) -> Tuple[str, float]:
-        value = results.median(measurement, subject, figure)
-        return number(value) + unit, value
+    def read(results: Results) -> Tuple[str, List[float]]:
+        median = results.median(measurement, subject, figure)
+        return number(median) + unit, results.values(measurement, subject, figure)
 
     return Goal(measurement, what, limit, at_most, unit, read)
 
 
-def _worst_memory(results: Results) -> Tuple[str, float]:
+def _worst_memory(results: Results) -> Tuple[str, List[float]]:
     nodes = [startup.GENERATOR, startup.PROCESS]
     ours = max(results.median("memory", node, "resident_mb") for node in nodes)
     bare = results.median("memory", startup.BARE, "resident_mb")
-    return f"{ours:.1f} against {bare:.1f} MB", ours / bare
+    return f"{ours:.1f} against {bare:.1f} MB", [ours / bare]
 
 
-def _drift(results: Results) -> Tuple[str, float]:
+def _drift(results: Results) -> Tuple[str, List[float]]:
     drifts = results.values("drift", OURS, "drift_ms")
     if not drifts:
         raise LookupError("drift was not measured")
     worst = max(abs(drift) for drift in drifts)
-    return f"{worst:.3f} ms at worst", worst
+    return f"{worst:.3f} ms at worst", [worst]
 
 
-def _bridged(way: str) -> Callable[[Results], Tuple[str, float]]:
+def _bridged(way: str) -> Callable[[Results], Tuple[str, List[float]]]:
     """Compare a message through the bridge with one hop of each ROS."""
 
-    def read(results: Results) -> Tuple[str, float]:
+    def read(results: Results) -> Tuple[str, List[float]]:
         ours = results.median("bridge", way, "p50_us")
         hops = sum(results.median("bridge", ros, "p50_us") for ros in (bridging.ROSPY, RCLPY))
-        return f"{number(ours)} against {number(hops)} us", ours / hops
+        # A hop of each, of the same turns.
+        shares = [results.ratios("bridge", ros, way, "p50_us") for ros in (bridging.ROSPY, RCLPY)]
+        return f"{number(ours)} against {number(hops)} us", [1.0 / sum(two) for two in zip(*shares)]
 
     return read
 

@@ -9,10 +9,11 @@ matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
 from floor import FLOOR  # noqa: E402
-from goals import GOALS, number  # noqa: E402
+from goals import GOALS, Outcome, number  # noqa: E402
 from results import Results  # noqa: E402
 
-PASSED, SHORT = "#2a7f62", "#c8553d"
+COLORS = {Outcome.PASS: "#2a7f62", Outcome.SHORT: "#c8553d"}
+UNSURE = "grey"
 SHADES = {"p50": "#2b4c7e", "p90": "#567ebb", "p99": "#b3c7e6"}
 RATES = [("latency-1khz", "1 kHz"), ("latency-100hz", "100 Hz"), ("latency-10hz", "10 Hz")]
 #: A value this much better than its limit is drawn at the edge.
@@ -60,8 +61,8 @@ def _draw_hops(axes: Any, results: Results, hops: List[Tuple[str, str, str]]) ->
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=7)
 
 
-def _margins(results: Results) -> List[Tuple[str, float, bool]]:
-    """Return what, how many times better than its limit, and whether it passed."""
+def _margins(results: Results) -> List[Tuple[str, float, Outcome]]:
+    """Return what, how many times better than its limit, and what came of it."""
     margins = []
     for goal in GOALS:
         verdict = goal.judge(results)
@@ -69,14 +70,14 @@ def _margins(results: Results) -> List[Tuple[str, float, bool]]:
             low, high = sorted((abs(verdict.value), goal.limit))
             times = high / low if low else EDGE
             better = (verdict.value <= goal.limit) == goal.at_most
-            margins.append((goal.what, times if better else 1.0 / times, verdict.passed))
+            margins.append((goal.what, times if better else 1.0 / times, verdict.outcome))
     return margins
 
 
-def _draw_margins(axes: Any, margins: List[Tuple[str, float, bool]]) -> None:
-    for place, (_, times, passed) in enumerate(margins):
+def _draw_margins(axes: Any, margins: List[Tuple[str, float, Outcome]]) -> None:
+    for place, (_, times, outcome) in enumerate(margins):
         end = min(max(times, 0.1), EDGE)
-        color = PASSED if passed else SHORT
+        color = COLORS.get(outcome, UNSURE)
         axes.plot([1.0, end], [place, place], color=color, linewidth=2)
         axes.plot([end], [place], "o", color=color, markersize=5)
     axes.axvline(1.0, color="black", linewidth=1)

@@ -4,7 +4,8 @@ import json
 import pathlib
 from typing import Dict, List
 
-from goals import GOALS, Goal, number
+from goals import GOALS, Goal, Outcome, number
+from machine import STOLEN
 from results import Results, table
 
 
@@ -17,9 +18,14 @@ def tables(
     :param machine: what is known about it
     :param left_out: why a peer was left out, by its name
     """
-    goals = [["what", "goal", "figure", "ratio", ""]]
+    goals = [["what", "goal", "figure", "ratio", "95 % in", "turns", ""]]
     goals += [_row(goal, results) for goal in GOALS if goal.measurement in wanted]
     notes = [f"{what} is left out: {why}." for what, why in left_out.items()]
+    notes += [
+        f"{name}: {count} turns are left out, in which the host took more than "
+        f"{100 * STOLEN:g} % of the time."
+        for name, count in results.disturbed.items()
+    ]
     notes += ["FAILED: " + failure for failure in results.failures]
     facts = [["machine", ""]]
     facts += [[name, value] for name, value in machine.items()]
@@ -29,9 +35,20 @@ def tables(
 def _row(goal: Goal, results: Results) -> List[str]:
     verdict = goal.judge(results)
     if verdict is None:
-        return [goal.what, goal.text, "not measured", "", ""]
+        disturbed = results.disturbed[goal.measurement]
+        word = Outcome.NOT_MEASURABLE.value if disturbed else ""
+        return [goal.what, goal.text, "not measured", "", "", "0", word]
     ratio = number(verdict.value) if verdict.is_ratio else ""
-    return [goal.what, goal.text, verdict.figure, ratio, "pass" if verdict.passed else "SHORT"]
+    low, high = map(number, verdict.interval)
+    return [
+        goal.what,
+        goal.text,
+        verdict.figure,
+        ratio,
+        f"{low} to {high}" if low != high else "",
+        str(verdict.turns),
+        verdict.outcome.value,
+    ]
 
 
 def figures_table(results: Results) -> str:
@@ -56,13 +73,18 @@ def write_json(
                 "what": goal.what,
                 "goal": goal.text,
                 "limit": goal.limit,
-                **({} if verdict is None else verdict._asdict()),
+                **(
+                    {}
+                    if verdict is None
+                    else {**verdict._asdict(), "outcome": verdict.outcome.value}
+                ),
             }
         )
     content = {
         "machine": machine,
         "left_out": left_out,
         "failures": results.failures,
+        "disturbed": results.disturbed,
         "goals": goals,
         "runs": results.as_json(),
     }

@@ -1,9 +1,10 @@
 """What the measurements came to, repeat by repeat."""
 
+import collections
+import math
 import statistics
-from typing import Any, Dict, List, Tuple
+from typing import Any, Counter, Dict, List, Tuple
 
-from analysis import median_ratio
 from context import Figures
 
 
@@ -22,6 +23,8 @@ class Results:
 
     def __init__(self) -> None:
         self._runs: Dict[Tuple[str, str], Dict[int, Figures]] = {}
+        #: turns left out as the host took too much of their time, by measurement
+        self.disturbed: Counter[str] = collections.Counter()
         #: "measurement, subject: reason" of what went wrong
         self.failures: List[str] = []
 
@@ -48,8 +51,8 @@ class Results:
             raise LookupError(f"{measurement} of {subject} was not measured")
         return statistics.median(values)
 
-    def ratio(self, measurement: str, subject: str, peer: str, figure: str) -> float:
-        """Return the median over the repeats of the ratio of a figure to that of a peer.
+    def ratios(self, measurement: str, subject: str, peer: str, figure: str) -> List[float]:
+        """Return the ratio of a figure to that of a peer, of each repeat that has both.
 
         Where the peer was measured in other repeats, the ratio of the medians.
 
@@ -57,16 +60,11 @@ class Results:
         """
         ours = self._runs.get((measurement, subject), {})
         theirs = self._runs.get((measurement, peer), {})
-        common = sorted(set(ours) & set(theirs))
-        if not common:
-            return median_ratio(
-                [self.median(measurement, subject, figure)],
-                [self.median(measurement, peer, figure)],
-            )
-        return median_ratio(
-            [ours[repeat][figure] for repeat in common],
-            [theirs[repeat][figure] for repeat in common],
-        )
+        pairs = [
+            (ours[repeat][figure], theirs[repeat][figure])
+            for repeat in sorted(set(ours) & set(theirs))
+        ] or [(self.median(measurement, subject, figure), self.median(measurement, peer, figure))]
+        return [a / b if b else math.inf for a, b in pairs]
 
     def medians(self, measurement: str, subject: str) -> Figures:
         """Return the median of each figure."""

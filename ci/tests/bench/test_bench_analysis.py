@@ -1,6 +1,8 @@
 """Tests of the figures that ci/bench makes of recorded moments."""
 
 import math
+import random
+import statistics
 
 import analysis
 import pytest
@@ -122,9 +124,27 @@ def test_late_calls_are_no_drift():
     assert analysis.drift(calls) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_ratio_is_the_median_of_the_ratios_within_the_repeats():
-    assert analysis.median_ratio([1.0, 10.0, 3.0], [2.0, 10.0, 1.0]) == 1.0
-    assert analysis.median_ratio([1.0], [0.0]) == math.inf
+@given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=12))
+def test_the_interval_holds_the_median_and_is_the_same_again(values):
+    low, high = analysis.interval(values)
+    assert min(values) <= low <= statistics.median(values) <= high <= max(values)
+    assert analysis.interval(values) == (low, high)
+
+
+def test_the_interval_narrows_with_the_turns():
+    draw = random.Random(1)
+    turns = [draw.gauss(1.0, 0.1) for _ in range(100)]
+    widths = [analysis.interval(turns[:count]) for count in (5, 20, 100)]
+    assert sorted(widths, key=lambda one: one.high - one.low) == widths[::-1]
+
+
+def test_the_interval_is_as_sure_as_it_says():
+    draw = random.Random(2)
+    hits = 0
+    for _ in range(200):
+        low, high = analysis.interval([draw.gauss(1.0, 0.1) for _ in range(11)])
+        hits += low <= 1.0 <= high
+    assert 0.90 * 200 <= hits
 
 
 @given(

@@ -1,7 +1,8 @@
 """Tests of how ci/bench judges its results."""
 
 import pytest
-from goals import GOALS
+from goals import GOALS, Outcome
+from report import tables
 from results import Results
 
 
@@ -23,7 +24,9 @@ def test_what_was_not_measured_is_not_judged():
 def test_a_ratio_is_judged_against_its_limit(ours, passed):
     results = Results()
     hops(results, 0, basic_comms=ours, roscpp=100.0)
-    assert judged(results, "p50 at 1 kHz, against roscpp").passed is passed
+    assert judged(results, "p50 at 1 kHz, against roscpp").outcome is (
+        Outcome.PASS if passed else Outcome.SHORT
+    )
 
 
 def test_a_ratio_compares_runs_of_the_same_repeat():
@@ -45,7 +48,9 @@ def test_a_peer_measured_once_is_compared_by_medians():
 def test_a_least_figure_is_judged_from_below(rate, passed):
     results = Results()
     results.add("throughput", "basic_comms", 0, {"rate": rate})
-    assert judged(results, "rate without loss").passed is passed
+    assert judged(results, "rate without loss").outcome is (
+        Outcome.PASS if passed else Outcome.SHORT
+    )
 
 
 def test_times_faster_has_the_slower_one_on_top():
@@ -53,7 +58,7 @@ def test_times_faster_has_the_slower_one_on_top():
     results.add("latency-10hz", "basic_comms", 0, {"p50_us": 200.0})
     results.add("latency-10hz", "course", 0, {"p50_us": 50000.0})
     verdict = judged(results, "faster at 10 Hz, against course")
-    assert verdict.value == 250.0 and verdict.passed
+    assert verdict.value == 250.0 and verdict.outcome is Outcome.PASS
 
 
 def test_drift_counts_in_either_direction_and_by_the_worst_repeat():
@@ -61,4 +66,47 @@ def test_drift_counts_in_either_direction_and_by_the_worst_repeat():
     for repeat, drift in enumerate([0.01, -0.2, 0.02]):
         results.add("drift", "basic_comms", repeat, {"drift_ms": drift})
     verdict = judged(results, "drift in 20 s at 1 kHz")
-    assert verdict.value == 0.2 and not verdict.passed
+    assert verdict.value == 0.2 and verdict.outcome is Outcome.SHORT
+
+
+HOP = "p50 at 1 kHz, against roscpp"  # 0.75 x at most
+
+
+@pytest.mark.parametrize(
+    "ratios, outcome",
+    [
+        ([0.70, 0.71, 0.72, 0.70, 0.74], Outcome.PASS),
+        ([0.76, 0.80, 0.79, 0.81, 0.78], Outcome.SHORT),
+        ([0.60, 0.90, 0.62, 0.88, 0.70], Outcome.UNCLEAR),
+    ],
+)
+def test_a_goal_is_reached_only_if_the_whole_interval_is(ratios, outcome):
+    results = Results()
+    for repeat, ratio in enumerate(ratios):
+        hops(results, repeat, basic_comms=100.0 * ratio, roscpp=100.0)
+    verdict = judged(results, HOP)
+    assert verdict.outcome is outcome
+    assert verdict.interval.low <= verdict.value <= verdict.interval.high
+    assert verdict.turns == 5 and verdict.is_settled is (outcome is not Outcome.UNCLEAR)
+
+
+def test_too_few_turns_beside_disturbed_ones_are_no_figure():
+    results = Results()
+    for repeat in range(2):
+        hops(results, repeat, basic_comms=50.0, roscpp=100.0)
+    assert judged(results, HOP).outcome is Outcome.PASS
+    results.disturbed["latency-1khz"] = 4
+    assert judged(results, HOP).outcome is Outcome.NOT_MEASURABLE
+    text = tables(results, ["latency-1khz"], {}, {})
+    assert "latency-1khz: 4 turns are left out" in text
+    hops(results, 2, basic_comms=50.0, roscpp=100.0)
+    assert judged(results, HOP).outcome is Outcome.PASS
+
+
+def test_a_message_through_the_bridge_is_compared_with_both_hops_of_its_turn():
+    results = Results()
+    for repeat, slow in enumerate([1.0, 3.0]):
+        for subject, p50 in (("rospy", 100.0), ("rclpy", 200.0), ("to_ros2", 150.0)):
+            results.add("bridge", subject, repeat, {"p50_us": slow * p50})
+    verdict = judged(results, "p50 to ROS 2, against a hop of each")
+    assert verdict.value == pytest.approx(0.5) and verdict.turns == 2

@@ -25,6 +25,9 @@ clean_environment() {
     done
     if [ -n "$path" ]; then export PYTHONPATH=$path; else unset PYTHONPATH; fi
 
+    # catkin's own CMake files are older than what CMake 4 takes without being told.
+    export CMAKE_POLICY_VERSION_MINIMUM=${CMAKE_POLICY_VERSION_MINIMUM-3.5}
+
     # Without any locale the Python of Debian's ROS reads files as ASCII.
     [ -n "${LC_ALL-}${LC_CTYPE-}${LANG-}" ] || export LANG=C.UTF-8
 }

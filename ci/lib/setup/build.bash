@@ -9,8 +9,8 @@ building=$state/building
 
 build_facts() {
     echo "workspace $workspace"
-    echo "python $(readlink -f /usr/bin/python3)"
-    echo "ros $(has_noetic && echo "$noetic" || echo /usr)"
+    echo "python $(readlink -f "$python")"
+    echo "ros ${ros:-/usr}"
     echo "tests $(has_rostest && echo ON || echo OFF)"
     echo "without $(languages_left_out)"
     echo "packages $(packages_to_build)"
@@ -40,8 +40,8 @@ build_products() {
 
 # rostest's CMake file comes in with the tests' packages; without it no test can be configured.
 has_rostest() {
-    compgen -G "/usr/lib/*/cmake/rostest/rostestConfig.cmake" >/dev/null ||
-        [ -e "$noetic/share/rostest/cmake/rostestConfig.cmake" ]
+    compgen -G "${ros:-/usr}/lib/*/cmake/rostest/rostestConfig.cmake" >/dev/null ||
+        [ -e "${ros:-/usr}/share/rostest/cmake/rostestConfig.cmake" ]
 }
 
 build_is_fresh() {
@@ -77,6 +77,8 @@ build() {
     if [ "$packages" = all ]; then packages=; fi
     read_by_it=$(build_facts; build_inputs)
     refuse_catkin_tools
+    refuse_old_python
+    tell_ros
     if build_must_start_over "$read_by_it"; then
         say "building from scratch with catkin_make${packages:+: $packages}"
         # What ci/ros2 has made there tells by itself whether it still fits.
@@ -100,8 +102,8 @@ build() {
 
 run_catkin_make() ( # ON|OFF PACKAGE;…: with or without the tests' targets; all packages if none is named
     unset CMAKE_PREFIX_PATH ROS_PACKAGE_PATH
-    ! has_noetic || source_setup "$noetic"
+    [ -z "$ros" ] || source_setup "$ros"
     cd "$workspace" || exit
-    catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 -DCATKIN_ENABLE_TESTING="$1" \
+    catkin_make --force-cmake -DPYTHON_EXECUTABLE="$python" -DCATKIN_ENABLE_TESTING="$1" \
         -DCATKIN_WHITELIST_PACKAGES="$2"
 )

@@ -1,13 +1,11 @@
 # System packages: what ci/apt-packages.txt lists, what is missing, how it comes in.
 
-has_noetic() { [ -f "$noetic/setup.bash" ]; }
-
 listed_packages() { # SECTION…
-    awk -v wanted=" $* " -v noetic="$(! has_noetic || echo yes)" '
+    awk -v wanted=" $* " -v ros="$ros" '
         { sub(/#.*/, "") }
         /^\[/ {
             gsub(/[][]/, "")
-            take = index(wanted, " " $1 " ") && !(noetic && $2 == "ros")
+            take = index(wanted, " " $1 " ") && !(ros && $2 == "ros")
             next
         }
         take && NF { print $1 }
@@ -139,10 +137,11 @@ install_packages() { # SECTION…
     [ ${#missing[@]} -gt 0 ] || return 0
 
     if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-        # Who has built Noetic on another system knows what it needs there.
-        if has_noetic; then return 0; fi
-        die "$(system_name) is not supported: ROS 1 is installed by apt on Debian 12 and 13;" \
-            "elsewhere the ROS in $noetic is used if there is one, which is untested."
+        [ -n "$ros" ] || die "$(system_name) is not supported: ROS 1 is installed by apt on Debian 12, 13 and 14;" \
+            "elsewhere source the setup.bash of a ROS 1 first, or have one in $opt_ros."
+        build_is_fresh || say "without apt nothing is installed here. What the workspace needs besides ROS" \
+            "('rosdep install --from-paths src' knows the names of other systems): ${missing[*]}"
+        return 0
     fi
     is_root || ! command -v sudo >/dev/null || sudo='sudo '
     if [ "${CI_EXEC_NO_INSTALL-}" = 1 ]; then
@@ -173,8 +172,8 @@ install_packages() { # SECTION…
             die "apt-get update could not fetch all package lists, and those it has do not contain ${unknown[*]}."
         fi
         [ ${#unknown[@]} = 0 ] ||
-            die "$(system_name) has no package ${unknown[*]}. Supported: Debian 12 and 13; elsewhere the" \
-                "ROS in $noetic is used if there is one, which is untested."
+            die "$(system_name) has no package ${unknown[*]}. ROS 1 is installed by apt on Debian 12, 13 and 14;" \
+                "elsewhere source the setup.bash of a ROS 1 first, or have one in $opt_ros."
     fi
     install=(as_root apt-get install --yes --no-install-recommends
         -o DPkg::Lock::Timeout=600 -o Acquire::Retries=1 "${missing[@]}")

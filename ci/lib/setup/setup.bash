@@ -2,11 +2,11 @@
 
 library=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 workspace=$(cd "$library/../../.." && pwd -P)
-noetic=/opt/ros/noetic
 os_release=/etc/os-release
 state=$workspace/build/ci-exec
 
 source "$library/usage.bash"
+source "$library/ros.bash"
 source "$library/environment.bash"
 source "$library/needs.bash"
 source "$library/packages.bash"
@@ -79,6 +79,7 @@ refuse_foreign_files() {
 # looks again. The lock's descriptor lives in the subshell alone, so that the
 # command never inherits it.
 set_up() { # SECTION…
+    find_ros
     clean_environment
     refuse_unfit_path
     if [ -z "$(missing_packages "$@")" ] && build_is_fresh; then

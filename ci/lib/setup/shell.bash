@@ -7,7 +7,7 @@ eval "$exported"
 unset exported
 PS1="(ci/exec) $PS1"
 # roscd and the like: Debian does not bring them in with setup.bash.
-for rosbash in /opt/ros/noetic/share/rosbash/rosbash /usr/share/bash-completion/completions/rosbash; do
+for rosbash in "${ROS_ROOT-}/../rosbash/rosbash" /usr/share/bash-completion/completions/rosbash; do
     [ ! -f "$rosbash" ] || source "$rosbash"
 done
 unset rosbash

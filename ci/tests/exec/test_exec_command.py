@@ -17,7 +17,7 @@ from conftest import Workspace
 
 ROSBASH = (
     "/usr/share/bash-completion/completions/rosbash",
-    "/opt/ros/noetic/share/rosbash/rosbash",
+    f"{os.environ.get('ROS_ROOT')}/../rosbash/rosbash",
 )
 PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,${ROS_IP-none},$LANG"')
 

@@ -2,9 +2,11 @@
 
 import contextlib
 import os
+import pathlib
 import pty
 import subprocess
 import time
+from typing import List
 
 import pytest
 from conftest import Workspace
@@ -55,7 +57,7 @@ def test_says_what_the_system_does_not_have(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, installed="catkin\n", known="one\n")
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
-    assert "a Debian has no package two. Supported:" in result.stderr
+    assert "a Debian has no package two. ROS 1 is installed by apt on" in result.stderr
     assert [line.split()[1] for line in log.read_text().splitlines()] == ["update"]
 
 
@@ -257,15 +259,65 @@ def test_refuses_a_system_without_apt_in_one_sentence(workspace: Workspace, abse
     assert log.read_text() == ""
 
 
-def test_takes_noetic_where_it_is(workspace: Workspace) -> None:
+def ros_in(prefix: pathlib.Path) -> pathlib.Path:
+    """Make what looks like an installed ROS 1."""
+    (prefix / "share" / "rospy").mkdir(parents=True)
+    (prefix / "share" / "rospy" / "package.xml").touch()
+    (prefix / "setup.bash").write_text(f"export FAKE_ROS='{prefix}'\n")
+    return prefix
+
+
+@pytest.mark.parametrize(
+    "there, sourced, taken",
+    [
+        (["opt/one", "opt/noetic"], "", "opt/noetic"),
+        (["opt/one"], "", "opt/one"),
+        (["opt/noetic", "mine"], "a_devel:mine", "mine"),
+    ],
+)
+def test_takes_the_ros_that_is_sourced_or_stands_in_opt(
+    workspace: Workspace, there: List[str], sourced: str, taken: str
+) -> None:
     log = workspace.pretend_packages(LISTED, known="one\ntwo\n")
-    noetic = workspace.root / "noetic"
-    noetic.mkdir()
-    (noetic / "setup.bash").write_text("export FAKE_NOETIC=sourced\n")
-    workspace.patch("setup.bash", "=/opt/ros/noetic\n", f"='{noetic}'\n")
-    workspace.fakes["catkin_make"] = 'mkdir -p devel; : > devel/setup.bash; echo "$FAKE_NOETIC"'
-    result = workspace.run("true")
+    for name in there:
+        ros_in(workspace.root / name)
+    (workspace.root / "a_devel").mkdir()
+    (workspace.root / "a_devel" / "setup.bash").touch()
+    workspace.patch("ros.bash", "=/opt/ros\n", f"='{workspace.root / 'opt'}'\n")
+    workspace.fakes["catkin_make"] = 'mkdir -p devel; : > devel/setup.bash; echo "$FAKE_ROS"'
+    path = ":".join(str(workspace.root / name) for name in sourced.split(":") if name)
+    result = workspace.run("true", CMAKE_PREFIX_PATH=path)
     assert result.returncode == 0
-    # ROS's own packages are Noetic's part, and the build happens on top of it.
+    assert f"upon the ROS in {workspace.root / taken}, with" in result.stderr
+    # ROS's own packages are part of that ROS, and the build happens on top of it.
     assert log.read_text().splitlines()[0].endswith(" one two")
-    assert "sourced" in (workspace.root / "build" / "ci-exec" / "log").read_text()
+    built_on = (workspace.root / "build" / "ci-exec" / "log").read_text()
+    assert f"{workspace.root / taken}\n" in built_on
+
+
+def test_builds_with_the_python_that_a_ros_brings(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED, known="one\ntwo\n")
+    prefix = ros_in(workspace.root / "env")
+    (prefix / "bin").mkdir()
+    (prefix / "bin" / "python3").symlink_to("/usr/bin/python3")
+    workspace.fakes["catkin_make"] = 'mkdir -p devel; : > devel/setup.bash; echo "$@"'
+    result = workspace.run("true", CMAKE_PREFIX_PATH=str(prefix))
+    assert result.returncode == 0
+    arguments = (workspace.root / "build" / "ci-exec" / "log").read_text()
+    assert f"-DPYTHON_EXECUTABLE={prefix}/bin/python3" in arguments
+    (prefix / "bin" / "python3").unlink()
+    (prefix / "bin" / "python3").write_text("#!/bin/sh\nexit 1\n")
+    (prefix / "bin" / "python3").chmod(0o755)
+    result = workspace.run("true", CMAKE_PREFIX_PATH=str(prefix))
+    assert result.returncode == 125 and "older than Python 3.8" in result.stderr
+
+
+def test_without_apt_it_names_what_a_ros_of_its_own_lacks(workspace: Workspace) -> None:
+    workspace.pretend_packages(LISTED)
+    prefix = ros_in(workspace.root / "env")
+    workspace.fakes["command"] = '[ "$2" != apt-get ] && builtin command "$@"'
+    workspace.fakes["catkin_make"] = "mkdir -p devel; : > devel/setup.bash"
+    result = workspace.run("true", CMAKE_PREFIX_PATH=str(prefix))
+    assert result.returncode == 0
+    assert "rosdep install" in result.stderr and " one two" in result.stderr
+    assert "rosdep" not in workspace.run("true", CMAKE_PREFIX_PATH=str(prefix)).stderr

@@ -1,0 +1,183 @@
+"""What the tests of a package say of a mutant: its unit tests, then its integration tests."""
+
+import concurrent.futures
+import dataclasses
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+import zlib
+from typing import Dict, List, NamedTuple, Sequence
+from xml.etree import ElementTree
+
+import code_rules
+import mutants
+import tiers
+from nearest import UnitTests
+from steps import Runner, Step, StepResult
+
+#: How much longer than without a mutant a test may take, and what it gets on top, s.
+LONGER, ON_TOP_S = 3.0, 30.0
+#: How much of a reason is kept, characters; and of what a test without failures writes, words.
+MOST_SHOWN, LAST_WORDS = 200, 20
+#: Its tests need ROS 2, which ci/ros2 brings.
+BRIDGE = "ros2_bridge"
+
+
+class Trial(NamedTuple):
+    """A test without a mutant."""
+
+    #: Of its files: a test that has changed is tried anew.
+    digest: int
+    passes: bool
+    seconds: float
+    #: What its processes import of the copy, as paths below src.
+    modules: Sequence[str]
+
+
+class Judge:
+    """Runs tests on the copy, one at a time.
+
+    :param place: a folder for what is found out about the tests
+    """
+
+    def __init__(self, place: pathlib.Path) -> None:
+        self._units = UnitTests()
+        self._file = place / "tests.json"
+        self._trials: Dict[str, Trial] = {}
+        if self._file.exists():
+            known = json.loads(self._file.read_text())
+            self._trials = {name: Trial(*values) for name, values in known.items()}
+        self._compiled = place / "compiled"
+        self._runner = Runner()
+        self._pool = concurrent.futures.ThreadPoolExecutor(1)
+
+    def killer(self, module: str, text: str) -> str:
+        """Put a text into a module of the copy, and run the tests that meet it.
+
+        :param module: its path below src
+        :returns: the first test that fails or does not end in time; empty if none does
+        :raises mutants.Unfit: if ROS 2 is needed, and cannot be had
+        """
+        steps = self.tests_of(module)
+        copy = mutants.COPY / "src" / module
+        original = copy.read_text("utf-8")
+        try:
+            self._write(copy, text)
+            for step in steps:
+                result = self._run(step, self._compiled)
+                if not result.good:
+                    reasons = result.failures or [" ".join(result.log.split()[-LAST_WORDS:])]
+                    return f"{step.name}: {reasons[0]}"[:MOST_SHOWN]
+        finally:
+            self._write(copy, original)
+        return ""
+
+    def tests_of(self, module: str) -> List[Step]:
+        """Return the tests that meet a module: the unit tests, then the others by their time.
+
+        A test that fails without a mutant is left out.
+
+        :raises mutants.Unfit: if ROS 2 is needed, and cannot be had
+        """
+        package = module.split("/")[0]
+        found = [(self._trial(step), step) for step in integration_steps(package)]
+        found = [(trial, step) for trial, step in found if module in trial.modules]
+        found.sort(key=lambda pair: pair[0].seconds)
+        nearest = self._units.of(code_rules.SOURCES / module)
+        if nearest:
+            # What they take in all bounds what some of them take.
+            whole = self._trial(unit_step(package, self._units.all_of(package)))
+            found.insert(0, (whole, unit_step(package, nearest)))
+        return [
+            dataclasses.replace(
+                step, time_limit=min(step.time_limit, LONGER * trial.seconds + ON_TOP_S)
+            )
+            for trial, step in found
+            if trial.passes
+        ]
+
+    def close(self) -> None:
+        """Remove what the tests have left behind."""
+        self._pool.shutdown()
+        shutil.rmtree(str(self._compiled), ignore_errors=True)
+
+    def left_out(self) -> List[str]:
+        """Return the names of the tests that fail without a mutant."""
+        return sorted(name for name, trial in self._trials.items() if not trial.passes)
+
+    def _trial(self, step: Step) -> Trial:
+        """Run a test without a mutant, unless that has been done."""
+        digest = digest_of(step)
+        known = self._trials.get(step.name)
+        if known and known.digest == digest:
+            return known
+        if step.tier == "ros2":
+            made = self._run(tiers.ros2()[0], self._compiled)
+            if not made.good:
+                raise mutants.Unfit(f"{BRIDGE} is tested with ROS 2: {made.log.strip()}")
+        with tempfile.TemporaryDirectory(prefix="mutants-") as compiled:
+            result = self._run(step, pathlib.Path(compiled))
+            sources = pathlib.Path(compiled + str(mutants.COPY / "src"))
+            modules = sorted(
+                str(path.relative_to(sources).with_name(path.name.split(".")[0] + ".py"))
+                for path in sources.rglob("*.pyc")
+            )
+        self._trials[step.name] = Trial(digest, result.good, result.seconds, modules)
+        self._file.write_text(json.dumps(self._trials))
+        return self._trials[step.name]
+
+    def _run(self, step: Step, compiled: pathlib.Path) -> StepResult:
+        """Run a test to its end, or, at Ctrl-C, end it."""
+        os.environ["PYTHONPYCACHEPREFIX"] = str(compiled)
+        directory = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
+        running = self._pool.submit(self._runner.run, step, directory / "run")
+        try:
+            return running.result()
+        except BaseException:
+            self._runner.interrupt()
+            concurrent.futures.wait([running])
+            raise
+        finally:
+            shutil.rmtree(str(directory), ignore_errors=True)
+
+    def _write(self, copy: pathlib.Path, text: str) -> None:
+        copy.write_text(text, "utf-8")
+        # Python tells by length and second alone whether what it has compiled is of this text.
+        compiled = pathlib.Path(str(self._compiled) + str(copy.parent))
+        for path in compiled.glob(f"{copy.stem}.*.pyc"):
+            path.unlink()
+
+
+def unit_step(package: str, tests: Sequence[pathlib.Path]) -> Step:
+    """Return the run of some unit tests, in their order, up to the first that fails."""
+    step = tiers.pytest_step("unit", f"{package}/unit", tests[0])
+    command = [*step.command, *map(str, tests[1:]), "-x"]
+    return dataclasses.replace(step, command=command)
+
+
+def integration_steps(package: str) -> List[Step]:
+    """Return the tests of a package that need a master."""
+    steps = [step for step in tiers.integration() if step.name.startswith(package + "/")]
+    if package != BRIDGE:
+        return steps
+    # They have a PYTHONPATH of their own, which is to begin with the copy as well.
+    copies = os.pathsep.join(str(place) for place in (mutants.COPY / "src").glob("*/src"))
+    for step in tiers.ros2()[1:]:
+        command = [
+            word.replace("PYTHONPATH=", f"PYTHONPATH={copies}{os.pathsep}", 1)
+            for word in step.command
+        ]
+        steps.append(dataclasses.replace(step, name=f"{package}/{step.name}", command=command))
+    return steps
+
+
+def digest_of(step: Step) -> int:
+    """Return a figure of the files that a test consists of; its helpers are not looked at."""
+    files = [pathlib.Path(word) for word in step.command if word.endswith((".py", ".test"))]
+    for file in list(files):
+        if file.suffix == ".test":
+            nodes = ElementTree.parse(str(file)).getroot().iter("test")
+            files += [file.parent / node.get("type", "") for node in nodes]
+    return zlib.crc32(b"".join(file.read_bytes() for file in files))

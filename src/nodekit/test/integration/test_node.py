@@ -11,10 +11,11 @@ import time
 import tracemalloc
 import unittest
 from typing import Any, Callable, List, Tuple
+from unittest import mock
 
 import rosgraph
 import rospy
-from rosgraph_msgs.msg import Log
+from rosgraph_msgs.msg import Log, TopicStatistics
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
@@ -119,6 +120,41 @@ class Start(OnMaster):
         node.start()
         message = rospy.wait_for_message(self.space + "/state", String, TIMEOUT_S)
         self.assertEqual(message.data, "waiting")
+
+    def test_what_is_latched_reaches_each_later_subscription_of_the_process(self) -> None:
+        node, heard = self.node(), []
+        here = node.publisher("here", String, latch=True)
+        node.start()
+        here.publish("here")
+        self.publisher("there", latch=True).publish("there")
+        for count in (1, 2):
+            for topic in ("here", "there"):
+                node.subscribe(topic, String, lambda message: heard.append(message.data))
+            expected = sorted(count * ["here", "there"])
+            wait_until(lambda expected=expected: sorted(heard) == expected, lambda: str(heard))
+
+    def test_change_between_the_declaration_and_the_start_is_told(self) -> None:
+        told: List[Tuple[float, float]] = []
+        node = self.node()
+        node.parameters(Settings, lambda new, old: told.append((old.gain, new.gain)))
+        self.server.set(self.space + "/one/gain", 5.0)
+        node.start()
+        wait_until(lambda: told, lambda: "nothing is told")
+        self.assertEqual(told, [(1.0, 5.0)])
+
+    def test_statistics_that_rospy_is_to_gather_tell_of_messages_in_the_process_too(self) -> None:
+        name, ear = self.space + "/topic", Ear("/statistics", TopicStatistics)
+        self.addCleanup(ear.close)
+        node = self.node()
+        node.every(100.0, lambda elapsed: publisher.publish("news"))
+        node.subscribe("topic", String, lambda message: None)
+        publisher = node.publisher("topic", String)
+        # As where the parameter /enable_statistics is set, which is read once in a process.
+        logger = rospy.topics.SubscriberStatisticsLogger
+        with mock.patch.object(logger, "is_enabled", return_value=True):
+            node.start()
+        told = ear.wait_for(lambda one: one.topic == name and one.delivered_msgs > 1)
+        self.assertEqual((told.node_pub, told.node_sub), 2 * (rospy.get_name(),))
 
     def test_habits_of_rospys_users_are_no_error(self) -> None:
         node = self.node()

@@ -60,8 +60,13 @@ class Publisherless(Ear):
 
     def __init__(self, stack):
         super().__init__(stack)
+        self.connect(stack)
+
+    def connect(self, stack):
+        """Have a connection, from now on in place of the one before."""
         ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
-        self.transport = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
+        protocol = TCPROSSub(TOPIC, String, self.impl.queue_size)  # as rospy makes it
+        self.transport = TCPROSTransport(protocol, TOPIC)
         self.transport.set_socket(ours, "/publisher")
         stack.callback(self.transport.close)
         self.topic = self.impl
@@ -249,6 +254,19 @@ def test_a_defect_of_one_callback_leaves_the_others_alone(connected):
     assert connected.words == ["news"]
     assert [message.data for message in late] == ["news"]
     assert topic is get_topic_manager().get_subscriber_impl(TOPIC)
+
+
+def test_limit_of_a_plain_subscriber_s_queue_holds_for_later_connections(connected, stack):
+    heard = []
+    plain = rospy.Subscriber(
+        TOPIC, String, lambda message: heard.append(message.data), queue_size=2
+    )
+    connected.transport.close()
+    connected.connect(stack)
+    connected.socket.sendall(b"".join(map(packet, "abcde")))
+    connected.receive_all()
+    plain.unregister()
+    assert heard == connected.words == ["d", "e"]
 
 
 def test_a_plain_subscriber_of_the_same_topic_hears_the_same(connected):

@@ -145,6 +145,7 @@ ROOMS: Dict[str, List[str]] = {
     "topic_scope": [
         "messages",
         "analysis",
+        "formulas",
         "record",
         "bag",
         "protocol",
@@ -243,6 +244,7 @@ PURE = (
     "topic_scope.messages.message_reader",
     "topic_scope.messages.timestamp_source",
     "topic_scope.analysis",
+    "topic_scope.formulas",
     "topic_scope.record.message_source",
     "topic_scope.record.traces",
     "topic_scope.bag",

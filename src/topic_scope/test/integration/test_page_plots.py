@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The page measures, and plots otherwise than over time."""
 
+import csv
 import itertools
 import json
 import math
@@ -164,6 +165,35 @@ class Plots(PageTest):
                 and abs(self.cell(field, "min") + peak) < 0.01 * peak,
                 lambda: self.browser.text("#legend"),
             )
+
+    def test_a_formula_is_checked_as_it_is_typed_then_drawn_measured_and_saved(self) -> None:
+        self.browser.keys("a", "=hypot(a, delay(a,.25)) + b*(0")
+        problem = self.browser.find("#chooser-note")
+        wait_until(lambda: problem.text == "a bracket is not closed", lambda: problem.text)
+        listed = self.browser.text("#chooser-list")
+        self.assertIn(f"a is {SIGNAL}\n\nb is {PROCESSED}", listed)
+        self.assertIn("lowpass", listed)
+        name = f"=hypot({SIGNAL}, delay({SIGNAL}, .25)) + {PROCESSED} * (0)"
+        self.browser.keys(")")
+        self.browser.wait_for(f"#chooser-list input[aria-label='{name}']")
+        self.assertEqual(problem.text, "")
+        self.browser.keys(Keys.ENTER, Keys.ESCAPE)
+        # A sine of the amplitude 2, and the same a quarter of its period later: a circle.
+        wait_until(
+            lambda: all(abs(self.cell(name, part) - 2.0) < 0.01 for part in ("min", "max")),
+            lambda: self.browser.text("#legend"),
+        )
+        self.browser.find("#csv").click()
+        address = str(self.browser.find("#csv").get_attribute("href"))
+        with urlopen(address, timeout=10) as answer:
+            rows = list(csv.DictReader(answer.read().decode().splitlines()))
+        cells = [(row[SIGNAL], float(row[name])) for row in rows if row[name]]
+        self.assertGreater(len(cells), 100)
+        self.assertTrue(all(beside for beside, _ in cells), "not in the row of its first operand")
+        inside = [value for _, value in cells if math.isfinite(value)]
+        self.assertLess(max(abs(value - 2.0) for value in inside), 0.01)
+        self.browser.driver.refresh()  # it is in the address
+        self.browser.wait_for(f"#legend tr[data-field='{name}']")
 
     def test_says_where_a_level_is_that_is_not_in_view_and_brings_it_back(self) -> None:
         height = self.browser.find("#plot").size["height"]

@@ -111,7 +111,7 @@ def test_all_columns_can_be_chosen_by_their_names() -> None:
 def test_a_difference_is_a_line_of_two_numbers() -> None:
     words = ["/robot/arm/data[0]-/signal/signal_y.derivative", "/switch", "/switch/data"]
     lines = choose_lines(words, MESSAGES)
-    assert [[column.name for column in line] for line in lines] == [
+    assert [[column.name for column in line.columns] for line in lines] == [
         ["/robot/arm/data[0]", "/signal/signal_y.derivative"],
         ["/switch/data"],
     ]

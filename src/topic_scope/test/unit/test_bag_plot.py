@@ -16,7 +16,8 @@ from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
 from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_plot import Series, collect, difference, draw, save
+from topic_scope.bag.bag_plot import Series, collect, computed, draw, save
+from topic_scope.formulas.names import formula_of
 from topic_scope.messages.fields import to_path
 
 
@@ -105,8 +106,10 @@ def test_a_difference_is_taken_between_two_points_and_not_across_a_gap() -> None
     first = Series("/x/data", array("d", [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), array("d", [5.0] * 6))
     times = array("d", [0.5, 1.5, 2.5, 2.5, 3.5, 4.5])
     second = Series("/y/data", times, array("d", [0.0, 1.0, 2.0, math.nan, 3.0, -1e301]))
-    found = difference(first, second)
-    assert found.name == "/x/data-/y/data" and found.times == first.times
+    formula = formula_of("/x/data-/y/data")
+    assert formula is not None
+    found = computed("apart", formula, [first, second])
+    assert found.name == "apart" and found.times == first.times
     nothing = math.nan
     assert repr(list(found.values)) == repr([nothing, 4.5, 3.5, nothing, nothing, nothing])
 

@@ -49,3 +49,8 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
     other = CsvColumn("/b", times[:0], times[:0], [])
     assert list(rows([column, other], both)) == [f"{2**62 + 1},0,3,\n", f"{2**62 + 1},1,,\n"]
     assert list(rows([other], both)) == []
+
+
+def test_a_name_with_a_comma_is_one_cell() -> None:
+    names = ["time", "=atan2(/a, /b)", "/c"]
+    assert next(csv.reader([header(*names)])) == names

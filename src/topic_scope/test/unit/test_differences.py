@@ -1,8 +1,8 @@
-"""The difference of two traces, however the samples of both come."""
+"""The difference of two traces and other formulas, however the samples of both come."""
 
 import math
 import struct
-from typing import Dict, List, Sequence
+from typing import Any, Dict, List, Sequence
 
 import numpy
 import pytest
@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from std_msgs.msg import Float64
 from test_recorder import FakeOutlet, FakeSource, header
 
-from topic_scope.messages.derived import terms
-from topic_scope.messages.fields import FieldError, expand
+from topic_scope.formulas.names import expand, terms
+from topic_scope.messages.fields import FieldError
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import RequestError, fields_of
@@ -119,15 +119,32 @@ regular = st.tuples(st.floats(0.0, 1.0), st.floats(0.02, 0.5)).map(
 )
 
 
-@given(moments, regular, st.lists(st.floats(0.0, 3.5), max_size=8), st.booleans())
-@settings(max_examples=60, deadline=None)
+def numbers(row: List[Any]) -> List[Any]:
+    """Return a bin without its ways to say that nothing is there, which are no numbers."""
+    return [str(value) if value is None or value is False else value for value in row]
+
+
+#: What looks back, ahead, and beside.
+names = st.sampled_from(
+    [
+        NAME,
+        "=/a/data - delay(/b/data, 0.3)",
+        "=delay(/b/data, -0.3) * 2",
+        "=/b/data - mean(delay(/b/data, -0.2), 0.4)",
+        "=/a/data + derivative(/b/data)",
+    ]
+)
+
+
+@given(names, moments, regular, st.lists(st.floats(0.0, 3.5), max_size=8), st.booleans())
+@settings(max_examples=100, deadline=None)
 def test_frames_add_up_whichever_comes_late(
-    first: List[float], second: List[float], looks: List[float], is_forgotten: bool
+    name: str, first: List[float], second: List[float], looks: List[float], is_forgotten: bool
 ) -> None:
     source, times = TimedSource(), {"/a": first, "/b": second}
-    made = recording(source, NAME)
+    made = recording(source, name)
     view, bins = LiveView(View(4.0, 100, None)), {}  # type: ignore[var-annotated]
-    view.select([NAME])
+    view.select([name])
     sent: Dict[str, int] = {"/a": 0, "/b": 0}
     for moment in sorted({*looks, 4.0}):
         source.time = 1000.0 + moment
@@ -143,16 +160,17 @@ def test_frames_add_up_whichever_comes_late(
             continue
         if frame["reset"]:
             bins.clear()
-        values = frame["traces"][NAME]
+        values = frame["traces"][name]
         for index in range(len(values) // 2):
             bins[frame["first"] + index] = values[2 * index : 2 * index + 2]
     whole = LiveView(View(4.0, 100, None))
-    whole.select([NAME])
+    whole.select([name])
     last = whole.frame(source.time, made.samples, made.changed_since)
     assert last is not None
-    for index in range(len(last["traces"][NAME]) // 2):
-        expected = last["traces"][NAME][2 * index : 2 * index + 2]
-        assert bins[last["first"] + index] == expected
+    for index in range(len(last["traces"][name]) // 2):
+        expected = last["traces"][name][2 * index : 2 * index + 2]
+        # A mean of other samples of the same values is rounded otherwise.
+        assert numbers(bins[last["first"] + index]) == pytest.approx(numbers(expected))
     if is_forgotten:
         made.forget()
-        assert not numpy.size(made.samples(NAME, 0.0, 1e9))
+        assert not numpy.size(made.samples(name, 0.0, 1e9))

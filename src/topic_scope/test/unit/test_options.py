@@ -24,6 +24,13 @@ def test_relative_names_are_in_the_namespace() -> None:
     assert parse(["a/x", "/b/x", "__ns:=lab"]).fields == ("/lab/a/x", "/b/x")
 
 
+def test_a_formula_is_one_argument_and_its_fields_are_global() -> None:
+    options = parse(["=/a/x - 2*/b", "c /d", "--below", "=sqrt(/a)", "__ns:=lab"])
+    assert options.fields == ("=/a/x - 2 * /b", "/lab/c", "/d", "=sqrt(/a)")
+    with pytest.raises(SystemExit):
+        parse(["=/a +"])
+
+
 def test_plots_below_others() -> None:
     options = parse(["/a", "/b", "--below", "/c/x:y", "/a", "--below", "/d", "--port", "8091"])
     assert options.fields == ("/a", "/b", "/c/x", "/c/y", "/d") and options.port == 8091

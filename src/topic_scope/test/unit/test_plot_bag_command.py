@@ -1,5 +1,6 @@
 """The command line: what it writes, and how it fails."""
 
+import csv
 import io
 import os
 import sys
@@ -10,6 +11,7 @@ import genpy
 import pytest
 import rosbag
 from bags import write_bag
+from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
@@ -209,10 +211,62 @@ def test_ctrl_c_ends_it_without_a_trace(
     assert capsys.readouterr().err == ""
 
 
-def test_a_difference_is_drawn_and_not_written(
+def test_formulas_are_drawn(bag: str, monkeypatch: "pytest.MonkeyPatch") -> None:
+    call(monkeypatch, bag, "/x/data-/y/data", "=-/x + 1", "/x", "-o", "out.svg")
+    drawn = Path("out.svg").read_text()
+    assert "/x/data-/y/data" in drawn and "=-/x/data + 1" in drawn
+
+
+def test_formulas_are_written_in_the_rows_of_the_messages_that_give_them_their_times(
+    bag: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    formulas = ["=max(10*/x, 15)", "=delay(/x, 0.5)", "/y/data-/x/data", "=2*/j/position[leg]"]
+    call(monkeypatch, bag, "/x", *formulas, "-o", "out.csv")
+    with open("out.csv", newline="") as file:
+        head, *rows = csv.reader(file)
+    assert head == [
+        "time",
+        "/x/data",
+        "=max(10 * /x/data, 15)",
+        "=delay(/x/data, 0.5)",
+        "/y/data-/x/data",
+        "=2 * /j/position[leg]",
+    ]
+    assert rows == [
+        ["0.000000000", "0.0", "15.0", "", "", ""],
+        ["0.500000000", "", "", "0.0", "", ""],
+        ["1.000000000", "", "", "", "", "4.0"],
+        ["1.000000000", "", "", "", "6.9", ""],
+        ["1.000000000", "0.1", "15.0", "", "", ""],
+        ["1.500000000", "", "", "0.1", "", ""],
+        ["2.000000000", "0.2", "15.0", "", "", ""],
+        ["2.500000000", "", "", "0.2", "", ""],
+        ["3.000000000", "0.30000000000000004", "15.0", "", "", ""],
+        ["3.500000000", "", "", "0.30000000000000004", "", ""],
+    ]
+
+
+def test_stamps_are_exact_to_the_nanosecond_in_the_rows_of_formulas(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    stamps = [1700000000123456789, 1700000000223456788]
+    messages: List[Any] = []
+    for index, stamp in enumerate(stamps):
+        message = PointStamped()
+        message.header.stamp = genpy.Time(0, stamp)
+        message.point.x = index
+        messages.append(("/p", message, index * 10**8))
+    bag = write_bag(tmp_path / "p.bag", messages)
+    monkeypatch.chdir(tmp_path)
+    call(monkeypatch, bag, "/p/point/x@stamp", "=/p/point/x@stamp + 1", "-o", "out.csv")
+    rows = Path("out.csv").read_text().splitlines()[1:]
+    assert rows == ["1700000000.123456789,0.0,1.0", "1700000000.223456788,1.0,2.0"]
+
+
+def test_what_is_wrong_with_a_formula_is_said(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
-    call(monkeypatch, bag, "/x/data-/y/data", "/x", "-o", "out.svg")
-    assert "/x/data-/y/data" in Path("out.svg").read_text()
-    said = failure(monkeypatch, capsys, bag, "/x/data-/y/data", "-o", "out.csv")
-    assert "/x/data-/y/data: a difference can only be drawn" in said and "name both fields" in said
+    assert failure(monkeypatch, capsys, bag, "=/x +", "-o", "out.csv") == (
+        "plot_bag: something is missing at the end\n"
+    )
+    assert "nearest to it: /x/data" in failure(monkeypatch, capsys, bag, "=/x/datum", "-o", "o.csv")

@@ -17,6 +17,7 @@ from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
 CHECKS = {
     "select": requests.selection_of,
+    "formula": requests.formula_text_of,
     "view": requests.view_of,
     "trigger": requests.trigger_of,
     "scaling": scaling_of,
@@ -46,6 +47,11 @@ GOOD = [
         ("/a/x", "/a/y"),
     ),
     ({"type": "select", "fields": []}, ()),
+    ({"type": "select", "fields": ["=/a/x+/b/y"]}, ("=/a/x + /b/y",)),
+    (
+        {"type": "formula", "text": "=a +", "traces": ["/a/x"]},
+        requests.FormulaText("=a +", ("/a/x",)),
+    ),
     ({"type": "view", "window": 2, "width": 800, "end": None}, requests.View(2.0, 800, None)),
     ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, requests.View(2.0, 800, 1.7e9)),
     (

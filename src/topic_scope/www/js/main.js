@@ -103,11 +103,13 @@ const handlers = {
   fleet: showFleet,
   master: showMaster,
   playback: (message) => playback.onState(message),
+  formula: (message) => chooser.onFormula(message),
   error: ({ text }) => notify(text),
 };
 
+const chooser = startChooser(state, send);
 const open = {
-  chooser: startChooser(state),
+  chooser: chooser.open,
   axes: startAxes(state),
   measures: startMeasures(state, sweep, plot, requests),
 };

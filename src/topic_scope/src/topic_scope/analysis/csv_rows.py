@@ -26,7 +26,7 @@ def header(*names: str) -> str:
 
     :param names: names of the columns, those of the times before those of the fields
     """
-    return ",".join(names) + "\n"
+    return ",".join(f'"{name}"' if "," in name else name for name in names) + "\n"
 
 
 def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iterator[str]:

@@ -2,16 +2,17 @@
 
 import difflib
 from functools import partial
-from typing import Collection, List, Mapping, NamedTuple, Tuple
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from topic_scope.bag.bag_messages import FirstMessage
+from topic_scope.formulas.names import expand_with, formula_of
+from topic_scope.formulas.reading import Formula
 from topic_scope.messages.arrays import lengths_in, names_in, with_names
-from topic_scope.messages.derived import terms
 from topic_scope.messages.fields import (
     FieldError,
     Path,
     ending,
-    expand_term,
+    expand,
     numeric_fields,
     parted,
     resolve,
@@ -55,30 +56,45 @@ def choose(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -
     """
     columns: List[Column] = []
     for expression in expressions:
-        for name in expand_term(expression):
+        for name in expand(expression):
             columns += _columns(name, first_messages)
     return list(dict.fromkeys(columns))
 
 
-def choose_lines(
-    expressions: List[str], first_messages: Mapping[str, FirstMessage]
-) -> "List[Tuple[Column, ...]]":
-    """Return what a list of names stands for: numbers, or each two whose difference is meant.
+class Line(NamedTuple):
+    """A line of a plot, or a column of a file.
 
-    :param expressions: as for :func:`choose`, or two of them with ``-`` between
-    :param first_messages: as :func:`.first_messages` returns them
-    :raises FieldError: as :func:`choose`, and if a difference is not of one number and another
+    :param name: its name
+    :param columns: the numbers that it is made of
+    :param formula: how it is computed of them, by their names; None where it is one of them
     """
-    lines: List[Tuple[Column, ...]] = []
+
+    name: str
+    columns: Tuple[Column, ...]
+    formula: Optional[Formula] = None
+
+
+def choose_lines(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -> List[Line]:
+    """Return what a list of names stands for: numbers, and what is computed of such; each once.
+
+    :param expressions: as for :func:`choose`, formulas, or differences
+    :param first_messages: as :func:`.first_messages` returns them
+    :raises FieldError: as :func:`choose`, and if a formula is wrong
+    """
+
+    def names(field: str) -> List[str]:
+        columns = choose([field], first_messages)
+        found.update((column.name, column) for column in columns)
+        return [column.name for column in columns]
+
+    found: Dict[str, Column] = {}
+    lines: Dict[str, Line] = {}
     for expression in expressions:
-        parts = [choose([part], first_messages) for part in terms(expression)]
-        if len(parts) == 1:
-            lines += [(column,) for column in parts[0]]
-        elif any(len(columns) != 1 for columns in parts):
-            raise FieldError(f"{expression}: one of these names stands for several fields")
-        else:
-            lines.append((parts[0][0], parts[1][0]))
-    return list(dict.fromkeys(lines))
+        for name in expand_with(expression, names):
+            formula = formula_of(name)
+            fields = formula.fields if formula else (name,)
+            lines[name] = Line(name, tuple(found[field] for field in fields), formula)
+    return list(lines.values())
 
 
 def all_columns(first_messages: Mapping[str, FirstMessage]) -> List[Column]:

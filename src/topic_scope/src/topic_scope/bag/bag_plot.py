@@ -12,9 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import TABLEAU_COLORS
 from matplotlib.figure import Figure
 
-from topic_scope.analysis.xy import paired
 from topic_scope.bag.bag_messages import Slice
 from topic_scope.bag.column_reader import ColumnReader
+from topic_scope.formulas.reading import Formula
+from topic_scope.formulas.signals import Signal
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import Path
 from topic_scope.messages.timestamp_source import longest_step, placed, said_in
@@ -120,14 +121,21 @@ def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[
     return [recorded.series() for recorded in everything]
 
 
-def difference(first: Series, second: Series) -> Series:
-    """Return a series less another one on the straight line between two of its points."""
-    points = (numpy.array(first.times), numpy.array(first.values))
-    # Where a line ends a NaN stands, so none has to be found again.
-    less, values = paired((numpy.array(second.times), numpy.array(second.values)), points, math.inf)
-    apart = values - less
-    apart[~(numpy.abs(apart) <= _LARGEST)] = numpy.nan
-    return Series(f"{first.name}-{second.name}", first.times, array("d", apart))
+def computed(name: str, formula: Formula, everything: Iterable[Series]) -> Series:
+    """Return what a formula makes of series.
+
+    :param name: of the result
+    :param formula: the formula
+    :param everything: the series that it is computed of, and perhaps others
+    """
+    signals = {}
+    for series in everything:
+        times, values = numpy.array(series.times), numpy.array(series.values)
+        # Where a line ends a NaN stands, so none has to be found again.
+        signals[series.name] = Signal(times, values, times, math.inf)
+    times, values, *_ = formula.computed(signals)
+    drawn = numpy.where(numpy.abs(values) <= _LARGEST, values, numpy.nan)
+    return Series(name, array("d", times), array("d", drawn))
 
 
 def draw(everything: List[Series]) -> Figure:

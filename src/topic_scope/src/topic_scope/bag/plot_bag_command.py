@@ -13,6 +13,7 @@ from topic_scope.bag.bag_columns import choose_lines
 from topic_scope.bag.bag_file import BagError, BagFile
 from topic_scope.bag.bag_messages import Slice, first_messages, slices
 from topic_scope.bag.column_reader import ColumnReader, write_csv
+from topic_scope.bag.computed_csv import write_computed_csv
 from topic_scope.messages.fields import FieldError
 
 #: As many lines as :mod:`.bag_plot` has styles and colours for.
@@ -52,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="plot_bag",
         description="Plot numbers that a bag holds, or write them to a CSV file.",
         epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
-        "all its numbers, or /topic/x-/other/y for the difference of two fields.",
+        "all its numbers, or '=/topic/x - 2*/other/y' for what a formula computes.",
     )
     parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
@@ -102,17 +103,9 @@ def _nanoseconds(text: str) -> int:
 def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
     first = first_messages(bag)
     lines = choose_lines(arguments.fields, first)
-    columns = list(dict.fromkeys(column for line in lines for column in line))
+    columns = list(dict.fromkeys(column for line in lines for column in line.columns))
     readers = [ColumnReader(column, first[column.topic]) for column in columns]
-    if _format(arguments.output) == "csv":
-        for line in lines:
-            if len(line) > 1:
-                name = "-".join(column.name for column in line)
-                raise FieldError(
-                    f"{name}: a difference can only be drawn: a row of a .csv is of one "
-                    "message, so name both fields"
-                )
-    elif len(lines) > LINES:
+    if _format(arguments.output) != "csv" and len(lines) > LINES:
         raise FieldError(
             f"{len(lines)} lines are too many: at most {LINES} can be told apart; "
             "name fewer fields, or write a .csv"
@@ -123,16 +116,19 @@ def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
     try:
         with open(partial, "w", newline="") as file:
             if _format(arguments.output) == "csv":
-                write_csv(file, readers, messages)
+                if any(line.formula for line in lines):
+                    write_computed_csv(file, lines, readers, messages)
+                else:
+                    write_csv(file, readers, messages)
             else:
                 # It takes a second to load, which an error need not wait for.
-                from topic_scope.bag.bag_plot import collect, difference, draw, save
+                from topic_scope.bag.bag_plot import collect, computed, draw, save
 
-                series = dict(zip(columns, collect(readers, messages)))
+                series = {one.name: one for one in collect(readers, messages)}
                 drawn = [
-                    difference(*(series[column] for column in line))
-                    if len(line) > 1
-                    else series[line[0]]
+                    computed(line.name, line.formula, series.values())
+                    if line.formula
+                    else series[line.name]
                     for line in lines
                 ]
                 save(draw(drawn), partial, _format(arguments.output))

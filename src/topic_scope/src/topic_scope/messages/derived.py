@@ -13,12 +13,6 @@ Function = Callable[[numpy.ndarray, numpy.ndarray], numpy.ndarray]
 QUATERNION = ("x", "y", "z", "w")
 
 
-def terms(name: str) -> Tuple[str, ...]:
-    """Return the names of the two fields of a difference, or the one name of anything else."""
-    first, minus, second = name.partition("-/")
-    return (first, "/" + second) if minus else (name,)
-
-
 def make(name: str) -> Function:
     """Return a function that has seen no samples yet.
 

@@ -14,7 +14,7 @@ import re
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
-from topic_scope.messages.derived import FUNCTIONS, QUATERNION, terms
+from topic_scope.messages.derived import FUNCTIONS, QUATERNION
 
 
 class Key(str):
@@ -37,6 +37,8 @@ _NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
 _EXPRESSION = re.compile(
     rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:\.([a-z]+))?(?:@{_NAME}(?:/{_NAME})*)?\Z"
 )
+#: A field where other text may follow: one alone, from its slash on.
+FIELD = re.compile(rf"/{_NAME}(?:/{_NAME})*(?:\.[a-z]+)?(?:@{_NAME}(?:/{_NAME})*)?")
 _PART = re.compile(rf"([A-Za-z][A-Za-z0-9_]*)((?:{_ELEMENT})*)\Z")
 #: The field that has the names of elements, beside their arrays.
 _NAMES = "name"
@@ -65,30 +67,6 @@ def one_element(_path: Path) -> int:
 
 def expand(expression: str) -> List[str]:
     """Return the names that an argument stands for.
-
-    :param expression: as for :func:`expand_term`, or two such with ``-`` between for a difference
-    :returns: global names; a difference is one
-    :raises FieldError: if it is not a name, or a difference is not of one field and another
-    """
-    parts = terms(expression)
-    if len(parts) == 1:
-        return expand_term(expression)
-    return [difference_of([expand_term(part) for part in parts])]
-
-
-def difference_of(parts: List[List[str]]) -> str:
-    """Return the name of a difference.
-
-    :param parts: the names that each of its terms stands for
-    :raises FieldError: if one of these is not a single field
-    """
-    if any(len(names) != 1 for names in parts):
-        raise FieldError("a difference is of two fields, and one of these names stands for several")
-    return "-".join(name for names in parts for name in names)
-
-
-def expand_term(expression: str) -> List[str]:
-    """Return the names that an argument without a difference stands for.
 
     :param expression: e.g. ``/pose/x:y``, which stands for ``/pose/x`` and ``/pose/y``
     :returns: global names, one for each part between colons

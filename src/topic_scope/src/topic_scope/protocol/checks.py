@@ -3,7 +3,8 @@
 import math
 from typing import Any, Dict, List, Tuple
 
-from topic_scope.messages.fields import FieldError, expand
+from topic_scope.formulas.names import expand
+from topic_scope.messages.fields import FieldError
 
 #: Most traces of a page.
 TRACES = 32

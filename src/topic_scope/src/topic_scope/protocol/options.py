@@ -12,7 +12,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from rosgraph.names import get_ros_namespace, ns_join
 
-from topic_scope.messages.fields import FieldError, expand
+from topic_scope.formulas.names import expand, is_formula
+from topic_scope.messages.fields import FieldError
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
 
 #: Addresses that stand for all of a machine's.
@@ -91,9 +92,9 @@ def parse(arguments: Sequence[str]) -> Options:
     namespace = get_ros_namespace(argv=arguments)
     plots: Dict[str, int] = {}  # by name of the field
     for number, group in enumerate([read.fields, *read.below], 1):
-        for word in " ".join(group).split():  # a launch file hands them over in one
+        for word in _words(group):
             try:
-                for name in expand(ns_join(namespace, word)):
+                for name in expand(word if is_formula(word) else ns_join(namespace, word)):
                     plots.setdefault(name, number)
             except FieldError as error:
                 parser.error(str(error))
@@ -135,8 +136,9 @@ def _parser() -> argparse.ArgumentParser:
         "fields",
         nargs="*",
         metavar="FIELD",
-        help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], or a topic for all"
-        " of its fields; any other can be chosen on the page",
+        help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], a topic for all of"
+        " its fields, or '=/topic/x - 2*/other/y' for what a formula computes; any other can be"
+        " chosen on the page",
     )
     parser.add_argument(
         "--below",
@@ -197,6 +199,14 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
             words += ["--" + match.group(1), match.group(2)]
         elif ":=" not in argument:  # the rest is rospy's
             words.append(argument)
+    return words
+
+
+def _words(group: Sequence[str]) -> List[str]:
+    """Return the names in some arguments: of a launch file they come in one, but not formulas."""
+    words: List[str] = []
+    for argument in group:
+        words += [argument] if is_formula(argument) else argument.split()
     return words
 
 

@@ -8,13 +8,13 @@ from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional,
 import numpy
 
 from topic_scope.analysis.ring import Samples
+from topic_scope.formulas.names import expand_with, formula_of, terms
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
-from topic_scope.messages.derived import terms
 from topic_scope.messages.layouts import Layouts
 from topic_scope.record.message_source import Batch, MessageSource
-from topic_scope.record.traces import Difference, Recorded, Stream, Trace
+from topic_scope.record.traces import ComputedTrace, Recorded, Stream, Trace
 
 #: Most fields that are listed, and most topics that are subscribed to for one message alone.
 LISTED, UNKNOWN = 5000, 50
@@ -62,7 +62,7 @@ class Recorder:
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
-        #: Up to when the differences that are looked at were known at the latest update, s.
+        #: Up to when what is computed and looked at was known at the latest update, s.
         self._known: Dict[str, float] = {}
         #: When the latest updates were, and the time of the earliest sample that each brought, s.
         self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
@@ -111,14 +111,11 @@ class Recorder:
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
 
-        :param name: of a field, of a part of a message or of a topic, or of a difference
+        :param name: of a field, of a part of a message or of a topic, or of what is computed
         :returns: the name itself, as long as its topic is not known
         :raises FieldError: if its topic has no such field
         """
-        parts = terms(name)
-        if len(parts) == 1:
-            return self._expand_term(name)
-        return [fields.difference_of([self._expand_term(part) for part in parts])]
+        return expand_with(name, self._expand_term)
 
     def _expand_term(self, name: str) -> List[str]:
         bare, function, timestamp = fields.parted(name)
@@ -141,9 +138,7 @@ class Recorder:
         :param now: the time, s
         """
         wanted = {part for name in names for part in terms(name)}
-        self._known = {
-            name: self._known.get(name, -math.inf) for name in names if len(terms(name)) > 1
-        }
+        self._known = {name: self._known.get(name, -math.inf) for name in names if formula_of(name)}
         new = wanted - self._traces.keys()
         for name in new:
             self._record(name)
@@ -174,12 +169,12 @@ class Recorder:
         """
         pinned: Dict[str, Tuple[float, float]] = {}
         for name, (start, end) in spans.items():
-            parts = terms(name)
-            for part in parts:
-                # What lies between two samples needs both.
-                more = self.longest_step(part) if len(parts) > 1 else 0.0
+            trace = self.trace(name)
+            # What lies between two samples needs both.
+            back, ahead = trace.reach if isinstance(trace, ComputedTrace) else (0.0, 0.0)
+            for part in terms(name):
                 before = pinned.get(part, (start, end))
-                pinned[part] = min(start - more, before[0]), max(end + more, before[1])
+                pinned[part] = min(start - back, before[0]), max(end + ahead, before[1])
         for name, trace in self._traces.items():
             trace.pin(*pinned.get(name, _NEVER))
 
@@ -217,12 +212,16 @@ class Recorder:
                 for stream in streams.get(topic, []):
                     earliest = min(earliest, stream.add(layout, batch))
         for name, known in self._known.items():
-            difference = self.trace(name)
-            age = difference.age(now) if difference is not None else None
-            if age is not None and now - age > known:
+            trace = self.trace(name)
+            if not isinstance(trace, ComputedTrace):
+                continue
+            if earliest < known:  # what came late counts for what was before it as well
+                earliest -= max(trace.reach[1], 0.0)
+            until = min(trace.until, now)
+            if until > known:
                 # What was there of the first trace is known only now.
                 earliest = min(earliest, known)
-                self._known[name] = now - age
+                self._known[name] = until
         self._updates.append((now, earliest))
         return now
 
@@ -237,7 +236,7 @@ class Recorder:
         return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a field, or of a difference, from one time to another, s."""
+        """Return the samples of a field, or of what is computed, from one time to another, s."""
         trace = self.trace(name)
         return trace.samples(start, end) if trace else _NOTHING
 
@@ -248,10 +247,9 @@ class Recorder:
 
     def problem(self, name: str) -> Optional[str]:
         """Return why there is nothing of a field, in words; None where nothing is known."""
-        parts = terms(name)
-        if len(parts) == 1:
+        if formula_of(name) is None:
             return self._problem_of_term(name)
-        told = [(part, self._problem_of_term(part)) for part in parts]
+        told = [(part, self._problem_of_term(part)) for part in terms(name)]
         return next((f"{part}: {text}" for part, text in told if text), None)
 
     def _problem_of_term(self, name: str) -> Optional[str]:
@@ -269,11 +267,13 @@ class Recorder:
         return None
 
     def trace(self, name: str) -> Optional[Recorded]:
-        """Return what is recorded of a field, or of a difference; None where nothing is."""
-        first, *others = [self._traces.get(part) for part in terms(name)]
-        if not others or first is None:
-            return first
-        return Difference(first, others[0]) if others[0] is not None else None
+        """Return what is recorded of a field, or computed of several; None where nothing is."""
+        formula = formula_of(name)
+        if formula is None:
+            return self._traces.get(name)
+        if not self._traces.keys() >= set(formula.fields):
+            return None
+        return ComputedTrace(formula, self._traces)
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:

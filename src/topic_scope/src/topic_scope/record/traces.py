@@ -1,12 +1,14 @@
-"""The samples of fields, by the times of their messages, and the differences of two."""
+"""The samples of fields, by the times of their messages, and what is computed of them."""
 
 import math
-from typing import List, Optional, Tuple, Union
+from typing import List, Mapping, Optional, Tuple, Union
 
 import numpy
 
 from topic_scope.analysis.ring import Ring, Samples
-from topic_scope.analysis.xy import paired
+from topic_scope.formulas.nodes import Operands
+from topic_scope.formulas.reading import Formula
+from topic_scope.formulas.signals import Signal
 from topic_scope.messages import derived, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
@@ -186,6 +188,11 @@ class Trace:
         """Return when the samples of a time span were received, s."""
         return self._between(start, end)[2]
 
+    def signal(self, start: float, end: float) -> Signal:
+        """Return the samples of a time span, s, for a formula."""
+        times, values, received = self._between(start, end)
+        return Signal(times, values, received, self.longest_step)
+
     def latency(self, start: float, end: float) -> numpy.ndarray:
         """Return how long after they were taken the samples of a time span were received, s.
 
@@ -260,19 +267,26 @@ class Trace:
         return tuple(row[inside] for row in (times, *others))
 
 
-class Difference:
-    """One trace less another one, to be asked as a trace is: ``/signal/signal_y-/other/data``.
+class ComputedTrace:
+    """A trace that is computed of others, to be asked as one that is recorded is.
 
-    It has a value at each sample of the first trace, less the second one on the straight line
-    between two of its samples; so it ends where either of both has ended so far, and follows when
-    more comes.
+    It has a value at each sample of the first of them, with the others on the straight line between
+    two of their samples; so it ends where one of them has ended so far, and follows when more
+    comes.
 
-    :param first: the one
-    :param second: the other one
+    :param formula: how it is computed
+    :param traces: what it is computed of, by the names in the formula
     """
 
-    def __init__(self, first: Trace, second: Trace) -> None:
-        self._first, self._second = first, second
+    def __init__(self, formula: Formula, traces: Mapping[str, Trace]) -> None:
+        self._tree = formula.tree
+        self._traces = [traces[name] for name in formula.fields]
+        self._first = self._traces[0]
+        self._operands = Operands(
+            lambda name, start, end: traces[name].signal(start, end),
+            lambda name: traces[name].longest_step,
+            lambda name: _last_of(traces[name]),
+        )
 
     @property
     def stream(self) -> Stream:
@@ -281,18 +295,12 @@ class Difference:
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span, its ends included, s."""
-        times, values = self._first.samples(start, end)
-        known = times <= self._until
-        times, values = times[known], values[known]
-        longest = self._second.longest_step
-        others = self._second.samples(start - longest, end + longest)
-        less, _ = paired(others, (times, values), longest)
-        return times, values - less
+        signal = self._between(start, end)
+        return signal.times, signal.values
 
     def received(self, start: float, end: float) -> numpy.ndarray:
         """Return when the samples of a time span were received, s: those of the first trace."""
-        times, _ = self._first.samples(start, end)
-        return self._first.received(start, end)[times <= self._until]
+        return self._between(start, end).received
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
         """Return how long after they were taken samples were received, s: the first trace's."""
@@ -300,36 +308,51 @@ class Difference:
 
     @property
     def span(self) -> Optional[Tuple[float, float]]:
-        """The times of the first and the last sample, s; None where there is none."""
-        first, second = self._first.span, self._second.span
-        if first is None or second is None or first[0] > second[1]:
+        """The times between which it may have samples, s; None where it has none."""
+        spans = [trace.span for trace in self._traces]
+        if spans[0] is None or None in spans:
             return None
-        return first[0], min(first[1], second[1])
+        first, until = spans[0][0] + min(self.reach[0], 0.0), self.until
+        return (first, until) if first <= until else None
 
     @property
     def longest_step(self) -> float:
         """How far apart samples of one line may be, s."""
         return self._first.longest_step
 
-    def age(self, now: float) -> Optional[float]:
-        """Return how long ago the last sample was taken, s; None where there is none."""
-        ages = self._first.age(now), self._second.age(now)
-        return None if None in ages else max(age for age in ages if age is not None)
-
-    def silence(self, now: float) -> Optional[float]:
-        """Return for how long nothing has been received of one of both, s; None without samples."""
-        quiet = self._first.silence(now), self._second.silence(now)
-        return None if None in quiet else max(one for one in quiet if one is not None)
+    @property
+    def until(self) -> float:
+        """Up to when it is known, s; minus infinity where it is not at all."""
+        return self._tree.until(self._operands)
 
     @property
-    def _until(self) -> float:
-        """When the latest sample of the second trace was taken, s."""
-        age = self._second.age(0.0)
-        return -math.inf if age is None else -age
+    def reach(self) -> Tuple[float, float]:
+        """From how long before a time to how long after it samples count, s."""
+        return self._tree.reach(self._operands)
+
+    def age(self, now: float) -> Optional[float]:
+        """Return how long ago the last sample was taken, s; None where there is none."""
+        until = self.until
+        return now - until if math.isfinite(until) else None
+
+    def silence(self, now: float) -> Optional[float]:
+        """Return for how long nothing has been received of one of them, s; None without samples."""
+        quiet = [trace.silence(now) for trace in self._traces]
+        return None if None in quiet else max(one for one in quiet if one is not None)
+
+    def _between(self, start: float, end: float) -> Signal:
+        found = self._tree.signal(self._operands, start, end)
+        return found.between(start, min(end, self.until))
+
+
+def _last_of(trace: Trace) -> float:
+    """Return when the latest sample was taken, s."""
+    age = trace.age(0.0)
+    return -math.inf if age is None else -age
 
 
 #: What is recorded, or made of what is.
-Recorded = Union[Trace, Difference]
+Recorded = Union[Trace, ComputedTrace]
 
 
 def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:

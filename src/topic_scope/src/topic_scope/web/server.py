@@ -7,6 +7,8 @@ from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 import rospy
 import tornado.ioloop
 
+from topic_scope.formulas.names import with_letters
+from topic_scope.formulas.reading import FUNCTIONS
 from topic_scope.messages.fields import FieldError
 from topic_scope.page.export import parts
 from topic_scope.page.measuring import left_out, warn_of
@@ -136,6 +138,7 @@ class Server:
         """Return what handles requests that are about the traces of a page."""
         return {
             "select": Handler(requests.selection_of, self._choose_fields),
+            "formula": Handler(requests.formula_text_of, self._check_formula),
             "view": Handler(requests.view_of, self._show_view),
             "trigger": Handler(requests.trigger_of, self._set_trigger),
             "scaling": Handler(scaling_of, Page.scale),
@@ -150,6 +153,17 @@ class Server:
         page.view.restart()
         self._record()
         self._origin.ring()
+
+    def _check_formula(self, page: Page, typed: requests.FormulaText) -> None:
+        """Tell a page what a formula would be called, or what is wrong with it."""
+        told: Dict[str, Any] = {"type": "formula", "text": typed.text, "functions": list(FUNCTIONS)}
+        told.update(name="", problem=None)
+        try:
+            (told["name"],) = self._recorder.expand(with_letters(typed.text, typed.traces))
+            told["problem"] = self._recorder.problem(told["name"])
+        except FieldError as error:
+            told["problem"] = str(error)
+        page.put(told)
 
     def _show_view(self, page: Page, view: requests.View) -> None:
         page.view.show(view)

@@ -2,13 +2,16 @@
 
 import { byId, make, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
+import { isFormula } from "../state/traces.js";
 import { found, isUseful } from "./choices.js";
+import { FormulaEntry } from "./formula.js";
 
 const MOST = 500; // listed at once; the search finds the rest
 const OPEN = 40; // up to so many fields, all topics are open
 const TRACES = 32; // as the server has it
 const AT_ONCE = 6; // of a topic with more fields than so many the user chooses
 const TYPED = "as typed";
+const FORMULA = "formula";
 const FUNCTIONS = ["derivative", "difference", "unwrap"];
 const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is derived, and its timestamp source
 const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
@@ -35,9 +38,11 @@ export function plotTopic(state, openChooser, topic) {
 /**
  * Make the dialog work.
  * @param {import("../state/state.js").State} state
- * @returns {function(string=): void} opens it, with a text to search for
+ * @param {function(Object): void} send sends a request
+ * @returns {{open: function(string=): void, onFormula: function(Object): void}} opens it, with a
+ *   text to search for; takes what the server says of a formula
  */
-export function startChooser(state) {
+export function startChooser(state, send) {
   const dialog = byId("chooser");
   const search = byId("chooser-search");
   const list = byId("chooser-list");
@@ -73,7 +78,8 @@ export function startChooser(state) {
     }, ...options([["", "…"], ...FUNCTIONS]));
     const name = (topic && field.slice(topic.length + 1)) || field;
     return make("label", { title: field }, box, make("span", {}, name),
-      make("span", { class: "type" }, datatype), field.includes(".") || datatype === TYPED ? null : computed);
+      make("span", { class: "type" }, datatype),
+      field.includes(".") || [TYPED, FORMULA].includes(datatype) ? null : computed);
   }
 
   function group({ topic, datatype, fields }, isOpen) {
@@ -83,9 +89,24 @@ export function startChooser(state) {
       ...fields.map(row));
   }
 
+  const formula = new FormulaEntry(state, send, () => fill());
+
+  /** Show a formula in place of what a search would find. */
+  function fillFormula(text) {
+    formula.ask(text);
+    const { name, problem: words } = formula.answer || {};
+    list.replaceChildren(...(name ? [row({ field: name, datatype: FORMULA, topic: "" })] : []), ...formula.help());
+    setText(problem, words || "");
+    setText(byId("chooser-count"), name ? "Enter shows it." : "");
+  }
+
   function fill() {
     const { available, types } = state.values;
     const typed = search.value.trim();
+    if (isFormula(typed)) {
+      fillFormula(typed);
+      return;
+    }
     const { groups, count: total, hidden } = found(available, types, typed, all.checked);
     const isListed = groups.some(({ fields }) => fields.some(({ field }) => field === typed));
     const rows = [];
@@ -111,7 +132,10 @@ export function startChooser(state) {
     (place < 0 ? search : all[Math.min(place, all.length - 1)] || search).focus();
   }
 
-  search.addEventListener("input", fill);
+  search.addEventListener("input", () => {
+    setText(problem, "");
+    fill();
+  });
   all.addEventListener("change", fill);
   dialog.addEventListener("keydown", (event) => {
     if (event.target.matches("select")) return;
@@ -129,11 +153,16 @@ export function startChooser(state) {
     if (dialog.open && !list.contains(document.activeElement)) fill();
   });
 
-  return (text = "") => {
-    search.value = text;
-    setText(problem, "");
-    fill();
-    dialog.showModal();
-    search.focus();
+  return {
+    open: (text = "") => {
+      search.value = text;
+      setText(problem, "");
+      fill();
+      dialog.showModal();
+      search.focus();
+    },
+    onFormula: (answer) => {
+      if (dialog.open) formula.take(answer);
+    },
   };
 }

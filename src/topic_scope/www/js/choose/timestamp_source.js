@@ -1,7 +1,7 @@
 /** What stamps the samples of a trace: its name follows an @ in the name of the field. */
 
 import { make, options, setText } from "../base/dom.js";
-import { isDifference } from "../state/traces.js";
+import { isComputed } from "../state/traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
 
@@ -62,7 +62,7 @@ export function setSource(state, name, source) {
  *   topic of the trace, and the source in use
  */
 export function timestampChoice(state, name) {
-  const isFixed = isDifference(name); // its timestamps are those of its fields
+  const isFixed = isComputed(name); // its timestamps are those of its fields
   const chosen = isFixed ? "" : splitSource(name)[1];
   const auto = make("option", { value: "" }, "auto");
   const element = make("select", {

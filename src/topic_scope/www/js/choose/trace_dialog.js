@@ -2,7 +2,7 @@
 
 import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
-import { choose, chosenOf, DASHES, differenceOf, DRAWN, isDifference, LARGEST } from "../state/traces.js";
+import { choose, chosenOf, DASHES, differenceOf, DRAWN, isComputed, LARGEST } from "../state/traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
 const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
@@ -22,9 +22,9 @@ export function startTraceDialog(state) {
     setText(byId("trace-title"), field);
     for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
     for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
-    const others = state.values.fields.filter((other) => other !== field && !isDifference(other));
+    const others = state.values.fields.filter((other) => other !== field && !isComputed(other));
     less.replaceChildren(...options(others));
-    add.disabled = !others.length || isDifference(field);
+    add.disabled = !others.length || isComputed(field);
   }
 
   add.addEventListener("click", () => {

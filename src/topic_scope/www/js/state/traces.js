@@ -76,8 +76,11 @@ export function choose(state, field, changes) {
 /** The name of the difference of two traces. */
 export const differenceOf = (field, less) => `${field}-${less}`;
 
-/** Whether a name is that of a difference. */
-export const isDifference = (field) => field.includes("-/");
+/** Whether a text is a formula. */
+export const isFormula = (text) => text.startsWith("=");
+
+/** Whether a name is that of something computed of several fields: a formula, or a difference. */
+export const isComputed = (field) => isFormula(field) || field.includes("-/");
 
 const COUNTED = /^(bool|byte|char|u?int\d+)$/;
 const typesOf = new WeakMap(); // list of fields -> types by field
@@ -93,7 +96,7 @@ function typeOf({ available }, field) {
 /** Whether the value of a trace holds until the next one: by itself where nothing lies between two. */
 export function isStepped(values, field) {
   const { drawn } = chosenOf(values, field);
-  const isValue = !isDifference(field) && !/\.(derivative|unwrap|yaw)/.test(field);
+  const isValue = !isComputed(field) && !/\.(derivative|unwrap|yaw)/.test(field);
   return drawn ? drawn === "steps" : isValue && COUNTED.test(typeOf(values, field) || "");
 }
 

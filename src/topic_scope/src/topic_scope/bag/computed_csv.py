@@ -1,0 +1,76 @@
+"""Writes what formulas compute of a bag to a CSV file, beside the fields as they are."""
+
+from typing import Iterable, List, Sequence, TextIO
+
+import numpy
+
+from topic_scope.analysis.csv_rows import CsvColumn, header, rows
+from topic_scope.bag.bag_columns import Line
+from topic_scope.bag.bag_messages import Slice
+from topic_scope.bag.column_reader import ColumnReader, exact_seconds
+from topic_scope.formulas.signals import Signal
+from topic_scope.messages.timestamp_source import longest_step
+
+
+def write_computed_csv(
+    file: TextIO, lines: Sequence[Line], readers: List[ColumnReader], slices: Iterable[List[Slice]]
+) -> None:
+    """Write a row for each message, and for each sample of a formula at another time.
+
+    A value stands in the row of the message that gives it its time. All of it is in memory at
+    once, as a formula may look far back and ahead.
+
+    :param file: where to write
+    :param lines: what is written, column by column
+    :param readers: read the numbers that they are made of
+    :param slices: the messages
+    :raises struct.error: if a message is cut off
+    """
+    parts: List[List[CsvColumn]] = [[] for _ in readers]
+    for found in slices:
+        of_topic = {one.topic: one for one in found}
+        for reader, gathered in zip(readers, parts):
+            topic = reader.column.topic
+            gathered.append(reader.cells(of_topic.get(topic, Slice.empty(topic))))
+    columns = {
+        reader.column.name: _joined(reader.column.topic, gathered)
+        for reader, gathered in zip(readers, parts)
+    }
+    begin = min(int(column.times[0]) for column in columns.values() if len(column.times))
+    signals = {
+        reader.column.name: _signal(columns[reader.column.name], reader, begin)
+        for reader in readers
+    }
+    written = [
+        _computed(columns[line.columns[0].name].topic, line.formula.computed(signals), begin)
+        if line.formula
+        else columns[line.name]
+        for line in lines
+    ]
+    file.write(header("time", *(line.name for line in lines)))
+    file.writelines(rows(written, lambda time, _index: exact_seconds(time)))
+
+
+def _joined(topic: str, parts: Sequence[CsvColumn]) -> CsvColumn:
+    """Return a column in one piece, in the order of time; its places tell messages apart."""
+    times = numpy.concatenate([numpy.empty(0, numpy.int64), *(part.times for part in parts)])
+    cells = [cell for part in parts for cell in part.cells]
+    order = times.argsort(kind="stable")
+    return CsvColumn(topic, times[order], order, [cells[index] for index in order.tolist()])
+
+
+def _signal(column: CsvColumn, reader: ColumnReader, begin: int) -> Signal:
+    """Return a column as numbers.
+
+    :param begin: what its times are counted from, ns: floats cannot hold those since the epoch
+    """
+    there = numpy.array([cell != "" for cell in column.cells], bool)
+    times = (column.times[there] - begin) / 1e9
+    values = numpy.array([float(cell) for cell in column.cells if cell])
+    path = reader.stamp_path if reader.is_exact else None
+    return Signal(times, values, column.received[there], longest_step(path, times))
+
+
+def _computed(topic: str, signal: Signal, begin: int) -> CsvColumn:
+    times = numpy.round(signal.times * 1e9).astype(numpy.int64) + begin
+    return CsvColumn(topic, times, signal.received, [repr(one) for one in signal.values.tolist()])

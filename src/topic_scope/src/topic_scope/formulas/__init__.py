@@ -1,0 +1,1 @@
+"""Traces computed from others by an expression that is typed: read, checked, evaluated."""

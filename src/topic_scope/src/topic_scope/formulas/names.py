@@ -1,0 +1,99 @@
+"""Names of traces, those that are computed of others included.
+
+``=/a/x - 2*/b/y`` is computed by a formula, see :mod:`.reading`; so is the difference
+``/a/x-/b/y``, which needs no ``=``. Everything else is the name of a field.
+"""
+
+from functools import lru_cache
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+from topic_scope.formulas.reading import Formula, read_formula
+from topic_scope.formulas.words import FormulaError, Word, text_of, words_of
+from topic_scope.messages import fields
+from topic_scope.messages.fields import FieldError
+
+_MARK = "="
+_BETWEEN = "-/"  # what only a difference has
+
+
+def is_formula(text: str) -> bool:
+    """Tell whether a name is written as a formula."""
+    return text.lstrip().startswith(_MARK)
+
+
+@lru_cache(maxsize=256)
+def formula_of(name: str) -> Optional[Formula]:
+    """Return how a trace is computed; None where it is a field.
+
+    :param name: one that :func:`expand` has returned
+    """
+    if is_formula(name):
+        return read_formula(name.lstrip()[1:])
+    first, minus, second = name.partition(_BETWEEN)
+    return read_formula(f"{first} - /{second}") if minus else None
+
+
+def terms(name: str) -> Tuple[str, ...]:
+    """Return the fields that a trace is computed of, or the name of the field that it is."""
+    formula = formula_of(name)
+    return formula.fields if formula else (name,)
+
+
+def expand(name: str) -> List[str]:
+    """Return the names that an argument stands for.
+
+    :param name: of a field, as for :func:`.fields.expand`, or of something computed
+    :returns: global names; of something computed, one
+    :raises FieldError: if it is not a name, or a field of a formula stands for several
+    """
+    return expand_with(name, fields.expand)
+
+
+def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
+    """Return the names that a name stands for.
+
+    :param name: as for :func:`expand`
+    :param resolve: returns the names that the one of a field stands for
+    :raises FieldError: what that raises, or if a field of a formula stands for several
+    """
+    if is_formula(name):
+        formula = read_formula(name.lstrip()[1:])
+        return [_MARK + formula.text(lambda field: _one(resolve(field)))]
+    first, minus, second = name.partition(_BETWEEN)
+    if not minus:
+        return resolve(name)
+    return ["-".join(_one(resolve(part)) for part in (first, "/" + second))]
+
+
+def with_letters(text: str, traces: Sequence[str]) -> str:
+    """Return a formula with the names of traces in the place of letters.
+
+    :param text: the formula as it was typed
+    :param traces: what ``a``, ``b``, ``c`` and so on stand for: fields, or what is computed
+    :raises FormulaError: if it has letters beyond those, or is no formula
+    """
+    letters: Dict[str, Sequence[Word]] = {}
+    for letter, name in zip("abcdefghijklmnopqrstuvwxyz", traces):
+        formula = formula_of(name)
+        inner = [Word("field", name)] if formula is None else list(formula.words)
+        letters[letter] = inner if formula is None else [Word("(", "("), *inner, Word(")", ")")]
+    words: List[Word] = []
+    for word in words_of(text.lstrip()[1:]):
+        if word.kind == "name" and len(word.text) == 1 and word.text not in letters:
+            raise FormulaError(f"there is no trace {word.text}: {_known(traces)}")
+        is_letter = word.kind == "name" and word.text in letters
+        words += letters[word.text] if is_letter else [word]
+    return _MARK + text_of(words)
+
+
+def _known(traces: Sequence[str]) -> str:
+    if not traces:
+        return "none has been chosen; the name of a field begins with /"
+    last = "abcdefghijklmnopqrstuvwxyz"[min(len(traces), 26) - 1]
+    return "there is a" if last == "a" else f"there are a to {last}"
+
+
+def _one(names: List[str]) -> str:
+    if len(names) != 1:
+        raise FieldError("a formula is of single fields, and one of these names stands for several")
+    return names[0]

@@ -1,0 +1,326 @@
+"""Formulas: what they compute, what is refused in words, and that no text ever runs code."""
+
+import ast
+import math
+import time
+from typing import Callable, Dict, List
+
+import numpy
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from topic_scope.formulas import reading
+from topic_scope.formulas.names import expand, formula_of, terms, with_letters
+from topic_scope.formulas.nodes import Operands
+from topic_scope.formulas.reading import FUNCTIONS, read_formula
+from topic_scope.formulas.signals import Signal
+from topic_scope.formulas.words import LONGEST, FormulaError, text_of, words_of
+from topic_scope.messages.fields import FieldError
+
+TIMES = numpy.arange(0.0, 4.0, 0.01)
+
+
+def signal(compute: Callable[[numpy.ndarray], numpy.ndarray], shift: float = 0.0) -> Signal:
+    """Return samples of a function, taken each 10 ms."""
+    times = TIMES + shift
+    return Signal(times, compute(times), times + 0.5, 0.05)
+
+
+X = signal(lambda t: 3.0 * numpy.sin(t))
+Y = signal(lambda t: 4.0 * numpy.cos(t), 0.004)
+SIGNALS = {"/p/x": X, "/p/y": Y}
+
+
+def computed(text: str) -> Signal:
+    return read_formula(text).computed(SIGNALS)
+
+
+#: With what numpy makes of the same samples, y on the line between two of its own.
+_Y = numpy.interp(X.times, Y.times, Y.values)
+TRUTHS: Dict[str, numpy.ndarray] = {
+    "/p/x - 2*/p/y": X.values - 2.0 * _Y,
+    "sqrt(/p/x**2 + /p/y**2)": numpy.sqrt(X.values**2 + _Y**2),
+    "deg(atan2(/p/x, /p/y))": numpy.degrees(numpy.arctan2(X.values, _Y)),
+    "-/p/x + 1": 1.0 - X.values,
+    "2 * /p/x / (/p/y)": 2.0 * X.values / _Y,
+    "/p/x/2/4": X.values / 8.0,
+    "/p/x%2 - -1": X.values % 2.0 + 1.0,
+    "-/p/x**2": -(X.values**2),
+    "2**3**2 * /p/x": 512.0 * X.values,
+    "max(min(/p/x, .5), -5e-1)": numpy.clip(X.values, -0.5, 0.5),
+    "hypot(/p/x,abs(/p/y))": numpy.hypot(X.values, _Y),
+    "exp(log(/p/x + 4.)) - 10**log10(2)": X.values + 4.0 - 2.0,
+    "rad(180)*/p/x - pi * /p/x": 0.0 * X.values,
+    "asin(sin(/p/x/4)) + acos(cos(1)) + atan(tan(1))": X.values / 4.0 + 2.0,
+    "floor(/p/x) + ceil(/p/x) + sign(/p/x)": numpy.floor(X.values)
+    + numpy.ceil(X.values)
+    + numpy.sign(X.values),
+}
+
+
+@pytest.mark.parametrize("text", TRUTHS)
+def test_it_computes_what_numpy_does_at_the_stamps_of_its_first_operand(text: str) -> None:
+    found = computed(text)
+    known = numpy.isfinite(found.values)
+    assert found.times.tolist() == TIMES.tolist() and found.received.tolist() == X.received.tolist()
+    # The second one begins 4 ms later, so the first sample is before it.
+    assert known[1:].all() and known[0] == ("/p/y" not in text)
+    assert found.values[1:] == pytest.approx(TRUTHS[text][1:], abs=1e-9)
+
+
+def test_the_first_operand_gives_the_stamps() -> None:
+    assert computed("/p/y - /p/x").times.tolist() == Y.times.tolist()
+    assert computed("2*/p/y + /p/x").times.tolist() == Y.times.tolist()
+    assert read_formula("/p/y + /p/x + /p/y").fields == ("/p/y", "/p/x")
+
+
+def test_a_delay_moves_and_a_derivative_lies_in_the_middle() -> None:
+    late = computed("delay(/p/x, 0.25)")
+    assert late.times == pytest.approx(X.times + 0.25) and late.values.tolist() == X.values.tolist()
+    ahead = computed("/p/x - delay(/p/x, -0.25)")
+    inside = ahead.times < 3.7
+    truth = 3.0 * (numpy.sin(TIMES) - numpy.sin(TIMES + 0.25))
+    assert ahead.values[inside] == pytest.approx(truth[inside], abs=1e-4)
+    slope = computed("derivative(/p/x)")
+    assert slope.times == pytest.approx(TIMES[:-1] + 0.005)
+    assert slope.values == pytest.approx(3.0 * numpy.cos(slope.times), abs=1e-4)
+
+
+def operands() -> Operands:
+    return Operands.of(SIGNALS)
+
+
+@pytest.mark.parametrize(
+    "text, until, reach",
+    [
+        ("/p/x - /p/y", 3.99, (0.05, 0.05)),
+        ("delay(/p/y, 0.5)", 4.494, (0.5, -0.5)),
+        ("delay(/p/x, -0.5) + /p/y", 3.49, (0.05, 0.5)),
+        ("derivative(/p/x)", 3.985, (0.05, 0.05)),
+        ("mean(/p/x, 2)", 3.99, (2.0, 0.0)),
+        ("lowpass(/p/x, 1)", 3.99, (20.0 / (2.0 * math.pi), 0.0)),
+        ("delay(mean(/p/x, 2), 1)", 4.99, (3.0, -1.0)),
+    ],
+)
+def test_up_to_when_it_is_known_and_what_it_needs(
+    text: str, until: float, reach: List[float]
+) -> None:
+    tree = read_formula(text).tree
+    assert tree.until(operands()) == pytest.approx(until)
+    assert tree.reach(operands()) == pytest.approx(reach)
+
+
+SPANS = st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0))
+
+
+@given(
+    st.sampled_from(
+        ["/p/x - delay(/p/y, 0.3)", "mean(/p/x, 0.5)", "derivative(/p/y) - /p/x", *list(TRUTHS)[:3]]
+    ),
+    SPANS,
+)
+@settings(max_examples=60, deadline=None)
+def test_a_part_of_it_is_the_same_as_that_part_of_all(text: str, span: List[float]) -> None:
+    tree = read_formula(text).tree
+    start, end = span[0], span[0] + span[1]
+    part = tree.signal(operands(), start, end).between(start, end)
+    whole = tree.signal(operands(), -math.inf, math.inf).between(start, end)
+    assert part.times.tolist() == whole.times.tolist()
+    assert numpy.nan_to_num(part.values) == pytest.approx(numpy.nan_to_num(whole.values), abs=1e-9)
+
+
+# --- What is refused ------------------------------------------------------------------------------
+
+SENTENCES = {
+    "": "the formula is empty",
+    "/a +": "something is missing at the end",
+    "sqrt(/a": "a bracket is not closed",
+    "/a)": "a bracket is closed that was not opened",
+    "1 + 2": "a formula needs a field at least, such as /topic/field",
+    "/a, /b": "a comma stands only between the arguments of a function; a number has a point",
+    "1,5*/a": "a comma stands only between the arguments of a function; a number has a point",
+    "/a^2": "a power is written with **, not with ^",
+    "/a 2": "at '2': here + - * / % ** or a bracket must stand",
+    "/a(/b)": "at '(/b)': here + - * / % ** or a bracket must stand",
+    "* /a": "at '* /a': here a field, a number or a function must stand",
+    "2/a + 1": "there is no a: the name of a field begins with /",
+    "sin + /a": "sin needs a bracket with what it is of",
+    "foo(/a)": f"there is no function foo; there are {', '.join(FUNCTIONS)}",
+    "sqrt(/a, 2)": "sqrt takes 1 argument",
+    "atan2(/a)": "atan2 takes 2 arguments",
+    "delay(2, 1)": "delay is of a trace, not of a number",
+    "delay(/a, /b)": "delay: the second must be a time in s, from -600 to 600",
+    "delay(/a, 1e9)": "delay: the second must be a time in s, from -600 to 600",
+    "mean(/a, 0)": "mean: the second must be a time in s, from 1e-06 to 600",
+    "lowpass(/a, 0)": "lowpass: the second must be a frequency in Hz, from 0.02 to 1e+06",
+    "delay(delay(/a, 600), 1)": "delays, means and filters reach over 601 s: at most 600",
+    "/a + 2**2**2**2**2**2": "a number in it is infinite, or is none",
+    "/a + 0/0": "a number in it is infinite, or is none",
+    "/a + " + "9" * 400: "a number in it is infinite, or is none",
+    "/a" + " + /a" * 60: "a formula has at most 100 words, not 121",
+    "(" * 21 + "/a" + ")" * 21: "brackets may be nested 20 deep",
+    "-" * 30 + "/a": "operations may be nested 24 deep",
+    "1" + "**1" * 30 + "*/a": "operations may be nested 24 deep",
+    "/a" + " " * LONGEST: "a formula has at most 500 characters, not 502",
+    "+".join(f"/t{index}" for index in range(9)): "a formula is of at most 8 fields, not 9",
+    "+".join(["derivative(/a)"] * 9): "a formula has at most 8 delays, filters and derivatives",
+}
+
+
+@pytest.mark.parametrize("text", SENTENCES)
+def test_what_is_wrong_is_said_in_words(text: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        read_formula(text)
+    assert str(caught.value) == SENTENCES[text]
+
+
+ATTACKS = [
+    "__import__('os').system('id')*/a",
+    "().__class__.__bases__[0].__subclasses__()",
+    "/a.__class__",
+    "/a if 1 else /b",
+    "[x for x in /a]",
+    "lambda: /a",
+    "{/a}",
+    "/a[0].real()",
+    "/a[-1]",
+    "f'{/a}'",
+    "'a'*10**9 + /a",
+    "eval(/a)",
+    "open(/a)",
+    "sqrt.__globals__(/a)",
+    "sqrt(x=/a)",
+    "sqrt(*/a)",
+    "sqrt(**/a)",
+    "(/a := 1)",
+    "/a and /b",
+    "not /a",
+    "~/a",
+    "/a << 99999",
+    "1 << 99999 * /a",
+    "/a == /a",
+    "1_000*/a",
+    "0x10*/a",
+    "1j*/a",
+    "1e5j*/a",
+    "True*/a",
+    "None",
+    "...",
+    "/a;import os",
+    "/a\nimport os",
+    "/a # x",
+    "/a\\",
+    "/a\x00",
+    "ﬁeld*/a",  # letters that Python would take for others
+    "_0*/a",
+    "_1*/a",
+    "_*/a",
+    "__*/a",
+    "await /a",
+    "/a @ /b",
+    "/a // 2",
+    "print(/a)",
+]
+
+
+@pytest.mark.parametrize("text", ATTACKS)
+def test_nothing_else_of_python_is_read(text: str) -> None:
+    with pytest.raises(FormulaError):
+        read_formula(text)
+
+
+FRAGMENTS = st.lists(
+    st.sampled_from(
+        [
+            *"()+-*/%,.0123456789 '\"[]{}:;=@~|&^!<>\\#_",
+            "**",
+            "/a",
+            "/b/c[0]",
+            "sqrt",
+            "delay",
+            "mean",
+        ]
+        + [
+            "lambda ",
+            "__import__",
+            ".__class__",
+            "pi",
+            "a",
+            "1e999",
+            "lowpass(",
+            "if",
+            "else",
+            "\n",
+        ]
+    ),
+    max_size=40,
+).map("".join)
+
+
+@given(st.one_of(FRAGMENTS, st.text(max_size=60)))
+@example("(" * 500)
+@example("-" * 499 + "1")
+@example("9" * 500)
+@settings(max_examples=400, deadline=None)
+def test_whatever_is_typed_it_is_read_or_refused_and_only_listed_nodes_are_used(text: str) -> None:
+    try:
+        formula = read_formula(text)
+    except FieldError as error:
+        assert str(error)
+        return
+    plain = "".join("_f" if word.kind == "field" else word.text for word in formula.words)
+    kinds = {type(node) for node in ast.walk(ast.parse(plain, mode="eval"))}
+    allowed = {ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant}
+    assert kinds <= allowed | set(reading._OPERATIONS)
+    again = read_formula(formula.text())
+    assert again.words == formula.words and again.fields == formula.fields
+
+
+def test_the_costliest_formula_is_computed_in_bounded_time() -> None:
+    times = numpy.arange(0.0, 60.0, 0.001)
+    noise = numpy.random.default_rng(1).normal(size=len(times))
+    signals = {"/a": Signal(times, noise, times, 0.01)}
+    text = "+".join(["lowpass(/a, 0.02)"] * 8 + ["/a**2**.5"] * 7)
+    began = time.process_time()
+    found = read_formula(text).computed(signals)
+    assert time.process_time() - began < 5.0  # it takes about 0.1
+    assert len(found.values) == 60000
+
+
+# --- Names ----------------------------------------------------------------------------------------
+
+
+def test_names_of_formulas_are_written_in_one_way() -> None:
+    assert expand("=/a/x-2*/b/y") == ["=/a/x - 2 * /b/y"]
+    assert expand(" = ( /a.derivative@stamp )/-2 ** -1") == ["=(/a.derivative@stamp) / -2**-1"]
+    assert expand("=deg(atan2(/p/y,/p/x))") == ["=deg(atan2(/p/y, /p/x))"]
+    assert terms("=/a/x - 2 * /b[arm-1]/y + /a/x") == ("/a/x", "/b[arm-1]/y")
+    assert terms("/a/x-/b/y") == ("/a/x", "/b/y") and terms("/a/x.yaw") == ("/a/x.yaw",)
+    assert formula_of("/a/x") is None
+    for wrong in ("=", "=/a/x:y", "=/a.eval", "=/a +", "=1"):
+        with pytest.raises(FieldError):
+            expand(wrong)
+
+
+def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None:
+    traces = ["/s/y", "=/u + 1", "/u-/v"]
+    assert with_letters("=a - 2*b", traces) == "=/s/y - 2 * (/u + 1)"
+    assert with_letters("=sqrt(c)/a", traces) == "=sqrt((/u - /v)) / /s/y"
+    assert read_formula(with_letters("=sqrt(c)/a", traces)[1:]).fields == ("/u", "/v", "/s/y")
+    for text, sentence in (
+        ("=d", "there is no trace d: there are a to c"),
+        ("=a +", "something is missing at the end"),
+    ):
+        with pytest.raises(FormulaError, match=sentence):
+            with_letters(text, traces)
+    with pytest.raises(FormulaError, match="none has been chosen"):
+        with_letters("=a", [])
+    with pytest.raises(FormulaError, match="there is a"):
+        with_letters("=b", ["/s/y"])
+
+
+@given(st.sampled_from([*TRUTHS, "delay(/p/x,-.5)", "a - 2*b"]))
+def test_a_formula_that_was_written_is_read_as_the_same(text: str) -> None:
+    words = words_of(text)
+    assert words_of(text_of(words)) == words

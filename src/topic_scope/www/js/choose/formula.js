@@ -1,0 +1,52 @@
+/** A formula that is typed where else one searches: the server says what it is, or what is wrong. */
+
+import { make } from "../base/dom.js";
+
+const LETTERS = "abcdefghijklmnopqrstuvwxyz";
+
+/** Keeps what the server has said of the formula that is being typed. */
+export class FormulaEntry {
+  /**
+   * @param {import("../state/state.js").State} state
+   * @param {function(Object): void} send sends a request
+   * @param {function(): void} onAnswer called when the server has answered
+   */
+  constructor(state, send, onAnswer) {
+    this.state = state;
+    this.send = send;
+    this.onAnswer = onAnswer;
+    this.asked = ""; // the latest request, as text
+    this.answer = null;
+  }
+
+  /**
+   * Ask the server about a formula, if it has not been asked yet.
+   * @param {string} text with its =
+   */
+  ask(text) {
+    const request = { type: "formula", text, traces: this.state.values.fields };
+    const asked = JSON.stringify(request);
+    if (asked === this.asked) return;
+    this.asked = asked;
+    this.answer = null;
+    this.send(request);
+  }
+
+  /**
+   * Take the server's answer, unless something else has been typed since.
+   * @param {{text: string, name: string, problem: ?string, functions: string[]}} answer
+   */
+  take(answer) {
+    if (!this.asked || answer.text !== JSON.parse(this.asked).text) return;
+    this.answer = answer;
+    this.onAnswer();
+  }
+
+  /** What helps to type one: what the letters stand for, and which functions there are. */
+  help() {
+    const traces = this.state.values.fields.slice(0, LETTERS.length);
+    const lines = traces.map((field, index) => `${LETTERS[index]} is ${field}`);
+    if (this.answer) lines.push(`Functions: ${this.answer.functions.join(", ")}.`);
+    return lines.map((text) => make("p", { class: "hint" }, text));
+  }
+}

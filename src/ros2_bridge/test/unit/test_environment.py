@@ -33,6 +33,34 @@ def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
         ours.run(["sleep", "10"], 0.1, "no wheels")
 
 
+def test_without_a_network_that_is_the_reason() -> None:
+    retry = "WARNING: Retrying after connection broken by 'NewConnectionError(…)': /simple/x/"
+    log = f"{retry}\nERROR: No matching distribution found for x==1.0\n"
+    assert environment.first_error(log) == "no connection"
+
+
+@pytest.mark.parametrize("script", ["exit 1", "kill -INT $PPID; sleep 9"])
+def test_nothing_half_made_stays(
+    script: str, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.setattr(environment, "PYTHONS", (sys.version_info[:2],))
+    wheels = tmp_path / "wheels.txt"
+    wheels.write_text("x==1.0\n")
+    ours = Environment(tmp_path / "ros2")
+
+    def install(_: pathlib.Path) -> None:
+        (tmp_path / "ros2").mkdir()
+        ours.run(["sh", "-c", script], 10.0, "no wheels")
+
+    monkeypatch.setattr(ours, "_install", install)
+    with pytest.raises((Unavailable, KeyboardInterrupt)):
+        ours.fetch(wheels)
+    assert not (tmp_path / "ros2").exists()
+    script = "exit 0"
+    ours.fetch(wheels)
+    assert (tmp_path / "ros2" / "wheels").exists()
+
+
 def test_commands_run_without_ros_1(
     monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:

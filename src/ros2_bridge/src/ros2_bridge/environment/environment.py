@@ -9,6 +9,7 @@ import hashlib
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -51,6 +52,8 @@ class Environment:
         self._folder = folder
         self._python = folder / "bin" / "python"
         self._twins = folder.with_name(f"{folder.name}_twins")
+        #: Written last: without it, nobody takes the environment for one.
+        self._names = folder / "share" / "ros2_bridge" / "names.yaml"
 
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
         """Run a command of the environment, without ROS 1, and with its output in a log.
@@ -81,9 +84,8 @@ class Environment:
         except subprocess.TimeoutExpired:
             raise Unavailable(f"{what}: not finished within {limit:g} s") from None
         except (OSError, subprocess.CalledProcessError):
-            lines = log.read_text("utf-8", "replace").splitlines() or ["it wrote nothing"]
-            errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
-            raise Unavailable(f"{what}: {errors[0].strip()} (see {log})") from None
+            why = first_error(log.read_text("utf-8", "replace"))
+            raise Unavailable(f"{what}: {why} (see {log})") from None
 
     def fetch(self, wheels: pathlib.Path) -> None:
         """Install the wheels, unless just these are installed.
@@ -97,9 +99,20 @@ class Environment:
             return
         judge_python()
         say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
+        self._remove()
+        self._folder.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            self._install(wheels)
+        except BaseException:
+            self._remove()
+            raise
+        stamp.write_text(wanted, "utf-8")
+
+    def _remove(self) -> None:
         for place in (self._folder, self._twins):
             shutil.rmtree(str(place), ignore_errors=True)
-        self._folder.parent.mkdir(parents=True, exist_ok=True)
+
+    def _install(self, wheels: pathlib.Path) -> None:
         venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
         self.run(venv, 60.0, "cannot make a virtual environment")
         # Their own lists are incomplete, so ours is complete, and pip need not ask for theirs.
@@ -107,7 +120,6 @@ class Environment:
         pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
         options = ["--retries", "1", "--disable-pip-version-check", "--requirement", str(wheels)]
         self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
-        stamp.write_text(wanted, "utf-8")
 
     def has_wheel(self, package: str) -> bool:
         """Tell whether a wheel brings the ROS 2 package of this name."""
@@ -133,9 +145,8 @@ class Environment:
         names = dict(RENAMED)
         for twin in twins.values():
             names.update(twin.names)
-        target = self._folder / "share" / "ros2_bridge" / "names.yaml"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(yaml.safe_dump(names), "utf-8")
+        self._names.parent.mkdir(parents=True, exist_ok=True)
+        self._names.write_text(yaml.safe_dump(names), "utf-8")
 
     def _build(self, twins: Mapping[str, TwinPackage]) -> None:
         digests: Dict[str, str] = {}
@@ -151,6 +162,8 @@ class Environment:
                 self._write_source(name, twins[name])
         if not stale:
             return
+        if self._names.exists():
+            self._names.unlink()
         began = time.monotonic()
         given = [f"{name}:{','.join(sorted(twins[name].needs))}" for name in stale]
         command = [str(self._python), str(BUILDER), str(self._twins), *given]
@@ -167,6 +180,15 @@ class Environment:
             target = self._twins / name / "source" / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, "utf-8")
+
+
+def first_error(log: str) -> str:
+    """Return from the output of a command that has failed what says why."""
+    if "connection broken by" in log:  # pip's, before it says that there is no such package
+        return "no connection"
+    lines = log.splitlines() or ["it wrote nothing"]
+    errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
+    return errors[0].strip()
 
 
 def judge_python() -> None:
@@ -243,10 +265,14 @@ def main() -> int:
     if options.sources:
         packages = [manifest.parent for manifest in sorted(options.sources.glob("*/package.xml"))]
     environment = Environment(options.into.absolute())
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         environment.fetch(package / "config" / "wheels.txt")
         environment.build_twins(packages)
     except Unavailable as reason:
         say(str(reason))
         return 125
+    except KeyboardInterrupt:
+        say("interrupted: it has to be run again")
+        return 130
     return 0

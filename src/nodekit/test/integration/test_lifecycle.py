@@ -12,6 +12,7 @@ import time
 import tracemalloc
 import unittest
 import weakref
+from functools import partial
 from typing import Any, Callable, Dict, List, Tuple, Union
 from unittest import mock
 
@@ -355,6 +356,16 @@ class Table(Managed):
         self.assertTrue(self.change("configure"))
         self.assertEqual([name.rpartition("-")[0][:9] for name in names], ["executor-"])
 
+    def test_request_that_an_executor_refuses_keeps_no_later_one_from_being_answered(self) -> None:
+        driver = self.driver()
+        executor = SingleThreadedExecutor()
+        executor.add_node(driver.node)
+        executor.shutdown()
+        with self.assertRaisesRegex(rospy.ServiceException, "its executor is shut down"):
+            self.change("configure")
+        executor.remove_node(driver.node)
+        self.assertTrue(self.change("configure"))
+
     def test_callback_that_waits_for_its_own_transition_is_told(self) -> None:
         driver = self.driver()
         client = driver.node.client("~change_state", ChangeState)
@@ -494,13 +505,18 @@ class Made(Managed):
             self.assertFalse(self.change("configure"))
         self.assertRegex(logged.output[0], r"/driver: on_configure failed:\n(.*\n)+.*on purpose")
 
-    def test_publishes_only_while_active(self) -> None:
-        driver = self.driver("inactive")
+    def heard_out(self) -> List[str]:
+        """Return what another node hears of what the driver publishes, as it comes."""
         heard: List[str] = []
         listener = Node(Names.hosted(self.space, "listener"))
         self.addCleanup(listener.close)
         listener.subscribe("out", String, lambda message: heard.append(message.data))
         listener.start()
+        return heard
+
+    def test_publishes_only_while_active(self) -> None:
+        driver = self.driver("inactive")
+        heard = self.heard_out()
         publisher: Any = driver.publisher
         with self.assertLogs("rosout", "WARNING") as logged:
             for _ in range(3):
@@ -520,6 +536,15 @@ class Made(Managed):
         driver.plan.update(on_deactivate=raising, on_error=lambda: publisher.publish("too late"))
         self.assertFalse(self.change("deactivate"))
         self.assertEqual((heard, publisher.dropped), (["one", "two", "stop"], 7))
+
+    def test_last_message_of_a_shutdown_goes_out_where_the_node_was_active(self) -> None:
+        for start, expected in (("active", ["stop"]), ("inactive", [])):
+            with self.subTest(start):
+                driver = self.driver(start)
+                heard = self.heard_out()
+                driver.plan["on_shutdown"] = partial(driver.publisher.publish, "stop")
+                self.assertTrue(self.change("shutdown"))
+                self.assertEqual((driver.called, heard), (["on_shutdown"], expected))
 
     def test_exception_on_activation_leaves_publishers_silent(self) -> None:
         driver = self.driver("inactive", on_activate=raising, on_error=lambda: None)
@@ -793,6 +818,15 @@ class Heartbeat(Managed):
         # As many as fit in at 5 Hz, by the stamps; a busy machine leaves some out.
         lasted = (beats[-1].stamp - beats[0].stamp).to_sec()
         self.assertLess(beats[-1].seq - beats[0].seq, 5.0 * lasted + 1.5)
+
+    def test_that_of_a_closed_node_stands_still(self) -> None:
+        self.driver().node.close()
+        self.driver()
+        ear = Ear(f"{self.space}/driver/heartbeat", Header)
+        self.addCleanup(ear.close)
+        with mock.patch.object(rospy, "logerr_throttle") as failed:
+            wait_until(lambda: ear.count() > 2, lambda: "no heartbeat")
+        failed.assert_not_called()  # as one would whose publisher is closed
 
 
 class Command(Managed):

@@ -142,7 +142,8 @@ class OnSimulatedClock(OnClock):
     def test_clock_that_is_set_back(self) -> None:
         self.start(10.0)
         self.step(100.0, 100.1, 50.0, 50.05, 50.1, 2.0, 2.1)
-        self.assert_calls(0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+        self.step(1.95, 2.0, 2.05)  # by less than two periods
+        self.assert_calls(0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)
 
     def test_timers_that_start_together_stay_together(self) -> None:
         scheduler = self.scheduler(RoundsClock(self.end_round))

@@ -118,9 +118,9 @@ def receive(sock, size):
 @given(
     st.lists(
         st.one_of(
-            st.tuples(st.just("offer"), st.integers(0, 30_000)),
-            st.tuples(st.just("read"), st.integers(1, 20_000)),
-            st.tuples(st.just("flush"), st.just(0)),
+            st.tuples(st.just("offer"), st.integers(0, 30_000), st.integers(1, 3)),
+            st.tuples(st.just("read"), st.integers(1, 20_000), st.just(0)),
+            st.tuples(st.just("flush"), st.just(0), st.just(0)),
         ),
         max_size=60,
     )
@@ -132,13 +132,14 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
         theirs.setblocking(False)
         link = RecordingLink(ours)
         received, offered = b"", 0
-        for step, size in steps:
+        for step, size, count in steps:
             if step == "offer":
+                together = b"".join(packet(offered + each, size) for each in range(count))
                 if link.stalled:
-                    link.hold(packet(offered, size), 1)
-                elif not link.send(packet(offered, size), 1):
+                    link.hold(together, count)
+                elif not link.send(together, count):
                     link.stall()
-                offered += 1
+                offered += count
             elif step == "flush":
                 link.flush(0.0)
             else:

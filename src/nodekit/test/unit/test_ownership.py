@@ -1,5 +1,6 @@
 """What is made is closed with its owner, whoever else makes or closes something just then."""
 
+import contextlib
 import threading
 from typing import Any, Iterable, Iterator, List
 
@@ -43,6 +44,16 @@ def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -
     other.join()
     owner.close()
     assert (late.closed, gone.closed) == (True, False)
+
+
+def test_the_latest_is_closed_first_also_what_a_part_has_made() -> None:
+    closed: List[str] = []
+    node = Node(Names("/whole", True))
+    part = node.lifetime()
+    for owner, name in ((node, "second"), (part, "first"), (part, "first too"), (node, "third")):
+        owner.own(contextlib.ExitStack()).callback(closed.append, name)
+    node.close()
+    assert closed == ["third", "second", "first too", "first"]
 
 
 @pytest.mark.parametrize("fails", ["start", "own"])

@@ -122,6 +122,18 @@ def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Ri
     assert rig.look_after_services() == [text]
 
 
+@pytest.mark.parametrize("frees", [False, True])
+def test_service_that_is_taken_over_a_second_time_is_told_again(rig: Rig, frees: bool) -> None:
+    told = []
+    for _ in range(2):
+        rig.master.owners = {"/a": OTHER}
+        told += rig.look_after_services()
+        # The other one has ended, or this node has registered it again before the other one has.
+        rig.master.owners = {} if frees else {"/a": OWN}
+        rig.look_after_services()
+    assert len(told) == 2 and told[0] == told[1]
+
+
 def test_many_services_take_turns(rig: Rig) -> None:
     names = [f"/s{number:03}" for number in range(2 * LOOKUPS + 1)]
     rig.services = rig.master.owners = dict.fromkeys(names, OWN)

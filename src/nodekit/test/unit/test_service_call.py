@@ -28,12 +28,15 @@ class Server:
 
     :param answer: all that it sends
     :param hangs_up: whether it closes the connection after that
+    :param pause: how long it waits after each byte of the answer, s; 0 for all at once
+
+    :ivar sent: how much of it was sent so, bytes
     """
 
-    def __init__(self, answer: bytes, hangs_up: bool = False) -> None:
-        self.received = b""
+    def __init__(self, answer: bytes, hangs_up: bool = False, pause: float = 0.0) -> None:
+        self.received, self.sent = b"", 0
         self.hung_up = threading.Event()
-        self._answer, self._hangs_up = answer, hangs_up
+        self._answer, self._hangs_up, self._pause = answer, hangs_up, pause
         self._socket = socket.socket()
         self._socket.bind(("localhost", 0))
         self._socket.listen(1)
@@ -46,21 +49,29 @@ class Server:
     def _serve(self) -> None:
         connection, _ = self._socket.accept()
         with connection:
-            connection.sendall(self._answer)
-            if self._hangs_up:
-                connection.shutdown(socket.SHUT_WR)
             with contextlib.suppress(OSError):
+                self._send_answer(connection)
+                if self._hangs_up:
+                    connection.shutdown(socket.SHUT_WR)
                 for part in iter(lambda: connection.recv(4096), b""):
                     self.received += part
             self.hung_up.set()
+
+    def _send_answer(self, connection: socket.socket) -> None:
+        if not self._pause:
+            connection.sendall(self._answer)
+            return
+        for self.sent in range(len(self._answer)):
+            connection.sendall(self._answer[self.sent :][:1])
+            time.sleep(self._pause)
 
     def close(self) -> None:
         self._socket.close()
 
 
 @contextlib.contextmanager
-def serving(answer: bytes, hangs_up: bool = False) -> Iterator[Server]:
-    server = Server(answer, hangs_up)
+def serving(answer: bytes, hangs_up: bool = False, pause: float = 0.0) -> Iterator[Server]:
+    server = Server(answer, hangs_up, pause)
     with contextlib.closing(server):
         yield server
 
@@ -122,6 +133,16 @@ def test_server_that_hangs_costs_the_time_out(answer: bytes) -> None:
             call(server, timeout=0.05)
         assert 0.05 <= time.monotonic() - began < TIMEOUT_S / 2
         assert server.hung_up.wait(TIMEOUT_S)
+
+
+@pytest.mark.parametrize("begun", [b"", GREETING + b"\1"])
+def test_server_that_sends_a_byte_now_and_then_costs_the_time_out_too(begun: bytes) -> None:
+    answer = begun + block(b"name=" + bytes(1000))  # takes 20 s
+    with serving(answer, hangs_up=True, pause=0.02) as server:
+        with pytest.raises(socket.timeout):
+            call(server, timeout=0.3 + 0.02 * len(begun))
+        assert server.hung_up.wait(TIMEOUT_S)
+        assert server.sent < len(answer) / 2
 
 
 def test_longest_header_is_read() -> None:

@@ -30,7 +30,8 @@ class Trial(NamedTuple):
 
     #: Of its files: a test that has changed is tried anew.
     digest: int
-    passes: bool
+    #: Why it failed; empty if it passes.
+    trouble: str
     seconds: float
     #: What its processes import of the copy, as paths below src.
     modules: Sequence[str]
@@ -57,7 +58,7 @@ class Judge:
         """Put a text into a module of the copy, and run the tests that meet it.
 
         :param module: its path below src
-        :returns: the first test that fails or does not end in time; empty if none does
+        :returns: the first test that fails or does not end in time, and why; empty if none does
         :raises mutants.Unfit: if ROS 2 is needed, and cannot be had
         """
         steps = self.tests_of(module)
@@ -66,10 +67,9 @@ class Judge:
         try:
             self._write(copy, text)
             for step in steps:
-                result = self._run(step, self._compiled)
+                result = self._run_twice(step, self._compiled)
                 if not result.good:
-                    reasons = result.failures or [" ".join(result.log.split()[-LAST_WORDS:])]
-                    return f"{step.name}: {reasons[0]}"[:MOST_SHOWN]
+                    return f"{step.name}: {trouble_of(result)}"
         finally:
             self._write(copy, original)
         return ""
@@ -95,7 +95,7 @@ class Judge:
                 step, time_limit=min(step.time_limit, LONGER * trial.seconds + ON_TOP_S)
             )
             for trial, step in found
-            if trial.passes
+            if not trial.trouble
         ]
 
     def close(self) -> None:
@@ -104,8 +104,9 @@ class Judge:
         shutil.rmtree(str(self._compiled), ignore_errors=True)
 
     def left_out(self) -> List[str]:
-        """Return the names of the tests that fail without a mutant."""
-        return sorted(name for name, trial in self._trials.items() if not trial.passes)
+        """Return the tests that fail without a mutant, and why."""
+        trials = sorted(self._trials.items())
+        return [f"{name}: {trial.trouble}" for name, trial in trials if trial.trouble]
 
     def _trial(self, step: Step) -> Trial:
         """Run a test without a mutant, unless that has been done."""
@@ -118,15 +119,20 @@ class Judge:
             if not made.good:
                 raise mutants.Unfit(f"{BRIDGE} is tested with ROS 2: {made.log.strip()}")
         with tempfile.TemporaryDirectory(prefix="mutants-") as compiled:
-            result = self._run(step, pathlib.Path(compiled))
+            result = self._run_twice(step, pathlib.Path(compiled))
             sources = pathlib.Path(compiled + str(mutants.COPY / "src"))
             modules = sorted(
                 str(path.relative_to(sources).with_name(path.name.split(".")[0] + ".py"))
                 for path in sources.rglob("*.pyc")
             )
-        self._trials[step.name] = Trial(digest, result.good, result.seconds, modules)
+        self._trials[step.name] = Trial(digest, trouble_of(result), result.seconds, modules)
         self._file.write_text(json.dumps(self._trials))
         return self._trials[step.name]
+
+    def _run_twice(self, step: Step, compiled: pathlib.Path) -> StepResult:
+        """Run a test, and once more if it fails: on a busy machine one may fail by the way."""
+        result = self._run(step, compiled)
+        return result if result.good else self._run(step, compiled)
 
     def _run(self, step: Step, compiled: pathlib.Path) -> StepResult:
         """Run a test to its end, or, at Ctrl-C, end it."""
@@ -148,6 +154,14 @@ class Judge:
         compiled = pathlib.Path(str(self._compiled) + str(copy.parent))
         for path in compiled.glob(f"{copy.stem}.*.pyc"):
             path.unlink()
+
+
+def trouble_of(result: StepResult) -> str:
+    """Return in a few words why a test failed; nothing if it did not."""
+    if result.good:
+        return ""
+    reasons = result.failures or [" ".join(result.log.split()[-LAST_WORDS:])]
+    return reasons[0][:MOST_SHOWN]
 
 
 def unit_step(package: str, tests: Sequence[pathlib.Path]) -> Step:

@@ -35,12 +35,12 @@ class Verdicts:
         """Write what was found of a mutant.
 
         :param killer: the test that noticed it; empty if none did
-        :param left_out: the tests that fail without a mutant
+        :param left_out: the tests that fail without a mutant, and why
         """
         self._killers[mutant.key] = killer
         self._state.write_text(json.dumps(self._killers, indent=1), "utf-8")
         killed = [f"{one.described()}\n    {self._killers[one.key]}" for one in self._killed()]
-        failing = [f"{name} fails without a mutant, and was left out" for name in left_out]
+        failing = [f"left out, as it fails without a mutant: {test}" for test in left_out]
         text = "\n".join([*failing, self.summary(), "killed:", *killed])
         self._text.write_text(text + "\n", "utf-8")
 

@@ -101,7 +101,8 @@ def main(asked: argparse.Namespace) -> int:
 
     :returns: exit status
     """
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell ignores the one in the background
+        signal.signal(number, signal.default_int_handler)
     interrupted = False
     try:
         verdicts = prepare(asked)

@@ -151,10 +151,10 @@ def test_a_run_goes_on_where_one_has_ended(tmp_path: pathlib.Path) -> None:
     asked = [mutant("one"), mutant("two"), mutant("three")]
     first = Verdicts(tmp_path, asked)
     first.add(asked[0], "p/unit: test_one: 1 != 2", [])
-    first.add(asked[1], "", ["p/slow"])
+    first.add(asked[1], "", ["p/slow: 1 != 2"])
     text = (tmp_path / "report.txt").read_text("utf-8")
     assert text == (
-        "p/slow fails without a mutant, and was left out\n"
+        "left out, as it fails without a mutant: p/slow: 1 != 2\n"
         "survived: src/p/a.py:3: two → pass\n"
         "1 of 2 killed, 50.0 %; wanted are 90 %; 3 were drawn\n"
         "killed:\n"
@@ -205,7 +205,8 @@ def test_a_mutant_is_met_by_the_tests_that_import_its_module_the_shortest_first(
     )
     judge = Judge(tmp_path)
     assert [step.name for step in judge.tests_of(MODULE)] == ["p/short", "p/long"]
-    assert judge.left_out() == ["p/broken"]
+    (left_out,) = judge.left_out()
+    assert left_out.startswith("p/broken: ") and "AssertionError" in left_out
     # Of one length, and within a second: what is compiled of the one is not taken for the other.
     killers = [judge.killer(MODULE, TEXT.replace("1", figure)) for figure in "2319"]
     assert [killer.split(":")[0] for killer in killers] == ["p/short", "p/long", "", "p/short"]
@@ -285,3 +286,19 @@ def test_what_was_judged_up_to_ctrl_c_is_told(
     first, last = capsys.readouterr().out.splitlines()
     assert first.startswith("survived: src/launch_files_demo/")
     assert last == "0 of 1 killed, 0.0 %; wanted are 90 %; 5 were drawn"
+
+
+def test_what_fails_by_the_way_kills_nothing(
+    copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    mark = tmp_path / "mark"
+    offer(
+        monkeypatch,
+        it=f"import p.a, pathlib\nif not pathlib.Path({str(mark)!r}).exists():\n"
+        f"    pathlib.Path({str(mark)!r}).touch(); assert False",
+    )
+    judge = Judge(tmp_path)
+    assert judge.tests_of(MODULE) and not judge.left_out()
+    mark.unlink()
+    assert judge.killer(MODULE, TEXT.replace("1", "2")) == ""
+    judge.close()

@@ -320,6 +320,28 @@ class DiffDrive(unittest.TestCase):
         seeds = [self.graph.parameter(f"/robot{number}/diff_drive/seed") for number in (1, 2, 3)]
         self.assertEqual(seeds, [0, 1, 2])
 
+    def test_the_laser_of_a_robot_of_a_fleet_is_in_its_own_tree(self) -> None:
+        robot = "/robot2"
+        scans, transforms = Ear(robot + "/scan", LaserScan), Ear("/tf", TFMessage)
+        for ear, topic in ((scans, "/scan"), (transforms, "/tf")):
+            self.addCleanup(ear.close)
+            self.wait_for_ear(robot, topic)
+        self.addCleanup(change, robot + "/diff_drive", scan_rate=0.0)
+        change(robot + "/diff_drive", scan_rate=10.0)
+        self.advance(0.2)
+        scan = scans.wait_for(lambda heard: True)
+        self.assertEqual(scan.header.frame_id, "robot2/base_scan")
+        base = "robot2/base_footprint"
+        told = transforms.wait_for(lambda heard: heard.transforms[-1].header.frame_id == base)
+        frames = [each.child_frame_id for each in told.transforms]
+        self.assertEqual(frames, [base, "robot2/base_scan"])
+        self.assertEqual(told.transforms[0].header.frame_id, "robot2/odom")
+
+    def test_who_comes_late_is_told_that_a_robot_touches_nothing(self) -> None:
+        contact = Ear("/robot3/contact", Bool)
+        self.addCleanup(contact.close)
+        self.assertFalse(contact.wait_for(lambda heard: True).data)
+
     def test_a_wall_stops_it_where_it_touches(self) -> None:
         contact = Ear("/contact", Bool)
         self.wait_for_ear("", "/contact")

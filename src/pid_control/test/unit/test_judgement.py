@@ -200,6 +200,12 @@ def test_what_ran_out_of_time_has_not_passed_and_a_failure_remains_one() -> None
     assert judge([], LIMITS).verdict == NOT_JUDGED
 
 
+def test_what_a_real_plant_could_not_go_through_is_listed_and_has_not_passed() -> None:
+    good = judge([play_one("ramp", pi())], LIMITS)._replace(left_out=["held", "rate"])
+    lines = ["not judged with a real plant: held, rate", "passed: all 2 figures of 1 scenario"]
+    assert as_sentences(good).splitlines() == lines
+
+
 def test_flaws_that_only_cost_marks_are_not_fatal() -> None:
     assert not is_fatal(play_one("windup", pi(anti_windup="none")), LIMITS)
     assert is_fatal(play_one("held", pi(kp=-0.1, ki=-1.0)), LIMITS)

@@ -142,6 +142,24 @@ class SerialNode(Rig):
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
+    def test_judge_of_controllers_takes_the_board_for_a_plant(self) -> None:
+        """The verdict may be that the machine is too busy; the motor moves and stops anyway."""
+        self.start_both(gain=26.2, max_speed=26.0)
+        inputs = Ear(self.space + "/motor_input", motor_input)
+        package = rospkg.RosPack().get_path("pid_control")
+        words = ["--real-plant", "--full-speed", "26", "--only", "ramp"]
+        controller = os.path.join(package, "launch", "pid_real.launch")
+        judge = os.path.join(package, "scripts", "judge")
+        node = Process(judge, [*words, controller], {"ROS_NAMESPACE": self.space})
+        self.addCleanup(node.end)
+        said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
+        self.assertTrue(node.logged(said.get(node.wait(), "?")), node.logged())
+        # The ramp goes to 9 rad/s of 13, and this motor is twice as fast.
+        self.assertGreater(max(heard.output for heard in self.outputs.messages()), 14.0)
+        self.assertEqual(inputs.messages()[-1].input, 0.0)
+        self.outputs.forget()
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+
     def test_cable_out_and_in_under_another_number(self) -> None:
         link = self.start_both()
         self.set(plugged=False)

@@ -64,12 +64,14 @@ class Judgement(NamedTuple):
     :ivar findings: all figures
     :ivar failures: what is wrong, in the order of the scenarios
     :ivar reason: why it was not judged, where it was not
+    :ivar left_out: names of the scenarios that the plant could not go through
     """
 
     verdict: str
     findings: List[Finding]
     failures: List[Failure]
     reason: str = ""
+    left_out: Sequence[str] = ()
 
     @property
     def status(self) -> int:

@@ -59,6 +59,8 @@ def as_sentences(judgement: Judgement) -> str:
     for cause, failures in causes(judgement).items():
         lines += [f"{failure.scenario}: {failure.what}" for failure in failures]
         lines += [f"  likely cause ({cause.flaw}): {cause.sentence}", ""]
+    if judgement.left_out:
+        lines.append(f"not judged with a real plant: {', '.join(judgement.left_out)}")
     tried = len({finding.scenario for finding in judgement.findings})
     if judgement.verdict == PASSED:
         scenarios = f"{tried} scenario" + ("s" if tried > 1 else "")

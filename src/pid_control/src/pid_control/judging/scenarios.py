@@ -54,6 +54,12 @@ class Scenario(NamedTuple):
     standstill_at: float = math.inf
     events: Sequence[float] = ()
 
+    @property
+    def suits_any_plant(self) -> bool:
+        """Whether it only asks for speeds: it changes neither the motor nor what is heard of it."""
+        plain = Scenario(self.name, self.about, self.duration, self.set_point, events=self.events)
+        return self == plain
+
 
 def value_at(corners: Corners, time: float) -> float:
     """Return the value of a signal; before the first corner that one's, after the last that one's.

@@ -1,6 +1,8 @@
 """A controller's process: started unchanged, its words kept, and nothing of it left behind."""
 
+import contextlib
 import os
+import signal
 import subprocess
 import threading
 import uuid
@@ -58,6 +60,12 @@ class ControllerProcess:
         lines = self._tail.decode(errors="replace").splitlines()
         spoken = [line.strip() for line in lines if line.strip()]
         return spoken[-1][:300] if spoken else ""
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C, and give it the time to end."""
+        with contextlib.suppress(ProcessLookupError, subprocess.TimeoutExpired):
+            os.killpg(self._popen.pid, signal.SIGINT)
+            self._popen.wait(_PATIENCE_S)
 
     def end(self) -> None:
         """End it, and all that it started."""

@@ -4,15 +4,15 @@ import argparse
 import os
 import signal
 import sys
-import time
 from typing import List, NoReturn, Optional, Sequence, Tuple
 
-from pid_control.judging.judgement import NOT_JUDGED, STATUS, Judgement, is_fatal, judge
+from pid_control.judging.judgement import NOT_JUDGED, STATUS, Judgement
 from pid_control.judging.limits import Limits, LimitsError, merged, read_limits
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
-from pid_control.judging.scenarios import BY_NAME, Scenario
+from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario
+from pid_control.trial.outcome import CannotJudge
 
 #: How long a judgement may take unless another time is given, s.
 _TIME_LIMIT_S = 120.0
@@ -20,12 +20,8 @@ _TIME_LIMIT_S = 120.0
 _LONGEST_S = 3600.0
 #: What rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
-#: How late the judge itself may be where it goes by the machine's clock, s.
-_LATEST_S = 0.02
-
-
-class CannotJudge(Exception):
-    """There is nothing to be judged; the text says why."""
+#: The greatest speed of a plant unless another one is given, and of any plant, rad/s.
+_FULL_SPEED, _FASTEST = MOTOR.max_output, 1e6
 
 
 class _Parser(argparse.ArgumentParser):
@@ -70,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="judge",
         description="Judge a controller of the course's motor, unchanged, on a master and a clock"
-        " of its own.",
+        " of its own, or with a real plant.",
         epilog=f"scenarios:\n{scenarios}\n\n"
         "exit status: 0 passed, 1 failed, 125 could not be judged",
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -88,6 +84,18 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--only", metavar="NAME,…", type=_scenarios, help="only these scenarios")
     parser.add_argument(
         "--real-time", action="store_true", help="go by the machine's clock, not a simulated one"
+    )
+    parser.add_argument(
+        "--real-plant",
+        action="store_true",
+        help="with the motor that is there already, on your own master, in real time",
+    )
+    parser.add_argument(
+        "--full-speed",
+        metavar="RAD/S",
+        type=_speed,
+        default=_FULL_SPEED,
+        help=f"greatest speed of a real plant; {_FULL_SPEED:g} by default",
     )
     parser.add_argument(
         "--time-limit",
@@ -129,6 +137,16 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _speed(text: str) -> float:
+    try:
+        speed = float(text)
+    except ValueError:
+        speed = 0.0
+    if not 0.0 < speed <= _FASTEST:
+        raise argparse.ArgumentTypeError(f"{text!r} must be above 0 and at most {_FASTEST:g} rad/s")
+    return speed
+
+
 def _limits(path: Optional[str]) -> Limits:
     """Return the limits of a file, or what is given without one."""
     limits = read_limits(_text_of(_default_limits()))
@@ -153,46 +171,20 @@ def _text_of(path: str) -> str:
 
 
 def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
-    from pid_control.trial.own_master import OwnMaster
+    from pid_control.trial.session import Session
     from pid_control.trial.target import TargetError, find_target
 
     if not arguments.words:
         raise CannotJudge("what? a package and a name in it, or a path")
-    deadline = time.monotonic() + arguments.time_limit
     try:
         target = find_target(arguments.words, arguments.node, arguments.workspace)
     except TargetError as error:
         raise CannotJudge(str(error)) from None
     print(f"judge: {target.name}", flush=True)
-    master = OwnMaster()
-    try:
-        from pid_control.trial.stage import Rivals, Stage
-        from pid_control.trial.trial import OutOfTime, Trial
-
-        stage = Stage()
-        trial = Trial(stage, target, master.environment, arguments.real_time, deadline)
-        records: List[Record] = []
-        reason = ""
-        for scenario in arguments.only or BY_NAME.values():
-            try:
-                records.append(trial.run(scenario))
-            except OutOfTime:
-                reason = f"{arguments.time_limit:g} s are over in {scenario.name}"
-                break
-            except Rivals as error:
-                raise CannotJudge(str(error)) from None
-            except OSError as error:
-                raise CannotJudge(f"{target.name}: {error.strerror}") from None
-            if is_fatal(records[-1], limits):
-                break
-        stage.close()
-        if trial.latest > _LATEST_S:
-            raise CannotJudge(
-                f"this machine is too busy: the judge itself was {trial.latest:.3f} s late"
-            )
-    finally:
-        master.close()
-    return judge(records, limits, reason), records
+    session = Session(target, arguments.only, limits, arguments.time_limit)
+    if arguments.real_plant:
+        return session.judge_with_real_plant(arguments.full_speed), session.records
+    return session.judge_with_own_plant(arguments.real_time), session.records
 
 
 def _judge_class(arguments: argparse.Namespace) -> int:
@@ -209,6 +201,8 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         options += ["--only", ",".join(scenario.name for scenario in arguments.only)]
     if arguments.real_time:
         options.append("--real-time")
+    if arguments.real_plant:
+        options += ["--real-plant", "--full-speed", str(arguments.full_speed)]
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
     return ClassRun(folder, arguments.words, options, output, limit).run()

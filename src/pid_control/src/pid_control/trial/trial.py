@@ -7,17 +7,11 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 
 from pid_control.judging.experiment import Experiment, Outgoing, Output
-from pid_control.judging.record import (
-    ENDED,
-    NOT_CONNECTED,
-    RESTLESS,
-    SILENT,
-    WRITES_WITHOUT_END,
-    Record,
-)
+from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.motor.status import NOT_TURNING
 from pid_control.trial.controller_process import ControllerProcess
+from pid_control.trial.outcome import OutOfTime, completed, fate_of
 from pid_control.trial.pace import Pace, RealPace, SteppedPace
 from pid_control.trial.stage import Stage
 from pid_control.trial.target import Target
@@ -32,12 +26,6 @@ _FIRST_TOPIC_S, _ALL_TOPICS_S, _GONE_S = 20.0, 5.0, 5.0
 _CLOCK_S = 1.0
 #: How long the loop is closed before a scenario begins, s.
 _SETTLE_S = 0.1
-#: In how many steps on end a controller may come to no rest.
-_RESTLESS_STEPS = 2
-
-
-class OutOfTime(Exception):
-    """The judgement takes longer than it may."""
 
 
 class Trial:
@@ -49,6 +37,9 @@ class Trial:
     :param real_time: whether the machine's clock is gone by, not a simulated one
     :param deadline: when all must be over, by the monotonic clock, s
     """
+
+    #: How late the judge may be where it goes by the machine's clock, s: it is the motor.
+    most_late = 0.02
 
     def __init__(
         self,
@@ -113,7 +104,7 @@ class Trial:
             if now < zero + scenario.standstill_at <= self._clock:
                 rest = pace.stand_still()
                 standstill = len(self._stage.heard()), rest
-            fate = _fate_of(controller, restless)
+            fate = fate_of(controller, restless)
         if isinstance(pace, RealPace):
             self.latest = max(self.latest, pace.latest)
         record = Record(
@@ -125,9 +116,7 @@ class Trial:
             standstill_answers=standstill[0],
             standstill_rest=standstill[1],
         )
-        if not fate and record.is_silent:
-            record = record._replace(fate=SILENT)
-        return record._replace(words=controller.last_words() if record.fate else "")
+        return completed(record, controller)
 
     def _connect(self, experiment: Experiment, controller: ControllerProcess) -> bool:
         """Let time pass until the controller has found its topics; tell whether it has."""
@@ -161,15 +150,3 @@ class Trial:
     def _check_time(self) -> None:
         if time.monotonic() > self._deadline:
             raise OutOfTime
-
-
-def _fate_of(controller: ControllerProcess, restless: int) -> str:
-    """Return what has become of a controller, nothing while it is well.
-
-    :param restless: in how many steps on end it came to no rest
-    """
-    if controller.status is not None:
-        return ENDED
-    if controller.writes_without_end:
-        return WRITES_WITHOUT_END
-    return RESTLESS if restless >= _RESTLESS_STEPS else ""

@@ -1,0 +1,110 @@
+"""Runs a controller through a scenario with a plant that is there already."""
+
+import time
+from typing import Dict, List
+
+import rospy
+from rosgraph import get_master_uri
+
+from pid_control.judging.heard import answers_of, rows_of
+from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
+from pid_control.judging.scenarios import MOTOR, SET_POINT_S, Scenario, value_at
+from pid_control.trial.controller_process import ControllerProcess
+from pid_control.trial.outcome import OutOfTime, completed, fate_of
+from pid_control.trial.pace import RealPace
+from pid_control.trial.real_plant import RealPlant
+from pid_control.trial.target import Target
+
+#: How long a controller may take to find its topics, s.
+_CONNECT_S = 20.0
+#: How long the loop is closed before a scenario begins, s.
+_SETTLE_S = 0.5
+
+
+class RealTrial:
+    """Runs a controller through scenarios, each with a process of its own.
+
+    Whatever ends a scenario, the controller is ended before the plant gets its last input, 0.
+
+    :param plant: the plant
+    :param target: the controller
+    :param full_speed: the greatest speed of the plant, rad/s
+    :param deadline: when all must be over, by the monotonic clock, s
+    """
+
+    #: How late the judge may be, s: it only asks.
+    most_late = 0.1
+
+    def __init__(
+        self, plant: RealPlant, target: Target, full_speed: float, deadline: float
+    ) -> None:
+        self._plant, self._target, self._deadline = plant, target, deadline
+        self._scale = full_speed / MOTOR.max_output
+        #: How late it was at most, s.
+        self.latest = 0.0
+        for key, value in target.parameters.items():
+            rospy.set_param(key, value)
+
+    def run(self, scenario: Scenario) -> Record:
+        """Run one scenario.
+
+        :param scenario: one that suits any plant
+        :raises OutOfTime: if all takes too long
+        :raises Unsuitable: if the plant falls silent, or does not stand at first
+        :raises OSError: if the controller cannot be started
+        """
+        self._plant.wait_until_it_stands()
+        before = self._plant.connections()
+        controller = ControllerProcess(self._target, {"ROS_MASTER_URI": get_master_uri()})
+        try:
+            missing = self._connect(controller, before)
+            if missing:
+                fate = ENDED if controller.status is not None else NOT_CONNECTED
+                return Record(scenario, fate, controller.last_words(), missing)
+            self._plant.check_alone()
+            return self._run(scenario, controller)
+        finally:
+            try:
+                self._plant.stop()
+                controller.interrupt()
+                controller.end()
+            finally:
+                self._plant.stop()
+
+    def _connect(self, controller: ControllerProcess, before: Dict[str, int]) -> List[str]:
+        """Wait until the controller has found its topics; return those that it has not.
+
+        :param before: how many others were connected to each before it was there
+        """
+        end = time.monotonic() + _CONNECT_S
+        while True:
+            self._check_time()
+            self._plant.ask(0.0)
+            now = self._plant.connections()
+            missing = [name for name, count in now.items() if count <= before[name]]
+            if not missing or controller.status is not None or time.monotonic() > end:
+                return missing
+            time.sleep(SET_POINT_S)
+
+    def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
+        pace, fate, now = RealPace(), "", -_SETTLE_S
+        busy_before = controller.watch.busy()
+        self._plant.take_heard()  # what came before is not of this scenario
+        zero = time.monotonic() + _SETTLE_S
+        pace.start()
+        while now < scenario.duration and not fate:
+            self._check_time()
+            self._plant.ask(self._scale * value_at(scenario.set_point, now))
+            now += SET_POINT_S
+            pace.wait(now + _SETTLE_S)
+            fate = fate_of(controller)
+        self.latest = max(self.latest, pace.latest)
+        heard = self._plant.take_heard()
+        rows = rows_of(heard, scenario, zero, self._scale)
+        busy = controller.watch.busy() - busy_before
+        record = Record(scenario, fate, rows=rows, answers=answers_of(heard, zero), busy=busy)
+        return completed(record, controller)
+
+    def _check_time(self) -> None:
+        if time.monotonic() > self._deadline:
+            raise OutOfTime

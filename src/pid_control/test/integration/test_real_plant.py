@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""The judge with a motor that is there already: what it refuses, and that it stops the motor."""
+
+import os
+import unittest
+from typing import Dict, Optional
+
+import rosgraph
+import rospkg
+import rospy
+
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process, free_port
+from nodekit.testing.running import rosrun
+from pid_control.msg import motor_input, motor_output, set_point
+
+PACKAGE = rospkg.RosPack().get_path("pid_control")
+TOPICS = ("/motor_input", "/motor_output", "/set_point")
+
+
+class RealPlant(unittest.TestCase):
+    """Each test has a namespace, in which it judges."""
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        # A student's, whose last input is any: nobody but the judge stops the motor.
+        self.controller = [self.script_of("good_loop.py")]
+        self.controller += [f"{topic}:={self.space}{topic}" for topic in TOPICS]
+
+    @staticmethod
+    def script_of(name: str) -> str:
+        return os.path.join(PACKAGE, "test", "controllers", name)
+
+    def start(
+        self, name: str, *words: str, environment: Optional[Dict[str, str]] = None
+    ) -> Process:
+        variables = {"ROS_NAMESPACE": self.space, **(environment or {})}
+        process = Process(os.path.join(PACKAGE, "scripts", name), list(words), variables)
+        self.addCleanup(process.end)
+        return process
+
+    def start_motor(self) -> Process:
+        """Start a motor, and hear it and what it is told."""
+        self.wanted = Ear(self.space + "/set_point", set_point)
+        self.inputs = Ear(self.space + "/motor_input", motor_input)
+        self.outputs = Ear(self.space + "/motor_output", motor_output)
+        motor = self.start("system.py", "_system_node_rate:=200")
+        self.outputs.wait_for(lambda heard: True)
+        return motor
+
+    def assert_refused(self, says: str, *words: str, **environment: str) -> None:
+        judge = self.start("judge", *words, environment=environment)
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("not judged: ", says), (says, judge.logged()))
+        self.assertFalse(judge.logged("Traceback"))
+
+    def assert_left_alone(self) -> None:
+        """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
+        self.outputs.forget()
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+        self.assertEqual(self.wanted.messages()[-1].setPoint, 0.0)
+        publishers = dict(rosgraph.Master("/test").getSystemState()[0])
+        for topic in ("/motor_input", "/set_point"):
+            self.assertNotIn(self.space + topic, publishers)
+
+    def test_motor_is_stopped_at_ctrl_c(self) -> None:
+        self.start_motor()
+        judge = self.start("judge", "--real-time", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        self.assertEqual(judge.interrupt(), 130)
+        self.assertFalse(judge.logged("Traceback"))
+        self.assert_left_alone()
+
+    def test_motor_that_falls_silent_is_given_up(self) -> None:
+        motor = self.start_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        motor.end()
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("the plant is silent: nothing on", "motor_output for 0.8 s"))
+        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+
+    def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
+        plant = ("--real-plant", *self.controller)
+        nobody = f"nobody publishes {self.space}/motor_output"
+        self.assert_refused("there is no plant: " + nobody, *plant)
+        self.start_motor()
+        self.assert_refused(
+            "held is not for a real plant: there are steps, ramp, sine, windup",
+            *("--real-plant", "--only", "held", *self.controller),
+        )
+        no_master = f"http://localhost:{free_port()}"
+        self.assert_refused("on your own master", *plant, ROS_MASTER_URI=no_master)
+        self.start("set_point_generator.py")
+        self.wanted.wait_for(lambda heard: True)
+        generator = self.space + "/set_point_generator"
+        self.assert_refused(f"{generator} publishes {self.space}/set_point: end that", *plant)
+        self.assertEqual(self.inputs.messages(), [])
+
+    def test_real_time_is_for_those_who_go_by_the_machines_clock(self) -> None:
+        """Here the motor is the judge's own, which a busy machine makes late."""
+        words = ("--real-time", "--only", "ramp", self.script_of("flaw_time_time.py"))
+        judge = self.start("judge", *words)
+        said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
+        self.assertTrue(judge.logged(said.get(judge.wait(), "?")), judge.logged())
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_real_plant")
+    rosrun("pid_control", "real_plant", RealPlant)

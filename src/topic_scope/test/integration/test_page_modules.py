@@ -169,9 +169,37 @@ class Modules(BrowserTest):
         (left, bottom), (right, top) = told["corners"]
         self.assertTrue(0 < left < right < 800 and 0 < top < bottom < 400, told)
         self.assertAlmostEqual((right - left) / 8, (bottom - top) / 4)  # one scale, y is up
+        self.assertAlmostEqual((left + right) / 2, 400.0)  # in the middle
+        self.assertAlmostEqual((top + bottom) / 2, 200.0)
         for name in ("after", "panned"):
             for value, expected in zip(told[name], told["before"]):
                 self.assertAlmostEqual(value, expected, places=9)
+
+    def test_the_wheel_sends_a_stop_with_each_release_and_no_limit_reverses_it(self) -> None:
+        code = """(() => {
+          const sent = [];
+          const wheel = new module.Wheel((message) => sent.push(message));
+          wheel.onSteering({ topic: "/cmd_vel", datatype: "geometry_msgs/Twist" });
+          const limit = document.getElementById("drive-speed");
+          const before = limit.value;
+          limit.value = a[0];
+          wheel.hold("w", 1, 0);
+          wheel.hold("a", 0, 1);
+          wheel.command();
+          wheel.drop("w");
+          const count = sent.length;
+          wheel.drop("a");
+          limit.value = before;
+          return { held: sent.slice(0, count), released: sent.slice(count) };
+        })()"""
+        for limit, speed in (("0.5", 0.5), ("-0.5", 0.0), ("fast", 0.0)):
+            with self.subTest(limit=limit):
+                told = self.browser.call("robots/wheel.js", code, limit)
+                held, released = (
+                    [(each["speed"], each["turn"]) for each in told[name]]
+                    for name in ("held", "released")
+                )
+                self.assertEqual((held, released), ([(speed, 0.0), (speed, 1.0)], [(0.0, 0.0)]))
 
     def test_a_path_keeps_its_form_where_both_scales_are_to_be_equal(self) -> None:
         code = """(() => {

@@ -61,6 +61,20 @@ class PageRobots(BrowserTest):
         self.assertAlmostEqual(place.y, place.x / 2.0, delta=0.02)  # y is up, one scale for both
         self.assertAlmostEqual(goal.pose.orientation.z, 0.7071, delta=1e-3)
         self.assertEqual(browser.find("#goal-pick").get_attribute("aria-pressed"), "false")
+        self.assertAlmostEqual(float(browser.value("#goal-heading")), 90.0, delta=0.2)
+        picture = self.changed(picture)
+
+        # By numbers, the heading in degrees.
+        for name, text in (("x", "1.5"), ("y", "-0.5"), ("heading", "-120")):
+            field = browser.find(f"#goal-{name}")
+            field.clear()
+            field.send_keys(text)
+        browser.find("#goal-send").click()
+        goal = wait_until(lambda: robot.goals[1:], lambda: browser.text("#goal-state"))[0]
+        self.assertEqual((goal.pose.position.x, goal.pose.position.y), (1.5, -0.5))
+        turn = goal.pose.orientation
+        self.assertAlmostEqual(2.0 * math.atan2(turn.z, turn.w), math.radians(-120.0))
+        browser.find("#robot-canvas").click()  # so that keys are the page's again
         picture = self.changed(picture)
 
         # Without the wheel keys move the picture, with it the robot, as long as they are held.

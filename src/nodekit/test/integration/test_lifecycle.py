@@ -935,8 +935,9 @@ class Ends(unittest.TestCase):
         expected = {f"{name} was {name}" for name in WAYS if name != "finalized"}
         # Clients still work then.
         expected |= {f"{name} gets True" for name in WAYS if name != "finalized"}
-        expected |= {f"{name} ends with True" for name in WAYS}
-        self.assertEqual({line for line in process.lines if "[" not in line}, expected)
+        ends = [f"{name} ends with True" for name in reversed(WAYS)]  # the latest given first
+        lines = [line for line in process.lines if "[" not in line]
+        self.assertEqual((lines[: len(WAYS)], set(lines[len(WAYS) :])), (ends, expected))
         self.assertEqual(process.logged("ends without"), [])
 
     def test_rosnode_kill_does_too_and_what_hangs_is_left_behind(self) -> None:

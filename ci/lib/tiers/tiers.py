@@ -57,16 +57,13 @@ def lint() -> List[Step]:
         + [*libraries, str(template / "src")],
         "code_rules": [sys.executable, str(CI / "lib" / "lint" / "code_rules.py")],
         "page_rules": [sys.executable, str(CI / "lib" / "lint" / "page_rules.py")],
+        "launch files": [sys.executable, str(CI / "lib" / "lint" / "launch_files.py")]
+        + [str(package / "launch") for package in packages()],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "lint" / "rosdep_keys.py")],
         "debian_files": [sys.executable, str(CI / "lib" / "packages" / "debian_files.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib/setup:{CI}/lib/systems"]
         + shell_scripts(),
     }
-    for package in packages():
-        if (package / "launch").is_dir():
-            check = ["rosrun", "roslaunch", "roslaunch-check", "-t", "-i"]
-            check += ["-o", "{results}/launch.xml", str(package / "launch")]
-            commands["roslaunch-check " + package.name] = check
     steps = [Step("lint", name, command) for name, command in commands.items()]
     return [*steps, pytest_step("lint", "what lint refuses", CI / "tests" / "lint")]
 

@@ -1,0 +1,35 @@
+"""Check launch files as roslaunch-check does, all in one process.
+
+``launch_files.py FOLDER…`` prints what is wrong with any below these folders, and ends with status
+1 if something is, or if there are none.
+"""
+
+import pathlib
+import sys
+from typing import Iterator, List
+
+import roslaunch.rlutil
+
+
+def faults(files: List[pathlib.Path]) -> Iterator[str]:
+    """Return a sentence about each file that cannot be launched or needs what its package does not.
+
+    :param files: launch files; what a test needs counts as installed, and arguments may be unset
+    """
+    for file in files:
+        fault = roslaunch.rlutil.check_roslaunch(
+            str(file), use_test_depends=True, ignore_unset_args=True
+        )
+        if fault:
+            yield f"{file}: {fault}"
+
+
+def main(folders: List[str]) -> int:
+    files = [file for folder in folders for file in sorted(pathlib.Path(folder).rglob("*.launch"))]
+    found = list(faults(files))
+    print("\n".join([*found, f"{len(files)} launch files, {len(found)} of them with faults"]))
+    return 1 if found or not files else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

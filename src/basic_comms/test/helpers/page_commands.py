@@ -30,7 +30,7 @@ from nodekit_msgs.srv import SetParameters
 _FENCE = re.compile(r"^ *```(\S*)")
 _REFUSED = "# refused"
 _LAUNCHES = re.compile(
-    r"(\./ci/exec )?(roslaunch (?!-)|rosrun nodekit host|rosrun \w+ (?!scope|plot_bag)\w+\.py"
+    r"(\./ci/exec )?(roslaunch (?!-)|rosrun nodekit host|rosrun \w+ (?!scope|plot_bag|mask)\w+\.py"
     r"|rosrun (diff_drive_sim|executors_demo|lifecycle_demo|motor_control|my_robot_package"
     r"|parameters_demo|robot_interfaces_demo) (?!timeline|fleet_report)\w+)"
 )

@@ -21,6 +21,7 @@ PAGES_AT_A_TIME = 3
 
 #: What a reader of the page has at that point, as lines to be typed.
 BEFORE: Dict[str, List[str]] = {
+    "docs/nodes/mask.md": ["roslaunch basic_comms cw1.launch signal_rate:=100"],
     "docs/nodes/plot_bag.md": [
         "roslaunch basic_comms cw1.launch signal_rate:=100",
         "rosbag record -O FILE.bag --duration=0.5 /signal /proc_signal",

@@ -195,6 +195,35 @@ class Plots(PageTest):
         self.browser.driver.refresh()  # it is in the address
         self.browser.wait_for(f"#legend tr[data-field='{name}']")
 
+    def test_a_mask_counts_then_stops_and_saves_at_the_first_failure(self) -> None:
+        self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
+        self.browser.choose("#mask-around", SIGNAL)
+        self.browser.find("#mask-value").send_keys(Keys.CONTROL + "a")
+        self.browser.find("#mask-value").send_keys("5")
+        self.browser.find("#mask-begin").click()
+        verdict = self.browser.find("#mask-verdict")
+        pattern = r"mask: \d{2,} samples inside, 0 outside.*"
+        wait_until(lambda: re.fullmatch(pattern, verdict.text) is not None, lambda: verdict.text)
+        upper = f"=highest({SIGNAL}, 0.05) + 5.0"
+        wait_until(
+            lambda: abs(self.cell(upper, "max") - 7.0) < 0.01, lambda: self.browser.text("#legend")
+        )
+        self.assertEqual(self.browser.text("#run"), "Pause")
+        # Of 2 sin and 1 + cos: they are up to 3.2 apart.
+        self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
+        self.browser.choose("#mask-around", SIGNAL)
+        self.browser.find("#mask-value").send_keys(Keys.CONTROL + "a")
+        self.browser.find("#mask-value").send_keys("0.5")
+        self.browser.find("#mask-begin").click()
+        wait_until(lambda: self.browser.text("#run") == "Run", lambda: verdict.text)
+        self.assertNotIn(" 0 outside", verdict.text)
+        saved = self.browser.downloads / "mask_failure.csv"
+        wait_until(saved.exists, lambda: "nothing was saved")
+        head = saved.read_text().splitlines()[0]
+        self.assertIn(f'{PROCESSED},{SIGNAL},"=lowest({SIGNAL}, 0.05) - 0.5"', head)
+        self.browser.find("#mask-end").click()
+        self.assertFalse(verdict.is_displayed())
+
     def test_says_where_a_level_is_that_is_not_in_view_and_brings_it_back(self) -> None:
         height = self.browser.find("#plot").size["height"]
         self.browser.choose("#window", "1")

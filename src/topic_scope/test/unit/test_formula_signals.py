@@ -8,7 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.formulas.signals import Signal, averaged, delayed, low_passed, slope
+from topic_scope.formulas.signals import (
+    Signal,
+    averaged,
+    delayed,
+    extreme,
+    low_passed,
+    slope,
+)
 
 
 def sampled(times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf) -> Signal:
@@ -91,3 +98,28 @@ def test_a_signal_is_known_between_its_samples_and_not_beyond_them_or_in_a_gap()
     assert numpy.isnan(found[[0, 4, 6]]).all()
     assert signal.between(0.0, 1.0).times.tolist() == [0.0, 1.0]
     assert delayed(signal, 2.0).times.tolist() == [2.0, 3.0, 7.0]
+
+
+@given(
+    st.lists(st.tuples(st.floats(0.01, 1.0), st.floats(-5.0, 5.0)), min_size=2, max_size=40),
+    st.floats(0.0, 3.0),
+)
+@settings(max_examples=60, deadline=None)
+def test_the_highest_and_the_lowest_value_around_a_time(
+    samples: List[Tuple[float, float]], seconds: float
+) -> None:
+    times = numpy.cumsum([step for step, _ in samples])
+    values = numpy.array([value for _, value in samples])
+    moments = numpy.linspace(times[0], times[-1], 23)
+    highest = extreme(sampled(times, values), moments, seconds, numpy.maximum)
+    lowest = extreme(sampled(times, values), moments, seconds, numpy.minimum)
+    for moment, high, low in zip(moments, highest, lowest):
+        ends = moment - seconds, moment + seconds
+        if ends[0] < times[0] or ends[1] > times[-1]:
+            assert math.isnan(high) and math.isnan(low)
+            continue
+        # At the ends of the span, and at the corners of the line within it.
+        corners = values[(times >= ends[0]) & (times <= ends[1])].tolist()
+        around = [*numpy.interp(ends, times, values).tolist(), *corners]
+        assert high == pytest.approx(max(around), abs=1e-9)
+        assert low == pytest.approx(min(around), abs=1e-9)

@@ -101,6 +101,7 @@ def operands() -> Operands:
         ("mean(/p/x, 2)", 3.99, (2.0, 0.0)),
         ("lowpass(/p/x, 1)", 3.99, (20.0 / (2.0 * math.pi), 0.0)),
         ("delay(mean(/p/x, 2), 1)", 4.99, (3.0, -1.0)),
+        ("highest(/p/x, 0.5) - lowest(/p/y, 1)", 2.994, (1.1, 1.1)),
     ],
 )
 def test_up_to_when_it_is_known_and_what_it_needs(
@@ -116,7 +117,14 @@ SPANS = st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0))
 
 @given(
     st.sampled_from(
-        ["/p/x - delay(/p/y, 0.3)", "mean(/p/x, 0.5)", "derivative(/p/y) - /p/x", *list(TRUTHS)[:3]]
+        [
+            "/p/x - delay(/p/y, 0.3)",
+            "/p/x - highest(/p/y, 0.2)",
+            "lowest(/p/y, 0.2)",
+            "mean(/p/x, 0.5)",
+            "derivative(/p/y) - /p/x",
+            *list(TRUTHS)[:3],
+        ]
     ),
     SPANS,
 )

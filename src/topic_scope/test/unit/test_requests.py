@@ -10,19 +10,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.protocol import requests
+from topic_scope.masks.mask import Mask
+from topic_scope.protocol import computed, requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.requests import Chart, Handler, Measure
 from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
 CHECKS = {
     "select": requests.selection_of,
-    "formula": requests.formula_text_of,
+    "formula": computed.formula_text_of,
     "view": requests.view_of,
     "trigger": requests.trigger_of,
     "scaling": scaling_of,
     "measure": requests.measure_of,
     "chart": requests.chart_of,
+    "mask": computed.mask_of,
     "graph": requests.graph_of,
     "set": requests.set_of,
     "call": requests.call_of,
@@ -50,7 +52,7 @@ GOOD = [
     ({"type": "select", "fields": ["=/a/x+/b/y"]}, ("=/a/x + /b/y",)),
     (
         {"type": "formula", "text": "=a +", "traces": ["/a/x"]},
-        requests.FormulaText("=a +", ("/a/x",)),
+        computed.FormulaText("=a +", ("/a/x",)),
     ),
     ({"type": "view", "window": 2, "width": 800, "end": None}, requests.View(2.0, 800, None)),
     ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, requests.View(2.0, 800, 1.7e9)),
@@ -68,6 +70,11 @@ GOOD = [
         requests.Trigger("single", "/a/x", 0.0, True, 3),
     ),
     ({"type": "scaling", "traces": {"/a/x": {"gain": 2}}}, Scaling({"/a/x": TraceScale(2.0)})),
+    ({"type": "mask", "field": ""}, None),
+    (
+        {"type": "mask", "field": "/a/x", "reference": "=/b*2", "value": 0.5, "time": 0},
+        Mask("/a/x", "=/b * 2", 0.5, 0.0),
+    ),
     ({"type": "measure"}, Measure()),
     ({"type": "measure", "latency": True}, Measure(latency=True)),
     (

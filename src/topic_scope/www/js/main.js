@@ -19,6 +19,7 @@ import { startAlternative } from "./measure/alternative.js";
 import { Cursors } from "./measure/cursors.js";
 import { Hover } from "./measure/hover.js";
 import { LevelCursors } from "./measure/level_cursors.js";
+import { startMask } from "./measure/mask.js";
 import { startMeasures } from "./measure/measures.js";
 import { Trigger } from "./measure/trigger.js";
 import { plotTopic, startChooser } from "./choose/chooser.js";
@@ -45,7 +46,11 @@ const view = new View(state, sweep, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
 new LevelCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
-const legend = new Legend(state, plot, cursors, startTraceDialog(state));
+const openTrace = startTraceDialog(state);
+const legend = new Legend(state, plot, cursors, (field) => {
+  mask.choose(field);
+  openTrace(field);
+});
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
 const graph = new Graph(state, (topic) => plotTopic(state, open.chooser, topic));
 const screen = startScreen(state, sweep, plot);
@@ -60,6 +65,7 @@ const setup = new Setup(state);
 const requests = new Requests(state, plot, connection, setup);
 const charts = startCharts(state, requests, colour);
 const send = (message) => connection.send(message);
+const mask = startMask(state, send);
 const panels = new Panels(state, send);
 const showManaged = startManaged(state, send);
 const robots = new RobotView(state, send);
@@ -70,6 +76,7 @@ const handlers = {
     playback.onHello(message, !requests.welcome && !setup.chosen);
     requests.onHello(message);
     robots.onHello();
+    mask.onHello();
   },
   fields: ({ fields, types }) => state.set({ available: fields, types }),
   selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
@@ -103,6 +110,7 @@ const handlers = {
   fleet: showFleet,
   master: showMaster,
   playback: (message) => playback.onState(message),
+  mask: (message) => mask.onVerdict(message),
   formula: (message) => chooser.onFormula(message),
   error: ({ text }) => notify(text),
 };

@@ -5,7 +5,15 @@ from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 import numpy
 
-from topic_scope.formulas.signals import SETTLED, Signal, averaged, delayed, low_passed, slope
+from topic_scope.formulas.signals import (
+    SETTLED,
+    Signal,
+    averaged,
+    delayed,
+    extreme,
+    low_passed,
+    slope,
+)
 
 
 class Operands(NamedTuple):
@@ -231,5 +239,56 @@ class Mean(Over):
         return back + self._seconds, ahead
 
 
-Computed = Union[Field, Each, Delay, Derivative, LowPass, Mean]
+class Extreme(Over):
+    """The highest or the lowest value of a signal around each time.
+
+    :param of: the signal
+    :param seconds: how far around, to either side, s
+    """
+
+    pick: numpy.ufunc
+
+    def __init__(self, of: "Computed", seconds: float) -> None:
+        super().__init__(of)
+        self._seconds = seconds
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        found = self._around(operands, start, end)
+        return found._replace(values=extreme(found, found.times, self._seconds, self.pick))
+
+    def at(
+        self, operands: Operands, times: numpy.ndarray, start: float, end: float
+    ) -> numpy.ndarray:
+        """As of :class:`Field`, but around the very times, and not those of samples."""
+        return extreme(self._around(operands, start, end), times, self._seconds, self.pick)
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        return self._of.until(operands) - self._seconds
+
+    def reach(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.reach(operands)
+        more = self._seconds + operands.longest_step(self.fields[0])
+        return back + more, ahead + more
+
+    def _around(self, operands: Operands, start: float, end: float) -> Signal:
+        more = self._seconds + operands.longest_step(self.fields[0])
+        return self._of.signal(operands, start - more, end + more)
+
+
+class Highest(Extreme):
+    """The highest value around each time."""
+
+    pick = numpy.maximum
+
+
+class Lowest(Extreme):
+    """The lowest value around each time."""
+
+    pick = numpy.minimum
+
+
+Computed = Union[Field, Each, Delay, Derivative, LowPass, Mean, Highest, Lowest]
 Node = Union[Number, Computed]

@@ -16,6 +16,8 @@ from topic_scope.formulas.nodes import (
     Derivative,
     Each,
     Field,
+    Highest,
+    Lowest,
     LowPass,
     Mean,
     Node,
@@ -72,6 +74,8 @@ _OF_TWO: Dict[str, Callable[..., numpy.ndarray]] = {
 _OVER_TIME: Dict[str, Tuple[Callable[[Computed, float], Computed], str, float, float]] = {
     "delay": (Delay, "a time in s", -SECONDS, SECONDS),
     "mean": (Mean, "a time in s", 1e-6, SECONDS),
+    "highest": (Highest, "a time in s", 0.0, SECONDS),
+    "lowest": (Lowest, "a time in s", 0.0, SECONDS),
     "lowpass": (LowPass, "a frequency in Hz", *CUTOFF),
 }
 _CONSTANTS = {"pi": math.pi}

@@ -102,3 +102,28 @@ def averaged(signal: Signal, seconds: float) -> Signal:
     mean = numpy.full(len(values), numpy.nan)
     numpy.divide(sums[1:] - sums[begin], count, where=count > 0, out=mean)
     return signal._replace(values=numpy.where(finite, mean + middle, numpy.nan))
+
+
+def extreme(
+    signal: Signal, times: numpy.ndarray, seconds: float, pick: numpy.ufunc
+) -> numpy.ndarray:
+    """Return the highest or the lowest value around some times.
+
+    Of all values on the lines between samples: at the ends of each span, and at the samples in it.
+
+    :param times: the middles of the spans, s
+    :param seconds: how far a span reaches to either side, s
+    :param pick: numpy.maximum or numpy.minimum
+    :returns: NaN where a span goes beyond what is known, or over a gap
+    """
+    found = pick(signal.at(times - seconds), signal.at(times + seconds))
+    begin = signal.times.searchsorted(times - seconds, "left")
+    count = signal.times.searchsorted(times + seconds, "right") - begin
+    # Of each row the next one: that of spans of twice as many samples. Two such cover any span.
+    row, length = signal.values, 1
+    while (count >= length).any():
+        here = numpy.flatnonzero((count >= length) & (count < 2 * length))
+        first, last = begin[here], begin[here] + count[here] - length
+        found[here] = pick(found[here], pick(row[first], row[last]))
+        row, length = pick(row[:-length], row[length:]), 2 * length
+    return numpy.asarray(found)

@@ -3,6 +3,7 @@
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
 
+from topic_scope.masks.mask import MaskCheck
 from topic_scope.page.charts import ChartFeed
 from topic_scope.page.measuring import statistics_of
 from topic_scope.page.trigger import TriggerWatch
@@ -35,6 +36,7 @@ class Page:
         self.chart = ChartFeed(Chart())
         self.measure = Measure()
         self.scaling = Scaling()
+        self.mask: Optional[MaskCheck] = None
         self._rests_until = 0.0
         self._latest: Dict[Any, Dict[str, Any]] = {}
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
@@ -46,6 +48,8 @@ class Page:
         """
         self.view.restart()
         self.trigger = TriggerWatch(self.trigger.request, now)
+        if self.mask is not None:
+            self.mask = MaskCheck(self.mask.mask, now)
 
     def scale(self, scaling: Scaling) -> None:
         """Show its traces scaled otherwise.
@@ -90,6 +94,8 @@ class Page:
         samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
         if measures:
             self.put(statistics_of(recorder, samples, self.view, self.measure, now))
+            if self.mask is not None:
+                self.put(_verdict_message(self.mask, recorder))
         chart = self.chart.update(now, samples, longest, self.view)
         if chart is not None:
             self.put(chart)
@@ -127,3 +133,10 @@ class Page:
         self._latest.clear()
         self._notes.clear()
         return messages
+
+
+def _verdict_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
+    """Return the message that tells how a trace keeps within its mask."""
+    verdict = check.update(recorder)
+    limits = [check.mask.lower, check.mask.upper]
+    return {"type": "mask", "text": verdict.text, "limits": limits, **verdict._asdict()}

@@ -8,7 +8,6 @@ import json
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.analysis.spectrum import WINDOWS
-from topic_scope.formulas.names import is_formula
 from topic_scope.protocol.checks import (
     TIMES,
     RequestError,
@@ -77,25 +76,6 @@ def dispatch(text: Union[str, bytes], handlers: Mapping[str, Handler], page: Any
 def selection_of(request: Dict[str, Any]) -> Tuple[str, ...]:
     """Return the names of the fields that are to be shown."""
     return fields_of(request.get("fields"))
-
-
-class FormulaText(NamedTuple):
-    """Say what a formula that is being typed would be, or what is wrong with it.
-
-    :param text: as it was typed
-    :param traces: names that its letters stand for
-    """
-
-    text: str
-    traces: Tuple[str, ...]
-
-
-def formula_text_of(request: Dict[str, Any]) -> FormulaText:
-    """Return which formula is to be checked."""
-    text = request.get("text")
-    if not isinstance(text, str) or not is_formula(text):
-        raise RequestError("formula: text must be a text that begins with =")
-    return FormulaText(text, fields_of(request.get("traces")))
 
 
 class View(NamedTuple):

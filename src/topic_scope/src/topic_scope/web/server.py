@@ -9,13 +9,14 @@ import tornado.ioloop
 
 from topic_scope.formulas.names import with_letters
 from topic_scope.formulas.reading import FUNCTIONS
+from topic_scope.masks.mask import Mask, MaskCheck
 from topic_scope.messages.fields import FieldError
 from topic_scope.page.export import parts
 from topic_scope.page.measuring import left_out, warn_of
 from topic_scope.page.page import Page
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import pinned
-from topic_scope.protocol import requests
+from topic_scope.protocol import computed, requests
 from topic_scope.protocol.checks import TRACES, RequestError
 from topic_scope.protocol.options import Options
 from topic_scope.protocol.requests import Handler
@@ -138,12 +139,13 @@ class Server:
         """Return what handles requests that are about the traces of a page."""
         return {
             "select": Handler(requests.selection_of, self._choose_fields),
-            "formula": Handler(requests.formula_text_of, self._check_formula),
+            "formula": Handler(computed.formula_text_of, self._check_formula),
             "view": Handler(requests.view_of, self._show_view),
             "trigger": Handler(requests.trigger_of, self._set_trigger),
             "scaling": Handler(scaling_of, Page.scale),
             "measure": Handler(requests.measure_of, Page.set_measure),
             "chart": Handler(requests.chart_of, Page.set_chart),
+            "mask": Handler(computed.mask_of, self._set_mask),
         }
 
     def _choose_fields(self, page: Page, fields: Sequence[str]) -> None:
@@ -154,7 +156,7 @@ class Server:
         self._record()
         self._origin.ring()
 
-    def _check_formula(self, page: Page, typed: requests.FormulaText) -> None:
+    def _check_formula(self, page: Page, typed: computed.FormulaText) -> None:
         """Tell a page what a formula would be called, or what is wrong with it."""
         told: Dict[str, Any] = {"type": "formula", "text": typed.text, "functions": list(FUNCTIONS)}
         told.update(name="", problem=None)
@@ -171,6 +173,11 @@ class Server:
 
     def _set_trigger(self, page: Page, trigger: requests.Trigger) -> None:
         page.trigger = TriggerWatch(trigger, self._recorder.update())
+
+    def _set_mask(self, page: Page, mask: Optional[Mask]) -> None:
+        page.mask = None if mask is None else MaskCheck(mask, self._recorder.update())
+        self._record()
+        self._origin.ring()
 
     # --- To pages ----------------------------------------------------------------------------
 
@@ -240,6 +247,8 @@ class Server:
 
     def _record(self) -> None:
         names = set(self._initial).union(*(page.view.fields for page in self.pages()))
+        for page in self.pages():
+            names.update(page.mask.mask.names if page.mask is not None else ())
         self._recorder.want(names, self._recorder.update())
         self._pin()
 

@@ -1,0 +1,1 @@
+"""Limits around a reference trace, and whether another trace keeps within them."""

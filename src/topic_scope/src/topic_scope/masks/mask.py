@@ -1,0 +1,130 @@
+"""A mask: limits around a reference trace, so far in value and so far in time.
+
+The limits are formulas, so they are drawn and saved as all traces are; and one formula says of each
+sample by how much it is outside.
+"""
+
+import math
+from typing import NamedTuple, Optional, Protocol, Tuple
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.formulas.names import with_letters
+from topic_scope.record.traces import Recorded
+
+
+class Mask(NamedTuple):
+    """What a trace has to keep within.
+
+    :param field: name of the trace
+    :param reference: name of the trace that the limits are around
+    :param value: how far above and below it they are
+    :param time: how far before and after it, s
+    """
+
+    field: str
+    reference: str
+    value: float
+    time: float
+
+    @property
+    def upper(self) -> str:
+        """Name of the upper limit, as a trace."""
+        return with_letters(f"=highest(a, {self.time!r}) + {self.value!r}", [self.reference])
+
+    @property
+    def lower(self) -> str:
+        """Name of the lower limit, as a trace."""
+        return with_letters(f"=lowest(a, {self.time!r}) - {self.value!r}", [self.reference])
+
+    @property
+    def excess(self) -> str:
+        """Name of what says by how much each sample is outside, below 0 for those inside."""
+        above = f"a - highest(b, {self.time!r}) - {self.value!r}"
+        below = f"lowest(b, {self.time!r}) - {self.value!r} - a"
+        return with_letters(f"=max({above}, {below})", [self.field, self.reference])
+
+    @property
+    def names(self) -> Tuple[str, ...]:
+        """All that has to be recorded for it."""
+        return self.field, self.reference, self.upper, self.lower, self.excess
+
+
+class Verdict(NamedTuple):
+    """What has come out so far.
+
+    :param inside: how many samples were within the limits
+    :param outside: how many were not
+    :param unjudged: how many could not be judged, as the reference was not known there
+    :param first: when the first one outside was taken, s; None where none was
+    :param worst: by how much the worst one was outside
+    """
+
+    inside: int = 0
+    outside: int = 0
+    unjudged: int = 0
+    first: Optional[float] = None
+    worst: float = 0.0
+
+    @property
+    def text(self) -> str:
+        """What has come out, in words."""
+        words = f"{self.inside} samples inside, {self.outside} outside"
+        return f"{words}, {self.unjudged} not judged" if self.unjudged else words
+
+
+class Samplers(Protocol):
+    """What knows the samples of traces: a recorder."""
+
+    def trace(self, name: str) -> Optional[Recorded]:
+        """Return what is recorded of a name; None where nothing is."""
+
+    def samples(self, name: str, start: float, end: float) -> Samples:
+        """Return the samples of a name from one time to another, s."""
+
+
+class MaskCheck:
+    """Judges the samples of a trace, each once, as soon as its reference is known.
+
+    :param mask: what it has to keep within
+    :param start: samples that were taken later than this are judged, s
+
+    :ivar mask: what it has to keep within
+    :ivar verdict: what has come out so far
+    """
+
+    def __init__(self, mask: Mask, start: float) -> None:
+        self.mask = mask
+        self.verdict = Verdict()
+        self._judged = start
+        self._excess = mask.excess
+
+    def update(self, samplers: Samplers) -> Verdict:
+        """Judge what is new.
+
+        :returns: what has come out so far
+        """
+        trace = samplers.trace(self._excess)
+        age = trace.age(0.0) if trace is not None else None
+        if age is None or -age <= self._judged:
+            return self.verdict
+        begin = float(numpy.nextafter(self._judged, math.inf))
+        times, excess = samplers.samples(self._excess, begin, -age)
+        if len(times):
+            self._judged = float(times[-1])
+            self._count(times, excess)
+        return self.verdict
+
+    def _count(self, times: numpy.ndarray, excess: numpy.ndarray) -> None:
+        outside = numpy.flatnonzero(excess > 0.0)
+        unknown = int(numpy.isnan(excess).sum())
+        before = self.verdict
+        first = float(times[outside[0]]) if len(outside) else None
+        self.verdict = Verdict(
+            before.inside + len(times) - len(outside) - unknown,
+            before.outside + len(outside),
+            before.unjudged + unknown,
+            before.first if before.first is not None else first,
+            max(before.worst, float(excess[outside].max(initial=0.0))),
+        )

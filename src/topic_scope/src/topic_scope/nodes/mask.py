@@ -1,0 +1,241 @@
+"""The command ``rosrun topic_scope mask.py FIELD --around REFERENCE``, live or of a bag."""
+
+import argparse
+import math
+import queue
+import sys
+import time
+from typing import Dict, List, NoReturn, Optional
+
+import rospy
+
+from nodekit import MasterUnreachable, init_node
+from nodekit.master import MasterClient
+from topic_scope.bag.bag_file import BagError, BagFile
+from topic_scope.bag.bag_player import BagPlayer
+from topic_scope.formulas.reading import SECONDS
+from topic_scope.graph.master_watch import GraphState, MasterWatch
+from topic_scope.masks.failure_file import save_failure
+from topic_scope.masks.mask import Mask, MaskCheck, Verdict
+from topic_scope.messages.fields import FieldError
+from topic_scope.messages.layouts import Layouts
+from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
+from topic_scope.record.recorder import Recorder
+
+#: What the exit status says: a sample was outside; nothing could be judged, or something is wrong.
+OUTSIDE, NOT_JUDGED = 1, 2
+#: How long samples are kept, s: more than any formula reaches back and ahead.
+_HISTORY_S = 2.0 * SECONDS + 100.0
+#: Time between two looks at a live graph, and how much of a bag is read at once, s.
+_LIVE_S, _BAG_S = 0.05, 0.5
+
+
+class Judge:
+    """Judges one trace by what a recorder has.
+
+    :param recorder: records the trace and its reference
+    :param arguments: the command line
+    """
+
+    def __init__(self, recorder: Recorder, arguments: argparse.Namespace) -> None:
+        self._recorder, self._arguments = recorder, arguments
+        self._check: Optional[MaskCheck] = None
+
+    def begin(self, now: float, start: float) -> None:
+        """Record what is needed, now that the topics are known.
+
+        :param now: the time, s
+        :param start: samples that were taken later than this are judged, s
+        :raises FieldError: if a name is none, or stands for several fields
+        """
+        field, reference = (
+            self._one_of(name) for name in (self._arguments.field, self._arguments.around)
+        )
+        mask = Mask(field, reference, self._arguments.value, self._arguments.time)
+        if self._check is None or self._check.mask != mask:
+            self._check = MaskCheck(mask, start)
+        self._recorder.want(mask.names, now)
+
+    def _one_of(self, name: str) -> str:
+        names = self._recorder.expand(name)
+        if len(names) != 1:
+            raise FieldError(f"{name} stands for {len(names)} fields: name one of them")
+        return names[0]
+
+    def look(self) -> bool:
+        """Judge what has come.
+
+        :returns: whether the verdict is there: a sample is outside, and the first one ends it
+        """
+        self._recorder.update()
+        verdict = self._check.update(self._recorder) if self._check is not None else Verdict()
+        return verdict.first is not None and not self._arguments.all
+
+    def finish(self) -> int:
+        """Say what has come out, and save a failure.
+
+        :returns: the exit status
+        :raises OSError: if it cannot be saved
+        """
+        verdict = self._check.verdict if self._check is not None else Verdict()
+        print(f"mask: {verdict.text}", flush=True)
+        if verdict.first is not None and self._check is not None:
+            print(
+                f"mask: outside for the first time at {verdict.first:.6f} s since the epoch, at "
+                f"worst by {verdict.worst:.6g}",
+                flush=True,
+            )
+            if self._arguments.save is not None:
+                save_failure(self._arguments.save, self._recorder, self._check.mask, verdict.first)
+            return OUTSIDE
+        if verdict.inside == 0:
+            said = [self._recorder.problem(one) for one in self._names()]
+            why = next((text for text in said if text), "the reference was known at no sample")
+            print(f"mask: nothing could be judged: {why}", file=sys.stderr)
+            return NOT_JUDGED
+        return 0
+
+    def _names(self) -> List[str]:
+        if self._check is None:
+            return [self._arguments.field, self._arguments.around]
+        return [self._check.mask.field, self._check.mask.reference]
+
+
+class _Steps:
+    """A clock that is set, so that a bag is read as fast as it can be."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    def __call__(self) -> float:
+        return self.seconds
+
+
+def judge_bag(arguments: argparse.Namespace) -> int:
+    """Judge a trace of a bag.
+
+    :returns: the exit status
+    :raises BagError: if it cannot be read
+    """
+    bag = BagFile(arguments.bag)
+    clock, layouts = _Steps(), Layouts()
+    player = BagPlayer(bag, _HISTORY_S, clock)
+    recorder = Recorder(player, layouts, _HISTORY_S)
+    types: Dict[str, str] = {}
+    for connection in bag.connections.values():
+        layouts.received(connection.header)
+        types.setdefault(connection.topic, connection.header.get("type", "*"))
+    recorder.set_topics(types)
+    judge = Judge(recorder, arguments)
+    judge.begin(player.start, -math.inf)
+    player.seek(player.start)
+    player.play()
+    while player.is_playing and not judge.look():
+        clock.seconds += _BAG_S
+    if player.problems:
+        raise BagError(player.problems[0])
+    return judge.finish()
+
+
+def judge_live(arguments: argparse.Namespace) -> int:
+    """Judge a trace of the graph for some time.
+
+    :returns: the exit status
+    :raises MasterUnreachable: if there is no master
+    """
+    with MasterClient("/mask", timeout=5.0) as master:
+        master.read([])
+    init_node("mask")
+    source, layouts = RawSubscriptions(SteadyClock()), Layouts()
+    recorder = Recorder(source, layouts, _HISTORY_S)
+    judge = Judge(recorder, arguments)
+    states: "queue.Queue[GraphState]" = queue.Queue()
+    MasterWatch(source, layouts).start(states.put, lambda _uri: None)
+    began, until = source.clock.now(), time.monotonic() + arguments.seconds
+    while time.monotonic() < until and not judge.look():
+        try:
+            recorder.set_topics(states.get(timeout=_LIVE_S).published_types)
+            judge.begin(source.clock.now(), began)
+        except queue.Empty:
+            pass
+    status = judge.finish()
+    rospy.signal_shutdown("the verdict is there")
+    return status
+
+
+def main() -> None:
+    """Judge a trace; end with 0, 1 or 2."""
+    arguments = _parser().parse_args(rospy.myargv()[1:])
+    try:
+        sys.exit(judge_live(arguments) if arguments.bag is None else judge_bag(arguments))
+    except (BagError, FieldError) as error:
+        _fail(str(error))
+    except MasterUnreachable as error:
+        _fail(f"no master at {error}")
+    except OSError as error:
+        _fail(f"{arguments.save}: {error.strerror or error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+
+
+def _fail(text: str) -> NoReturn:
+    print(f"mask: {text}", file=sys.stderr)
+    sys.exit(NOT_JUDGED)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="mask",
+        description="Judge whether a trace keeps within limits around another one.",
+        epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
+        "judged or something is wrong with the command.",
+    )
+    parser.add_argument("field", metavar="FIELD", help="what is judged, or a formula")
+    parser.add_argument(
+        "--around", metavar="REFERENCE", required=True, help="the trace that the limits are around"
+    )
+    parser.add_argument(
+        "--value", metavar="V", type=_value, default=0.0, help="how far above and below it they are"
+    )
+    parser.add_argument(
+        "--time", metavar="S", type=_time, default=0.0, help="how far before and after it, s"
+    )
+    parser.add_argument(
+        "--seconds",
+        metavar="S",
+        type=_seconds,
+        default=10.0,
+        help="how long a live trace is judged, s (%(default)g)",
+    )
+    parser.add_argument("--bag", metavar="FILE.bag", help="judge a recording; needs no master")
+    parser.add_argument(
+        "--all", action="store_true", help="go on behind the first sample that is outside"
+    )
+    parser.add_argument(
+        "--save",
+        metavar="FILE.csv",
+        help="where to write trace, reference and limits, from 2 s before the first one outside",
+    )
+    return parser
+
+
+def _number(text: str, least: float, most: float) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not least <= number <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
+    return number
+
+
+def _value(text: str) -> float:
+    return _number(text, 0.0, 1e300)
+
+
+def _time(text: str) -> float:
+    return _number(text, 0.0, SECONDS)
+
+
+def _seconds(text: str) -> float:
+    return _number(text, 0.1, 1e6)

@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""The command that judges a trace by a mask, as a test of a robot would call it on a live graph."""
+
+import csv
+import subprocess
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import rospy
+from std_msgs.msg import Float64
+
+from nodekit.testing.running import rosrun
+
+PERIOD_S = 0.01
+
+
+class MaskLive(unittest.TestCase):
+    """A trace that follows its reference, and after a while no longer."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node("test_mask_live")
+        cls.error = 0.0
+        cls.publishers = [
+            rospy.Publisher(f"/{name}", Float64, queue_size=10) for name in ("wanted", "actual")
+        ]
+        stop = threading.Event()
+        thread = threading.Thread(target=cls.publish, args=(stop,))
+        cls.addClassCleanup(thread.join)
+        cls.addClassCleanup(stop.set)
+        thread.start()
+
+    @classmethod
+    def publish(cls, stop: threading.Event) -> None:
+        while not stop.wait(PERIOD_S):
+            wanted, actual = cls.publishers
+            wanted.publish(1.0)
+            actual.publish(1.0 + cls.error)
+
+    def judge(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            ["rosrun", "topic_scope", "mask.py", "/actual", "--around", "/wanted", *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+            timeout=60,
+            check=False,
+        )
+
+    def test_the_status_says_whether_it_keeps_within(self) -> None:
+        type(self).error = 0.05
+        inside = self.judge("--value", "0.1", "--seconds", "4")
+        self.assertEqual(inside.returncode, 0, inside)
+        self.assertRegex(inside.stdout, r"mask: \d{2,} samples inside, 0 outside")
+        with tempfile.TemporaryDirectory() as folder:
+            saved = Path(folder, "failure.csv")
+            type(self).error = 0.2
+            outside = self.judge("--value", "0.1", "--seconds", "30", "--save", str(saved))
+            self.assertEqual(outside.returncode, 1, outside)
+            self.assertRegex(outside.stdout, r"at worst by 0\.1\b")
+            with saved.open(newline="") as file:
+                rows = list(csv.DictReader(file))
+        self.assertTrue(any(row["/actual/data"] == "1.2" for row in rows), rows)
+
+    def test_what_is_not_there_is_no_pass(self) -> None:
+        nothing = self.judge("--seconds", "1", "--around", "/nobody/data")
+        self.assertEqual(nothing.returncode, 2, nothing)
+        self.assertIn("nothing could be judged: there is no such topic yet", nothing.stderr)
+
+
+if __name__ == "__main__":
+    rosrun("topic_scope", "mask_live", MaskLive)

@@ -1,0 +1,141 @@
+"""A mask around a reference: what is inside, and the command that says so of a bag."""
+
+import csv
+import math
+from pathlib import Path
+from typing import Any, List
+
+import pytest
+from bags import write_bag
+from std_msgs.msg import Float64
+from test_differences import TimedSource, recording
+
+from topic_scope.masks.mask import Mask, MaskCheck, Verdict
+from topic_scope.nodes import mask as mask_command
+
+MASK = Mask("/a/data", "/b/data", 0.5, 0.1)
+STEP_S = 0.01
+
+
+def wave(index: int) -> float:
+    return math.sin(2 * math.pi * 0.5 * index * STEP_S)
+
+
+def test_the_limits_are_formulas() -> None:
+    assert MASK.upper == "=highest(/b/data, 0.1) + 0.5"
+    assert MASK.lower == "=lowest(/b/data, 0.1) - 0.5"
+    assert MASK._replace(reference="/c-/d", time=1e-05).upper == "=highest((/c - /d), 1e-05) + 0.5"
+
+
+def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
+    source = TimedSource()
+    made = recording(source, *MASK.names)
+    check = MaskCheck(MASK, 1000.5)
+    assert check.update(made) == Verdict()
+    times = [1000.0 + STEP_S * index for index in range(400)]
+    # 0.08 s late, which is within the 0.1 s; and higher by 2 in five samples.
+    values = [wave(index - 8) + (2.0 if 200 <= index < 205 else 0.0) for index in range(400)]
+    for begin in range(0, 400, 50):
+        part = slice(begin, begin + 50)
+        source.time = times[part][-1]
+        source.receive("/a", times[part], values[part])
+        source.receive("/b", times[part], [wave(index) for index in range(400)[part]])
+        made.update()
+        verdict = check.update(made)
+    # Up to 0.1 s before the end the reference is known, and 0.51 s are before the start.
+    assert verdict.inside + verdict.outside == 400 - 51 - 10 and verdict.unjudged == 0
+    assert verdict.outside == 5 and verdict.first == pytest.approx(1002.0)
+    # The wave rises there: the highest value is 0.1 s later.
+    worst = max(wave(index - 8) + 2.0 - wave(index + 10) - 0.5 for index in range(200, 205))
+    assert verdict.worst == pytest.approx(worst)
+    assert verdict.text == "334 samples inside, 5 outside"
+
+
+def test_where_the_reference_has_a_gap_nothing_is_judged() -> None:
+    source = TimedSource()
+    made = recording(source, *MASK.names)
+    check = MaskCheck(MASK, -math.inf)
+    times = [1000.0 + STEP_S * index for index in range(400)]
+    known = [time for time in times if not 1001.0 < time < 1002.0]
+    source.receive("/a", times, [0.0] * 400)
+    source.receive("/b", known, [0.0] * len(known))
+    source.time = 1004.0
+    made.update()
+    verdict = check.update(made)
+    # From 0.1 s before the gap to as long behind it, and 0.1 s at the start.
+    assert verdict.outside == 0 and verdict.unjudged == pytest.approx(10 + 120, abs=2)
+    assert verdict.text.endswith(" not judged")
+
+
+@pytest.fixture
+def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
+    """A bag of 4 s, in the folder that the command is called in: a late wave with a peak."""
+    monkeypatch.chdir(tmp_path)
+    messages: List[Any] = []
+    for index in range(400):
+        high = 2.0 if 300 <= index < 303 else 0.0
+        messages.append(("/a", Float64(wave(index - 8) + high), index * 10**7))
+        messages.append(("/b", Float64(wave(index)), index * 10**7))
+    return write_bag(tmp_path / "x.bag", messages)
+
+
+def status(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> object:
+    """Return the exit status of the command."""
+    monkeypatch.setattr("sys.argv", ["mask.py", *arguments])
+    with pytest.raises(SystemExit) as caught:
+        mask_command.main()
+    return caught.value.code
+
+
+def test_the_command_says_of_a_bag_whether_a_trace_keeps_within(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    around = ("/a", "--around", "/b", "--bag", bag, "--time", "0.1")
+    assert status(monkeypatch, *around, "--value", "2.5") == 0
+    assert capsys.readouterr().out == "mask: 380 samples inside, 0 outside, 10 not judged\n"
+    assert status(monkeypatch, *around, "--value", "0.1", "--all") == 1
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "mask: 377 samples inside, 3 outside, 10 not judged"
+    assert "1700000003.123457 s since the epoch, at worst by 1.8" in said[1]
+
+
+def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPatch") -> None:
+    arguments = ("/a", "--around", "/b", "--bag", bag, "--value", "0.3", "--save", "out.csv")
+    assert status(monkeypatch, *arguments) == 1
+    with open("out.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    lower, upper = "=lowest(/b/data, 0.0) - 0.3", "=highest(/b/data, 0.0) + 0.3"
+    assert list(rows[0]) == ["time", "received", "/a/data", "/b/data", lower, upper]
+    limits = [row for row in rows if row["/b/data"]]
+    assert len(limits) > 150
+    for row in limits:
+        assert float(row[upper]) - float(row[lower]) == pytest.approx(0.6)
+    values = {row["time"]: float(row["/a/data"]) for row in rows if row["/a/data"]}
+    assert max(values.values()) > 1.2 or len(values) < 100
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        (["/a", "--around", "/later"], "mask: nothing could be judged: there is no such topic yet"),
+        (["/a", "--around", "=/b +"], "mask: something is missing at the end"),
+        (["/a", "--around", "/b", "--value", "-1"], "'-1' is not a number from 0 to 1e+300"),
+        (["/a", "--around", "/b", "--time", "nan"], "'nan' is not a number from 0 to 600"),
+    ],
+)
+def test_what_cannot_be_judged_is_no_pass(
+    bag: str,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    arguments: List[str],
+    sentence: str,
+) -> None:
+    assert status(monkeypatch, *arguments, "--bag", bag) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_file_that_is_none_is_refused(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    assert status(monkeypatch, "/a", "--around", "/b", "--bag", "no.bag") == 2
+    assert capsys.readouterr().err == "mask: no.bag: No such file or directory\n"

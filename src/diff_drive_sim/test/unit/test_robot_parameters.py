@@ -54,5 +54,28 @@ def test_what_is_no_wall_is_refused_in_words(walls: Any) -> None:
         RobotParameters(walls=walls)
 
 
+@pytest.mark.parametrize(
+    "values, names, why",
+    [
+        ({"prefix": "a b"}, "prefix", "node name '/a b1/diff_drive': must be letters"),
+        ({"prefix": "ä"}, "prefix", "must be letters"),
+        ({"initial_x": 1e6}, "count", "initial_x: refused 1000001: must be"),
+        ({"initial_y": 999_999.0, "count": 9}, "count", "initial_y: refused 1000001: must be"),
+        ({"spacing": 1000.0, "initial_x": 999_000.5}, "spacing", "initial_x: refused 1000000.5"),
+        ({"seed": 2**31 - 1}, "seed", "seed: refused 2147483648: must be"),
+    ],
+)
+def test_a_fleet_refuses_what_one_of_its_robots_would(values: Any, names: str, why: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        FleetParameters(**values)
+    assert names in caught.value.names
+    assert why in str(caught.value)
+
+
+def test_a_fleet_of_none_or_one_starts_anywhere() -> None:
+    for count in (0, 1):
+        FleetParameters(count=count, initial_x=1e6, initial_y=1e6, seed=2**31 - 1)
+
+
 def test_a_fleet_has_all_that_its_robots_have() -> None:
     assert set(RobotParameters.declared) < set(FleetParameters.declared)

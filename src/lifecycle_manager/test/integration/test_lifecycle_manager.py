@@ -15,7 +15,15 @@ from std_srvs.srv import Trigger, TriggerResponse
 from lifecycle_manager.nodes.lifecycle_manager import LifecycleManager
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
-from nodekit import ManagedNode, Names, Node, ParameterError, init_node
+from nodekit import (
+    ChangeRefused,
+    ManagedNode,
+    Names,
+    Node,
+    ParameterClient,
+    ParameterError,
+    init_node,
+)
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server, is_stopped
 from nodekit.testing.running import rosrun
@@ -301,10 +309,28 @@ class Here(Managing):
         self.assertIn(f"left in their present states: {left}", logged.output[-1])
 
     def test_names_are_judged(self) -> None:
-        for names in ([], ["a", "a"]):
-            self.set_parameters(node_names=names)
-            with self.assertRaisesRegex(ParameterError, "a list of node names without duplicates"):
-                LifecycleManager(self.node("manager"))
+        """At the start, and while it runs, where they would take effect at the next start."""
+        refused = {
+            "a list of node names without duplicates": ([], ["a", "a"], ["a", self.space + "/a"]),
+            "names of nodes, relative or global": ([""], ["a", "/"], ["~a"]),
+            "other nodes than the manager itself": (["manager"], [f"{self.space}/manager"]),
+            "must be letters": (["a b"], ["a", "ä"]),
+        }
+        for why, lists in refused.items():
+            for names in lists:
+                self.set_parameters(node_names=names)
+                with self.assertRaisesRegex(ParameterError, f"/node_names: refused .*{why}"):
+                    LifecycleManager(self.node("manager"))
+        node = self.manager(node_names=["x"])
+        for why, lists in refused.items():
+            for names in lists:
+                with self.assertRaisesRegex(ChangeRefused, f"/node_names: refused .*{why}"):
+                    ParameterClient(node.name, TIMEOUT_S).change({"node_names": names})
+        server, key = Server(), node.name + "/node_names"
+        server.set(key, [""])
+        server.wait_for(key, ["x"])
+        ParameterClient(node.name, TIMEOUT_S).change({"node_names": ["y", "/z/y"]})
+        self.assertEqual(server.get(key), ["y", "/z/y"])
 
 
 def told(message: DiagnosticArray, name: str) -> Any:

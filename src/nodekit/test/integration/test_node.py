@@ -28,6 +28,7 @@ from nodekit.parameters.declaration import (
     ParameterError,
     ParameterSet,
     RateParameter,
+    rule,
 )
 from nodekit.process.host import host_all
 from nodekit.process.run import init_node
@@ -186,6 +187,34 @@ class Start(OnMaster):
         node.parameters(Others)
         node.start()
         self.assertEqual(self.server.get(self.space + "/one/gain"), 1.0)
+
+    def test_a_rule_of_the_node_s_judges_at_the_start_and_each_change(self) -> None:
+        class Picky:
+            def __init__(self, node: Node) -> None:
+                self.node = node
+                self.settings = node.parameters(Settings, rules=[self.suits])
+
+            @rule("gain")
+            def suits(self, values: Settings) -> None:
+                """Refuse what its name tells it to."""
+                if values.gain == len(self.node.name):
+                    raise ValueError("must not be the length of the node's name")
+
+        long = len(self.space + "/one")
+        gain, refused = self.space + "/one/gain", f"/one/gain: refused {long}: must not be the len"
+        self.server.set(gain, long)
+        with self.assertRaisesRegex(ParameterError, refused):
+            Picky(self.node())
+        self.server.set(gain, 3.0)
+        node = self.node()
+        picky = Picky(node)
+        node.start()
+        with self.assertRaisesRegex(ParameterError, refused):
+            picky.settings.update(gain=long)
+        self.server.set(gain, long)
+        self.server.wait_for(gain, 3.0)
+        self.server.delete(gain)
+        wait_until(lambda: picky.settings.values.gain == 1.0, lambda: str(picky.settings.values))
 
     def test_callbacks_that_nobody_awaits_are_refused(self) -> None:
         async def awaited(*_: Any) -> None:

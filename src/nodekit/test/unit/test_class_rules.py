@@ -4,6 +4,7 @@ from typing import Any, Dict
 
 import pytest
 
+from nodekit.parameters.class_rules import judge_rules
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -85,6 +86,16 @@ def test_brackets_are_needed_inside_too() -> None:
     with pytest.raises(TypeError, match="read_once: refused"):
         read_once(IntParameter)  # type: ignore[type-var]
     assert not IntParameter(1, help="").read_once
+
+
+def test_what_is_no_rule_of_the_node_s() -> None:
+    @rule("other")
+    def strange(values: ParameterSet) -> None:
+        """A rule about something else."""
+
+    for method, why in ((print, "must be marked by @rule"), (strange, "undeclared .*: other")):
+        with pytest.raises(TypeError, match=f"Gauge: .*{why}"):
+            judge_rules("Gauge", [method], ["level"])
 
 
 def test_what_belongs_in_a_class_is_no_mistake() -> None:

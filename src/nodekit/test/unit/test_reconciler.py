@@ -27,6 +27,7 @@ from nodekit.parameters.reconciler import (
     Seen,
     Verdict,
 )
+from nodekit.parameters.refusals import RuleError
 
 
 class Gauge(ParameterSet):
@@ -391,6 +392,35 @@ def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
     assert not first._odd  # what the server holds is what is in force
 
 
+@rule("level")
+def above_one(values: Gauge) -> None:
+    """A rule beside those of the class, which its defaults break."""
+    if values.level <= 1.0:
+        raise ValueError("must be above 1")
+
+
+@pytest.mark.parametrize("raw", [MISSING, {}, {"level": 1.0}, {"low": 1.0}])
+def test_start_refuses_what_breaks_a_rule_of_the_node_s(raw: Any) -> None:
+    with pytest.raises(RuleError) as caught:
+        Reconciler(Gauge, rules=[above_one]).start(raw, 0.0)
+    assert str(caught.value) == "parameter level: refused 1: must be above 1"
+
+
+def test_a_rule_of_the_node_s_judges_each_change() -> None:
+    reconciler = Reconciler(Gauge, rules=[above_one])
+    assert reconciler.start({"level": 5.0}, 0.0).values.level == 5.0
+    reconciler.written(0.0)
+    with pytest.raises(RuleError, match="level: refused 0.5: must be above 1"):
+        reconciler.judge({"level": 0.5})
+    for raw in ({**on_wire(Gauge(level=0.5))}, {}):  # set, and deleted, which is the default
+        seen = Seen(raw, [("", raw)])
+        assert reconciler.step(seen, 1.0).again
+        refused = reconciler.step(seen, 2.0)
+        assert refused.values.level == refused.writes["level"] == 5.0
+        assert [error.names for error in refused.refusals] == [("level",)]
+        reconciler.written(2.0)
+
+
 def test_start_refuses_all_at_once_in_words() -> None:
     with pytest.raises(ParameterErrors) as several:
         Reconciler(Gauge).start({"level": -1, "title": 5, "low": 10.0, "high": 5}, 0.0)
@@ -458,14 +488,16 @@ def test_a_change_that_is_refused_changes_nothing(changes: Dict[str, Any], text:
     assert reconciler.values == IN_FORCE
 
 
-def test_defaults_that_do_not_go_together_are_refused() -> None:
+def test_where_defaults_do_not_go_together_a_value_must_be_set() -> None:
     class Crossed(Gauge):
         """Defaults that break the rule."""
 
         low = FloatParameter(10.0, help="above high")
 
-    with pytest.raises(ParameterError):
-        Reconciler(Crossed)
+    for raw in (MISSING, {}, {"low": 10.0}, {"high": 9.5}):
+        with pytest.raises(RuleError, match="low must be at most high"):
+            Reconciler(Crossed).start(raw, 0.0)
+    assert Reconciler(Crossed).start({"low": 1.0}, 0.0).values == Crossed(low=1.0)
 
 
 class Free(ParameterSet):

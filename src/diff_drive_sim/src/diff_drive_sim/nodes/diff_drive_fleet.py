@@ -3,12 +3,23 @@
 import copy
 import math
 from functools import partial
+from typing import Any, Dict
 
 import rospy
 
 from diff_drive_sim.nodes.diff_drive import DiffDrive
 from diff_drive_sim.robot_parameters import RobotParameters
-from nodekit import FloatParameter, IntParameter, Node, StringParameter, host_all, read_once, run
+from nodekit import (
+    FloatParameter,
+    IntParameter,
+    Names,
+    Node,
+    StringParameter,
+    host_all,
+    read_once,
+    rule,
+    run,
+)
 
 
 class FleetParameters(RobotParameters):
@@ -19,6 +30,35 @@ class FleetParameters(RobotParameters):
     spacing = FloatParameter(
         1.0, minimum=0.0, maximum=1000.0, unit="m", help="how far apart they start, in a square"
     )
+
+    @property
+    def side(self) -> int:
+        """How many robots stand side by side."""
+        return math.ceil(math.sqrt(self.count))
+
+    def defaults(self, number: int) -> Dict[str, Any]:
+        """Return what a robot starts from, by name.
+
+        :param number: of the robot, from 0
+        """
+        shared = {name: getattr(self, name) for name in RobotParameters.declared}
+        return {
+            **shared,
+            "frame_prefix": f"{self.frame_prefix}{self.prefix}{number + 1}/",
+            "initial_x": self.initial_x + self.spacing * (number % self.side),
+            "initial_y": self.initial_y + self.spacing * (number // self.side),
+            "seed": self.seed + number,
+        }
+
+    @rule("prefix")
+    def _gives_legal_names(self) -> None:
+        Names.hosted(f"{self.prefix}1", "diff_drive")
+
+    @rule("count", "spacing", "initial_x", "initial_y", "seed")
+    def _suits_each_robot(self) -> None:
+        if self.count:
+            for number in (self.side - 1, self.count - 1):  # furthest ahead, and to the left
+                RobotParameters(**self.defaults(number))
 
 
 # Here also what a robot follows live is read once: each robot has its own, of which these are the
@@ -40,21 +80,11 @@ class DiffDriveFleet:
 
     def __init__(self, node: Node) -> None:
         fleet = node.parameters(FleetParameters).values
-        shared = {name: getattr(fleet, name) for name in RobotParameters.declared}
-        side = math.ceil(math.sqrt(fleet.count))
         members = []
         for number in range(fleet.count):
-            name = f"{fleet.prefix}{number + 1}"
-            own = RobotParameters.with_defaults(
-                **{
-                    **shared,
-                    "frame_prefix": f"{fleet.frame_prefix}{name}/",
-                    "initial_x": fleet.initial_x + fleet.spacing * (number % side),
-                    "initial_y": fleet.initial_y + fleet.spacing * (number // side),
-                    "seed": fleet.seed + number,
-                }
-            )
-            members.append(("diff_drive", name, partial(DiffDrive, declaration=own)))
+            own = RobotParameters.with_defaults(**fleet.defaults(number))
+            robot = partial(DiffDrive, declaration=own)
+            members.append(("diff_drive", f"{fleet.prefix}{number + 1}", robot))
         rospy.loginfo("%d robots are up", len(host_all(node, members)))
 
 

@@ -27,6 +27,7 @@ from nodekit import (
     StringParameter,
     give_up,
     read_once,
+    rule,
     run,
 )
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
@@ -101,14 +102,12 @@ class LifecycleManager:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._settings = node.parameters(LifecycleManagerParameters)
+        self._settings = node.parameters(LifecycleManagerParameters, rules=[self.can_be_managed])
         values = self._settings.values
         names = [node.resolve(name) for name in values.node_names]
-        if not names or len(set(names)) < len(names):
-            raise self._refused("a list of node names without duplicates")
         claimed = rival(node, names)
         if claimed:
-            raise self._refused(ALONE, claimed)
+            raise self._has_rival(claimed)
         self._system = System(names, values.autostart, time.monotonic())
         self._contacts = {
             member: Contact(node, self._system, member, self.update)
@@ -125,6 +124,17 @@ class LifecycleManager:
         node.every(CHECK_HZ, self.check_nodes, steady=True)
         node.every(REPORT_HZ, self.report, steady=True)
         node.before_end(self.end)
+
+    @rule("node_names")
+    def can_be_managed(self, values: LifecycleManagerParameters) -> None:
+        """Refuse what cannot be the nodes of a manager."""
+        names = [self._node.resolve(name) for name in values.node_names]
+        if not names or len(set(names)) < len(names):
+            raise ValueError("must be a list of node names without duplicates")
+        if not all(name.strip("/") and name[0] != "~" for name in values.node_names):
+            raise ValueError("must be names of nodes, relative or global")
+        if self._node.name in names:
+            raise ValueError("must be other nodes than the manager itself")
 
     def manage(self, request: ManageNodesRequest) -> Tuple[bool, str]:
         """Take a command; answer when the nodes have come to its goal, or cannot."""
@@ -205,16 +215,16 @@ class LifecycleManager:
             self.update()
         return answer
 
-    def _refused(self, allowed: str, reason: str = "") -> ParameterError:
+    def _has_rival(self, claimed: str) -> ParameterError:
         names = self._settings.values.node_names
-        error = ParameterError("node_names", names, allowed, reason)
+        error = ParameterError("node_names", names, ALONE, claimed)
         return error.in_namespace(self._node.name)
 
     def _make_sure(self) -> None:
         """Check again for another manager, which may have started at the same time."""
         claimed = rival(self._node, [member.name for member in self._contacts])
         if claimed:
-            give_up(self._refused(ALONE, claimed))
+            give_up(self._has_rival(claimed))
         self._is_alone = not claimed
 
 

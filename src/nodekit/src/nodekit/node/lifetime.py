@@ -28,7 +28,8 @@ from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.declaration import OwnParameters, ParameterSet, Snapshot
+from nodekit.parameters.class_rules import judge_rules
+from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Snapshot
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
@@ -217,10 +218,12 @@ class Lifetime(Owner, Maker):
         on_change: Optional[Callable[[Snapshot, Snapshot], Any]] = None,
         exempt: Collection[str] = (),
         group: Optional[Group] = None,
+        rules: Collection[Rule] = (),
     ) -> "LiveParameters[Snapshot]":
         self._judge_declaration(declaration)
+        judge_rules(declaration.__name__, rules, declaration.declared)
         used = (*exempt, *OwnParameters.declared)
-        live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew)
+        live = LiveParameters(declaration, self.name, get_watcher(), used, self._anew, rules)
         self._surroundings.live = live
         live.add_listener(self._surroundings.rates.follow)
         if on_change is not None:

@@ -10,7 +10,7 @@ from nodekit.messaging.subscription import Latest, Subscription
 from nodekit.node.clients import Client
 from nodekit.node.timers import NodeTimer, Rate
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.parameters.declaration import Snapshot
+from nodekit.parameters.declaration import Rule, Snapshot
 
 Thing = TypeVar("Thing")
 
@@ -168,6 +168,7 @@ class Maker(Protocol):
         on_change: Optional[Callable[[Snapshot, Snapshot], Any]] = None,
         exempt: Collection[str] = (),
         group: Optional[Group] = None,
+        rules: Collection[Rule] = (),
     ) -> "LiveParameters[Snapshot]":
         """Read and judge the node's private parameters now, and follow them from the start on.
 
@@ -175,6 +176,8 @@ class Maker(Protocol):
         :param on_change: called with the new and the old values after a change
         :param exempt: names beside them that are used but not declared
         :param group: the callback's group; the node's own by default
+        :param rules: methods of the node's class that are marked by :func:`nodekit.rule`, and
+            judge beside those of the declaration, at the start and each change
         :returns: an object whose ``values`` are those in force
         :raises ValueError: if this node has parameters already
         :raises ParameterError: if a value on the server is not allowed

@@ -11,7 +11,7 @@ from nodekit.call_arguments import judge_function
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
-from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.judging import on_wire
 from nodekit.parameters.kinds import MISSING, ParameterError, format_value
 from nodekit.parameters.reconciler import Reconciler, Seen, Verdict
@@ -41,6 +41,7 @@ class LiveParameters(Generic[Snapshot]):
     :param watcher: reads the server
     :param exempt: names in the namespace that are used but not declared
     :param anew: when changes of what is read once take effect
+    :param rules: rules beside those of the class
     :raises ParameterError: if values on the server are not allowed; names all of them
     :raises MasterUnreachable: if the master does not answer
 
@@ -57,12 +58,13 @@ class LiveParameters(Generic[Snapshot]):
         watcher: Watcher,
         exempt: Collection[str] = (),
         anew: str = AT_START,
+        rules: Collection[Rule] = (),
     ) -> None:
         self.declaration = declaration
         self.namespace = namespace.rstrip("/")
         self.anew = anew
         self._watcher = watcher
-        self._reconciler = Reconciler(declaration, exempt)
+        self._reconciler = Reconciler(declaration, exempt, rules)
         self._watched = WatchedKey(self.namespace, self._is_news, self._on_reading)
         self._lock = threading.Lock()
         self._is_open = self.is_closed = False

@@ -48,6 +48,23 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
             raise TypeError(f"{cls.__name__}.{name}: a type alone declares nothing: {advice}")
 
 
+def judge_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -> None:
+    """Judge whether rules are about what is declared.
+
+    :param owner: name of the class of parameters
+    :param rules: functions that are marked as rules
+    :param declared: names of its parameters
+    :raises TypeError: if one is not marked, or about something else
+    """
+    for method in rules:
+        if not hasattr(method, "parameters"):
+            raise TypeError(f"{owner}: refused {method!r:.80}: must be marked by @rule('name')")
+        unknown = sorted(set(method.parameters) - set(declared))
+        if unknown:
+            text = ", ".join(unknown)
+            raise TypeError(f"{owner}: a rule is about undeclared parameters: {text}")
+
+
 def _is_ordinary(item: object) -> bool:
     """Tell whether a class has this for its own use: a method, a property or a class."""
     return isinstance(item, type) or hasattr(item, "__get__")

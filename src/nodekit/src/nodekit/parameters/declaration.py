@@ -27,7 +27,7 @@ from typing import (
     TypeVar,
 )
 
-from nodekit.parameters.class_rules import judge_default, judge_members
+from nodekit.parameters.class_rules import judge_default, judge_members, judge_rules
 from nodekit.parameters.kinds import (
     BoolParameter,
     EnumParameter,
@@ -62,6 +62,7 @@ __all__ = [
 
 Snapshot = TypeVar("Snapshot", bound="ParameterSet")
 Rule = Callable[[Any], None]
+Method = TypeVar("Method", bound=Callable[..., None])
 Kind = TypeVar("Kind", bound=Parameter[Any])
 
 #: Names that no class may declare once more; see :class:`OwnParameters`.
@@ -84,8 +85,12 @@ def read_once(parameter: Kind) -> Kind:
     return parameter
 
 
-def rule(*names: str) -> Callable[[Rule], Rule]:
+def rule(*names: str) -> Callable[[Method], Method]:
     """Mark a method of a :class:`ParameterSet` as a rule across parameters.
+
+    Or one of the node's class, which :meth:`.Maker.parameters` is given: it is called with the
+    snapshot, for rules that need the node, such as those about names. It must be quick, and ask
+    nobody: other changes wait for it.
 
     Where the values do not go together, the method raises :class:`ValueError`
     with a clause that says what must hold, such as "low must be at most high":
@@ -98,7 +103,7 @@ def rule(*names: str) -> Callable[[Rule], Rule]:
     if not names or not all(isinstance(name, str) for name in names):
         raise TypeError("a rule names the parameters that it is about: @rule('low', 'high')")
 
-    def mark(method: Rule) -> Rule:
+    def mark(method: Method) -> Method:
         setattr(method, "parameters", names)
         return method
 
@@ -127,11 +132,7 @@ class ParameterSet:
         for parameter in cls.declared.values():
             parameter.default = judge_default(cls.__name__, parameter)
         cls.rules = [item for item in members.values() if hasattr(item, "parameters")]
-        for method in cls.rules:
-            unknown = sorted(set(getattr(method, "parameters")) - set(cls.declared))
-            if unknown:
-                text = ", ".join(unknown)
-                raise TypeError(f"{cls.__name__}: a rule is about undeclared parameters: {text}")
+        judge_rules(cls.__name__, cls.rules, cls.declared)
 
     def __init__(self, **values: Any) -> None:
         unknown = sorted(set(values) - set(self.declared))
@@ -159,10 +160,11 @@ class ParameterSet:
     def as_declared(cls: Type[Snapshot]) -> Snapshot:
         """Return the snapshot of all defaults, one for all nodes that have them in force.
 
-        :raises ParameterError: if the defaults do not go together
+        No rule has judged it yet: where one refuses the defaults, a value must be set.
         """
         if type(cls._as_declared) is not cls:  # it may be that of the class this one is made from
-            cls._as_declared = cls()
+            defaults = {name: item.default for name, item in cls.declared.items()}
+            cls._as_declared = cls.from_coerced(defaults)
         snapshot: Snapshot = cls._as_declared
         return snapshot
 
@@ -181,12 +183,15 @@ class ParameterSet:
             members[name].default = judged.__dict__[name]
         return type(cls.__name__, (cls,), members)
 
-    def broken_rule(self, names: Collection[str]) -> Optional[RuleError]:
+    def broken_rule(
+        self, names: Collection[str], more: Collection[Rule] = ()
+    ) -> Optional[RuleError]:
         """Return the error of the first broken rule, None if all are kept.
 
         :param names: judge by the rules that are about one of these parameters
+        :param more: rules beside those of the class
         """
-        for method in self.rules:
+        for method in (*self.rules, *more):
             about: Tuple[str, ...] = getattr(method, "parameters")
             if not set(about).isdisjoint(names):
                 try:

@@ -3,7 +3,7 @@
 import difflib
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.kinds import MISSING, Parameter, ParameterError, plain, to_wire
 from nodekit.parameters.refusals import RuleError
 
@@ -30,11 +30,14 @@ def accept_each(
     return values, refusals
 
 
-def keep_rules(in_force: Snapshot, values: Mapping[str, Any]) -> Tuple[Snapshot, List[RuleError]]:
+def keep_rules(
+    in_force: Snapshot, values: Mapping[str, Any], rules: Collection[Rule] = ()
+) -> Tuple[Snapshot, List[RuleError]]:
     """Judge values together; a broken rule takes back only the changes that it is about.
 
     :param in_force: the values in force so far
     :param values: a coerced value for each declared name
+    :param rules: rules beside those of the class
     :returns: the values that are left, the same snapshot where none has changed; and the refusals
     """
     current, values = in_force.as_dict(), dict(values)
@@ -42,7 +45,7 @@ def keep_rules(in_force: Snapshot, values: Mapping[str, Any]) -> Tuple[Snapshot,
     refusals: List[RuleError] = []
     while True:
         candidate = in_force.from_coerced(values)
-        broken = candidate.broken_rule(changed)
+        broken = candidate.broken_rule(changed, rules)
         if broken is None:
             return candidate if changed else in_force, refusals
         refusals.append(broken)

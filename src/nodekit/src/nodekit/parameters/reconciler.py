@@ -24,7 +24,7 @@ from typing import (
     Type,
 )
 
-from nodekit.parameters.declaration import ParameterSet, Snapshot
+from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.judging import (
     accept_each,
     corrections,
@@ -117,16 +117,21 @@ class Reconciler(Generic[Snapshot]):
 
     :param declaration: the class that declares the parameters
     :param exempt: names in the namespace that are used but not declared
-    :raises ParameterError: if the defaults do not go together
+    :param rules: rules beside those of the class
 
     :ivar values: the snapshot in force
     """
 
     values: Snapshot
 
-    def __init__(self, declaration: Type[Snapshot], exempt: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        declaration: Type[Snapshot],
+        exempt: Collection[str] = (),
+        rules: Collection[Rule] = (),
+    ) -> None:
         self.values = declaration.as_declared()
-        self._exempt = exempt
+        self._exempt, self._rules = exempt, rules
         self._budget = Budget()
         #: What the server is to hold beside what is in force, or in its place; all else is news.
         self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
@@ -158,6 +163,8 @@ class Reconciler(Generic[Snapshot]):
         seen = Seen(raw, forgotten=True)  # as after a restart: the server holds nothing of ours
         values, refusals = self._judge(seen, now)
         raise_all(refusals)
+        broken = values.broken_rule(values.declared, self._rules)  # the defaults may break one
+        raise_all([broken] if broken is not None else [])
         return self._decide(seen, values, [], now)
 
     def step(self, seen: Seen, now: float) -> Verdict:
@@ -180,7 +187,7 @@ class Reconciler(Generic[Snapshot]):
         :raises ParameterError: names all that is refused
         """
         coerced, refused = accept_each(self.values, changes, missing=self.values.as_dict())
-        values, broken = keep_rules(self.values, coerced)
+        values, broken = keep_rules(self.values, coerced, self._rules)
         raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
         return Verdict(values, corrections(values, on_wire(self.values)), [], {})
 
@@ -227,7 +234,7 @@ class Reconciler(Generic[Snapshot]):
         coerced.update(last_good(self.values, bad | self._still_own(tree, now), seen.pushed))
         if not _is_namespace(seen.raw):
             refused = [ParameterError("", seen.raw, "a namespace with the node's parameters")]
-        values, broken = keep_rules(self.values, coerced)
+        values, broken = keep_rules(self.values, coerced, self._rules)
         return values, [*refused, *broken]
 
     def _still_own(self, tree: Mapping[str, Any], now: float) -> Set[str]:

@@ -88,6 +88,60 @@ def test_brackets_are_needed_inside_too() -> None:
     assert not IntParameter(1, help="").read_once
 
 
+class Gauge(ParameterSet):
+    """Two parameters to be inherited."""
+
+    level = FloatParameter(1.0, help="")
+    is_on = BoolParameter(False, help="")
+
+
+class Mixin:
+    """No class of parameters, but it has a value of that name."""
+
+    is_on = True
+
+
+@pytest.mark.parametrize("value", [True, None, lambda self: True, FloatParameter])
+def test_an_inherited_parameter_is_not_hidden_in_silence(value: Any) -> None:
+    with pytest.raises(TypeError, match=r"^Mine\.is_on\b"):
+        type("Mine", (Gauge,), {"is_on": value})
+
+
+def test_a_hidden_parameter_is_named_with_the_ways_out() -> None:
+    with pytest.raises(TypeError) as caught:
+
+        class Mine(Mixin, Gauge):
+            """The base of its own that comes first hides what the other declares."""
+
+    assert str(caught.value) == (
+        "Mine.is_on = True: hides a parameter: write BoolParameter(…) for another default,"
+        " or property(lambda self: …) to do without"
+    )
+
+
+def test_a_property_takes_an_inherited_parameter_away() -> None:
+    class Without(Gauge):
+        """Always on."""
+
+        is_on = property(lambda self: True)
+
+    class Still(Without):
+        """What its base has taken away stays so."""
+
+    for cls in (Without, Still):
+        assert list(cls.declared) == ["level"]
+        assert cls(level=2.0).replace(level=3.0).is_on is True
+        with pytest.raises(TypeError, match="undeclared parameters: is_on"):
+            cls(is_on=False)
+
+    class Again(Without):
+        """It is declared once more."""
+
+        is_on = BoolParameter(True, help="")
+
+    assert Again(is_on=False).is_on is False
+
+
 def test_what_is_no_rule_of_the_node_s() -> None:
     @rule("other")
     def strange(values: ParameterSet) -> None:

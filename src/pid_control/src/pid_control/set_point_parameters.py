@@ -9,4 +9,4 @@ class SetPointParameters(SignalParameters):
     """All that a signal can be."""
 
     #: It starts by itself, as there is nothing to enable it; no parameter any more.
-    autostart: Any = True
+    autostart: Any = property(lambda self: True)

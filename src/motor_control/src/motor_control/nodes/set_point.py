@@ -26,7 +26,7 @@ class SetPointParameters(SignalParameters):
     #: What the signal source reads; not a parameter here.
     frequency: Any = property(lambda self: self.omega)
     #: The motor decides when the signal starts.
-    autostart: Any = False
+    autostart: Any = property(lambda self: False)
 
 
 class SetPoint:

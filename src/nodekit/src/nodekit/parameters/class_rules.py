@@ -14,7 +14,7 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
     """Judge what a class of parameters has in its own body.
 
     Names with an underscore before them are the class's own business, unless they are parameters.
-    A value in place of a parameter that is inherited takes that away.
+    A property in place of a parameter that is inherited takes that away; nothing else does.
 
     :param cls: the class
     :param taken: what the base of all these classes has
@@ -22,6 +22,7 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
     :raises TypeError: if something is no parameter but looks like one, or is hidden by another
     :raises ValueError: if a parameter has a name that ROS does not allow
     """
+    _judge_inherited(cls)
     found: Dict[int, str] = {}
     for name, item in list(vars(cls).items()):
         where = f"{cls.__name__}.{name}"
@@ -46,6 +47,26 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
         if not name.startswith("_") and name not in taken and not hasattr(cls, name):
             advice = f"write {name} = FloatParameter(1.0, help=…) or another kind"
             raise TypeError(f"{cls.__name__}.{name}: a type alone declares nothing: {advice}")
+
+
+def _judge_inherited(cls: type) -> None:
+    """Refuse what would take an inherited parameter away without a word.
+
+    It may come from a base that declares no parameters, too.
+    """
+    inherited = {
+        name: item
+        for base in cls.__mro__[1:]
+        for name, item in vars(base).items()
+        if isinstance(item, Parameter)
+    }
+    for name, parameter in inherited.items():
+        item = inspect.getattr_static(cls, name)
+        is_kind = isinstance(item, type) and issubclass(item, Parameter)  # refused below, in words
+        if not (isinstance(item, (Parameter, property)) or is_kind):
+            kind = f"{type(parameter).__name__}(…)"
+            advice = f"write {kind} for another default, or property(lambda self: …) to do without"
+            raise TypeError(f"{cls.__name__}.{name} = {item!r:.40}: hides a parameter: {advice}")
 
 
 def judge_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -> None:

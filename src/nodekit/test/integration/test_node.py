@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
 """A Node on a real master: when its callbacks begin, who excludes whom, what closing leaves."""
 
+import contextlib
 import gc
 import itertools
 import linecache
 import math
 import os
+import signal
 import threading
 import time
 import tracemalloc
 import unittest
+from queue import Queue
 from typing import Any, Callable, List, Tuple
 from unittest import mock
 
@@ -19,7 +22,10 @@ from rosgraph_msgs.msg import Log, TopicStatistics
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from nodekit.executors import SingleThreadedExecutor
+from nodekit.managed.managed_node import ManagedNode
 from nodekit.node.legal_names import IllegalName
 from nodekit.node.names import Names
 from nodekit.node.node import Node
@@ -395,6 +401,107 @@ class Callbacks(OnMaster):
         node.start()
         publisher.publish("x")
         wait_until(lambda: len(calls) > 5, lambda: str(calls))
+
+
+class Forks(OnMaster):
+    """A child that is forked in a callback ends with it, and nothing of its parent's."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.children: "Queue[int]" = Queue()
+
+    def fork(self, *_: Any) -> Any:
+        """Have a child that does what the test says."""
+        child = os.fork()
+        if not child:
+            print("a child")
+            return self.in_child()
+        self.addCleanup(end, child)
+        self.children.put(child)
+        return TriggerResponse(True, str(child))
+
+    def in_child(self) -> Any:
+        return None
+
+    def assert_child_ends(self, status: int) -> None:
+        child = self.children.get(timeout=TIMEOUT_S)
+        ended: List[int] = []
+
+        def has_ended() -> bool:
+            pid, how = os.waitpid(child, os.WNOHANG)
+            ended.extend([os.WEXITSTATUS(how)] if pid else [])
+            return bool(pid)
+
+        wait_until(has_ended, lambda: "the child lives on")
+        self.assertEqual(ended, [status])
+
+    def test_wherever_it_is_forked(self) -> None:
+        node, managed = self.node(), self.node("managed")
+        executor = SingleThreadedExecutor()
+        self.addCleanup(executor.shutdown)
+        executing = self.node("executing")
+        executor.add_node(executing)
+        test = self
+
+        class Managed(ManagedNode):
+            def on_configure(self, made: Any) -> None:
+                test.fork()
+
+        Managed(managed)
+        node.subscribe("topic", String, self.fork)
+        node.service("ask", Trigger, self.fork)
+        executing.subscribe("executed", String, self.fork)
+        node.follow("key", lambda value: self.fork() if value else None)
+        for each in (node, managed, executing):
+            each.start()
+        plain, executed = self.publisher("topic"), self.publisher("executed")
+        for publisher in (plain, executed):
+            wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
+        configure = Transition(0, "configure")
+        for number, start in enumerate(
+            (
+                lambda: plain.publish("x"),
+                lambda: executed.publish("x"),
+                lambda: rospy.ServiceProxy(self.space + "/ask", Trigger)(),
+                lambda: self.server.set(self.space + "/key", 1),
+                lambda: node.every(0.01, self.fork),
+                lambda: rospy.ServiceProxy(self.space + "/managed/change_state", ChangeState)(
+                    configure
+                ),
+            )
+        ):
+            with self.subTest(number):
+                start()
+                self.assert_child_ends(0)
+
+    def test_its_status_tells_how(self) -> None:
+        node = self.node()
+        node.service("ask", Trigger, self.fork)
+        node.start()
+        for raised, status in (
+            (SystemExit(3), 3),
+            (SystemExit(), 0),
+            (SystemExit("a text"), 1),
+            (ValueError("on purpose"), 1),
+            (rospy.ServiceException("on purpose"), 1),
+        ):
+            with self.subTest(repr(raised)):
+
+                def in_child(error: BaseException = raised) -> None:
+                    raise error
+
+                self.in_child = in_child  # type: ignore[method-assign]
+                self.assertTrue(rospy.ServiceProxy(self.space + "/ask", Trigger)().success)
+                self.assert_child_ends(status)
+        # The parent goes on, and is known.
+        self.assertEqual([name for name, _ in self.registered()], [self.space + "/ask"])
+
+
+def end(child: int) -> None:
+    """End a child that is left over."""
+    with contextlib.suppress(ProcessLookupError, ChildProcessError):
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
 
 
 class Texts(OnMaster):

@@ -23,6 +23,7 @@ from nodekit.lifecycle_states import (
 from nodekit.managed.gate import Gate
 from nodekit.managed.machine import Machine
 from nodekit.managed.stage import Stage
+from nodekit.node import forked
 from nodekit.node.lifetime import Lifetime
 
 #: What a callback may return: nothing and True are success, False is failure.
@@ -92,12 +93,12 @@ class Lifecycle:
         name = f"{self._node.name}: {callback.__name__}"
         try:
             if state not in (CONFIGURING, ACTIVATING):
-                outcome = _outcome(callback())
+                outcome = _outcome(forked.call(callback))
             else:
                 made_at = "configure" if state == CONFIGURING else "activate"
                 stage = self._node.own(Stage(self._node, self._gate, made_at))
                 self._stages.append(stage)
-                outcome = _outcome(callback(stage))
+                outcome = _outcome(forked.call(callback, stage))
                 if outcome is Outcome.SUCCESS:
                     # What is opened may hear a message, and answer it, at once.
                     self._gate.let_publish(state == ACTIVATING)

@@ -12,6 +12,7 @@ from nodekit.groups.groups import Group, Outside
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
 from nodekit.messaging.throttle import Throttle
+from nodekit.node import forked
 
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
@@ -79,7 +80,7 @@ class Callback:
         group.enter()
         try:  # in the steps of call_inside, which each message would else call once more
             if not self.closed:
-                self.function(*arguments)
+                forked.call(self.function, *arguments)
         except BaseException:
             self.failures.record(self.what, self.closed)
         finally:
@@ -92,7 +93,7 @@ class Callback:
         """
         try:
             if not self.closed:
-                self.function(*arguments)
+                forked.call(self.function, *arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
             self.failures.record(self.what, self.closed)
 
@@ -142,7 +143,7 @@ class Answering(Callback):
         if self.closed:
             raise rospy.ServiceException(f"{self.what} is closed")
         try:
-            return self.function(request)
+            return forked.call(self.function, request)
         except rospy.ServiceException:
             raise
         except BaseException as error:  # SystemExit too: the client would wait for its answer

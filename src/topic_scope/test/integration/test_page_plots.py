@@ -67,6 +67,16 @@ class Plots(PageTest):
             lambda: self.cell(SIGNAL, "vpp") < 3.3 and math.isnan(self.cell(SIGNAL, "frequency")),
             lambda: self.browser.text("#legend"),
         )
+        self.wait_certainty("frequency", "not measurable: there are not two periods of it")
+        self.wait_certainty("min", "")
+
+    def wait_certainty(self, figure: str, wanted: str) -> None:
+        """Wait until the table says how sure a figure of the signal is, or why there is none."""
+        cell = f"#legend tr[data-field='{SIGNAL}'] [data-cell={figure}]"
+        wait_until(
+            lambda: self.browser.find(cell).get_attribute("title") == wanted,
+            lambda: self.browser.find(cell).get_attribute("title"),
+        )
 
     def drawn(self) -> str:
         """Return what is painted in place of the plot over time."""

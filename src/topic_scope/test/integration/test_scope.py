@@ -148,6 +148,14 @@ class Signals(ScopeTest):
         )["traces"]["/signal/signal_y"]
         self.assertAlmostEqual(found["rate"], 100.0, delta=10.0)
         self.assertAlmostEqual(found["max"], 2.0, delta=0.01)
+        self.assertLess(abs(found["frequency"] - 1.0), found["uncertainty"]["frequency"])
+        page.send("view", window=1.0, width=500, end=None)
+        page.wait_for(
+            "stats",
+            lambda stats: stats["traces"]["/signal/signal_y"]["unmeasurable"]
+            == {"frequency": "there are not two periods of it"},
+        )
+        page.send("view", window=2.0, width=500, end=None)
         edge = {"field": "/signal/signal_y", "level": 0.5, "edge": "falling"}
         page.send("trigger", mode="single", number=5, **edge)
         # That it is armed is told only where the first look finds nothing.

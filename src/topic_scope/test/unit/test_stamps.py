@@ -95,7 +95,7 @@ def test_the_samples_of_a_trace_stand_at_their_stamps_and_in_phase(delays: List[
     times, values = recorded(delays).samples(0.0, 2000.0)
     check(times, values)
     turned = phase((times, values), (numpy.array(STAMPS), truth(numpy.array(STAMPS))), math.inf)
-    assert turned == pytest.approx(0.0, abs=360.0 * SINE_HZ * PERIOD_S)
+    assert turned.value == pytest.approx(0.0, abs=360.0 * SINE_HZ * PERIOD_S)
 
 
 @late

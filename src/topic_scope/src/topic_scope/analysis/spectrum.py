@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.analysis.statistics import longest_stretch
+from topic_scope.analysis.crossings import longest_stretch
 
 #: Windows by name: the amplitudes of their cosines, and how far a peak reaches, lines.
 WINDOWS: Dict[str, Tuple[Tuple[float, ...], int]] = {

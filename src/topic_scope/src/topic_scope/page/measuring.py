@@ -76,12 +76,16 @@ def _measured(
         late = trace.latency(*span)
         told["latency"] = float(numpy.median(late)) if len(late) else None
         told["latency_max"] = float(late.max()) if len(late) else None
-    told.update(measure(*samples, trace.longest_step))
-    if wanted.shapes:
-        told.update(measurements.figures(*samples, trace.longest_step))
+    told.update(measure(*samples))
+    found = measurements.figures(*samples, trace.longest_step, wanted.shapes)
     if wanted.against:
         reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
-        told["phase"] = measurements.phase(samples, reference, longest)
+        found["phase"] = measurements.phase(samples, reference, longest)
+    told.update({key: figure.value for key, figure in found.items()})
+    told["uncertainty"] = {
+        key: figure.uncertainty for key, figure in found.items() if figure.value is not None
+    }
+    told["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
     # By reception: what is late is not silent.
     quiet, usual = trace.silence(now), trace.longest_step
     silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)

@@ -62,6 +62,15 @@ export function setText(element, text) {
 }
 
 /**
+ * Set what is said of an element beside it, and touch the document only where that differs.
+ * @param {HTMLElement} element
+ * @param {string} text
+ */
+export function setTitle(element, text) {
+  if (element.title !== text) element.title = text;
+}
+
+/**
  * Set whether a toggle button is pressed.
  * @param {Element} button
  * @param {boolean} down

@@ -1,10 +1,10 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
-import { byId, make, nameText, setPressed, setText } from "../base/dom.js";
+import { byId, make, nameText, setPressed, setText, setTitle } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { scaledText } from "../state/traces.js";
-import { shownFigures, VALUES } from "../measure/measures.js";
+import { certainty, shownFigures, VALUES } from "../measure/measures.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
 import { timestampChoice } from "./timestamp_source.js";
 
@@ -164,6 +164,7 @@ export class Legend {
       for (const [key] of this.figures) {
         const value = key === "mean" && largest ? mean : measured[key];
         setText(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
+        setTitle(cells.get(key), certainty(measured, key));
       }
     }
     if (this.isTooWide) this.fit(); // as numbers have become longer

@@ -3,6 +3,7 @@
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
+import { certainty } from "./measures.js";
 
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
@@ -22,7 +23,9 @@ export function inWords(values, fields, traces) {
     const { silent, min, max, mean, value, vpp, frequency } = measured;
     if (!Number.isFinite(min)) return silent ? `no data for ${Math.floor(silent)} s` : "no data";
     const [low, high, middle, latest] = [min, max, mean, value].map((level) => figure(level, 5, vpp));
-    const wave = Number.isFinite(frequency) ? `, ${figure(frequency, 4)} Hz` : "";
+    const sure = certainty(measured, "frequency");
+    const wave = Number.isFinite(frequency) ? `, ${figure(frequency, 4)} ${sure} Hz`
+      : sure && `, frequency ${sure}`;
     return `from ${low} to ${high}, mean ${middle}, latest ${latest}${wave}`;
   };
   const until = end === null ? "until now" : `until ${new Date(end * 1000).toISOString().slice(11, 19)} UTC, paused`;

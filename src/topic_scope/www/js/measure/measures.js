@@ -1,6 +1,7 @@
 /** What is measured of the traces: which figures, of which span of time, against which trace. */
 
 import { byId, make, options } from "../base/dom.js";
+import { figure } from "../base/numbers.js";
 
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
@@ -27,6 +28,19 @@ export const VALUES = ["value", "min", "max", "mean", "rms"];
 const SHAPES = ["rise", "overshoot", "settling", "duty"];
 const LATENCIES = ["latency", "latency_max"];
 const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
+
+/**
+ * Say how sure a figure is, or why it cannot be measured.
+ * @param {Object} measured what is measured of a trace
+ * @param {string} key of the figure
+ * @returns {string} empty for what is exact, or not there
+ */
+export function certainty({ uncertainty, unmeasurable }, key) {
+  const reason = unmeasurable?.[key];
+  if (reason) return `not measurable: ${reason}`;
+  const unsure = uncertainty?.[key];
+  return unsure > 0 ? `± ${figure(unsure, 2)}` : "";
+}
 
 /** The figures that are to be seen, in their order. */
 export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures.figures.includes(key));

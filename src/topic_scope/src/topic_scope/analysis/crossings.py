@@ -1,0 +1,51 @@
+"""When a trace crosses a level, and where it has no gap."""
+
+import numpy
+
+
+def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float) -> numpy.ndarray:
+    """Return where a trace crosses a level upwards.
+
+    It has crossed the level between the last sample that is surely below and the first one that is
+    surely above.
+
+    :param times: ascending, s
+    :param values: finite
+    :param level: the level
+    :param band: how far from the level a sample is surely below or above
+    :returns: three rows: when, s; how far off that may be, s; and how far it is from the sample
+        before to the one behind, in the unit of the values
+    """
+    side = (values > level + band).astype(numpy.int8) - (values < level - band)
+    sure = numpy.flatnonzero(side)
+    is_rise = (side[sure[:-1]] < 0) & (side[sure[1:]] > 0)
+    departures, arrivals = sure[:-1][is_rise], sure[1:][is_rise]
+    # Of all samples on the way, the last one before the level and the one behind it.
+    indices = numpy.where(values < level, numpy.arange(len(values)), 0)
+    last = numpy.maximum.accumulate(indices)[arrivals]
+    jumps = values[last + 1] - values[last]
+    moments = times[last] + (level - values[last]) / jumps * (times[last + 1] - times[last])
+    doubts = numpy.maximum(moments - times[departures], times[arrivals] - moments)
+    return numpy.array([moments, doubts, jumps])
+
+
+def stretches(times: numpy.ndarray, longest: float) -> numpy.ndarray:
+    """Return which stretch without a gap each sample is of, counted from 0.
+
+    :param times: ascending, s
+    :param longest: a gap is longer than this, s
+    """
+    first = numpy.zeros(min(len(times), 1), numpy.int64)
+    return numpy.concatenate([first, numpy.cumsum(numpy.diff(times) > longest)])
+
+
+def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
+    """Return which samples are the longest part of a trace without a gap.
+
+    :param times: ascending, s
+    :param longest: a gap is longer than this, s
+    """
+    ends = numpy.flatnonzero(numpy.diff(times) > longest) + 1
+    limits = numpy.concatenate([[0], ends, [len(times)]])
+    best = int(numpy.argmax(numpy.diff(limits)))
+    return slice(int(limits[best]), int(limits[best + 1]))

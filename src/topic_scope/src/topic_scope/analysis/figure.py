@@ -1,0 +1,42 @@
+"""A figure that is measured: its value and how far off it may be, or why it cannot be measured."""
+
+import math
+from typing import NamedTuple, Optional
+
+
+class Figure(NamedTuple):
+    """What is measured.
+
+    :param value: in the unit of the figure; None where it cannot be measured
+    :param uncertainty: how far off the value may be, in the same unit
+    :param reason: why it cannot be measured, in words
+    """
+
+    value: Optional[float]
+    uncertainty: float = 0.0
+    reason: str = ""
+
+
+def unmeasurable(reason: str) -> Figure:
+    """Return the figure of what cannot be measured.
+
+    :param reason: why, in words
+    """
+    return Figure(None, 0.0, reason)
+
+
+def measured(value: float, uncertainty: float) -> Figure:
+    """Return a figure, or that it is beyond all numbers."""
+    if not math.isfinite(value) or not math.isfinite(uncertainty):
+        return unmeasurable("the numbers are too large")
+    return Figure(value, uncertainty)
+
+
+def between(low: float, high: float, more: float = 0.0) -> Figure:
+    """Return the figure that lies between two values.
+
+    :param low: the one
+    :param high: the other one
+    :param more: how far beyond these it may lie
+    """
+    return measured(low + (high - low) / 2.0, abs(high - low) / 2.0 + more)

@@ -1,0 +1,193 @@
+"""How often a trace repeats itself, and whether it does at all.
+
+A candidate for the period is the mean time between crossings of the mean, up to some times that, or
+the strongest line of the spectrum. It is one if the trace repeats itself: samples in the same part
+of different periods are alike. So does phase dispersion minimisation (Stellingwerf, 1978). The
+statistic is half of the mean square of their differences over the variance: near 0 for what repeats
+itself, and near 1 for noise. It needs neither even times nor a certain shape.
+"""
+
+import math
+from typing import NamedTuple, Tuple
+
+import numpy
+
+from topic_scope.analysis.crossings import longest_stretch, rises, stretches
+from topic_scope.analysis.figure import Figure, measured, unmeasurable
+from topic_scope.analysis.spectrum import peaks, spectrum
+
+#: A trace has to leave its mean by this part of its range before a crossing of the mean counts:
+#: noise on it makes no periods.
+HYSTERESIS = 0.1
+#: A period may have up to so many crossings, if it repeats itself better by this factor then.
+_MOST_CROSSINGS, _BETTER = 4, 0.2
+#: So many parts of a period may be mixed, as those with the edges of a square wave.
+_MIXED = 3.0
+#: What repeats itself has less than this of the statistic: so much of its power is noise.
+_NOISE = 0.4
+#: Of less than so many periods, less than this: what is smooth looks like itself by chance.
+_FEW, _CLEARLY = 3.0, 0.12
+#: From so many crossings on, their own spread says how sure they are.
+_SEVERAL = 6
+#: Into how many parts a period is divided; so many samples are in each at least.
+_PARTS, _LEAST = 40, 5
+#: Most samples that are compared, and most of which there is a spectrum.
+_COMPARED, _LATEST = 2000, 1 << 12
+
+STANDS = unmeasurable("it does not change")
+TOO_SHORT = unmeasurable("there are not two periods of it")
+NO_PERIOD = unmeasurable("it does not repeat itself: noise, or no steady frequency")
+
+
+class _Comparison(NamedTuple):
+    """How much alike the periods of a trace are.
+
+    :param noise: the statistic: 0 for what repeats itself, 1 for noise
+    :param limit: below this it is no noise, as far as so many samples can show
+    :param mixed: below this it may be from edges
+    :param cycles: how many periods there are
+    """
+
+    noise: float
+    limit: float
+    mixed: float = 0.0
+    cycles: float = 0.0
+
+
+def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf) -> Figure:
+    """Measure how often a trace repeats itself in a second.
+
+    :param times: ascending, s
+    :param values: finite, and of moderate size
+    :param longest: how far apart samples of one line may be, s: no period is across a gap
+    :returns: the frequency, Hz
+    """
+    if len(values) < 3 or not values.min() < values.max():
+        return STANDS
+    pieces = stretches(times, longest)
+    crossings = _crossings(times, values)
+    after = numpy.minimum(numpy.searchsorted(times, crossings[0], "right"), len(times) - 1)
+    piece_of, is_whole = pieces[after], pieces[after] == pieces[after - 1]
+    crossings, piece_of = crossings[:, is_whole], piece_of[is_whole]  # none is within a gap
+    best, noise = TOO_SHORT if crossings.shape[1] < 2 else NO_PERIOD, 1.0
+    for count in range(1, _MOST_CROSSINGS + 1):
+        every = slice(None, None, count)
+        period = _period(crossings[:, every], piece_of[every], times)
+        if period.value is None:
+            break
+        begins = _begins(crossings[0, every], piece_of[every], int(pieces[-1]) + 1)
+        found = _compared(times - begins[pieces], values, period.value)
+        # What has several crossings has to repeat itself much better than from one to the next.
+        limit = found.limit if count == 1 else min(found.limit, _CLEARLY, _BETTER * noise)
+        if found.noise < limit and (count == 1 or found.cycles > _FEW):
+            best = measured(1.0 / period.value, period.uncertainty / period.value**2)
+        elif count == 1:  # where crossings are missing, as of few samples, the spectrum knows more
+            best = _strongest_line(times, values, longest)
+        noise = min(noise, found.noise)
+        if best.value is not None and (noise < found.mixed or count > 1):
+            break
+    return best
+
+
+def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _Comparison:
+    """Compare the samples in the same parts of different periods.
+
+    :param places: times of the samples since the begin of a period, s; NaN where it is unknown
+    :param values: the samples
+    :param period: length of the period, s
+    """
+    turns = places / period
+    some = numpy.flatnonzero(numpy.isfinite(turns))
+    some = some[:: -(-len(some) // _COMPARED) or 1]
+    # Mixed, so that not only each period and the next are compared, but any two.
+    some = numpy.random.RandomState(0).permutation(some)
+    turns, values = turns[some], values[some]
+    if not len(some) or not values.min() < values.max():
+        return _Comparison(1.0, 0.0)
+    cycles = numpy.floor(turns)
+    count = min(_PARTS, 1 + len(some) // _LEAST)
+    parts = numpy.floor((turns - cycles) * count)
+    order = numpy.argsort(parts, kind="stable")
+    compared = (numpy.diff(parts[order]) == 0.0) & (numpy.diff(cycles[order]) != 0.0)
+    steps = numpy.diff(values[order])[compared]
+    if not len(steps):
+        return _Comparison(1.0, 0.0)
+    limit = _NOISE - 2.0 / math.sqrt(len(steps))
+    cycles_seen = float(turns.max() - turns.min())
+    if cycles_seen < _FEW:
+        limit = min(limit, _CLEARLY)
+    noise = float(numpy.square(steps).mean() / values.var()) / 2.0
+    return _Comparison(noise, limit, _MIXED / count, cycles_seen)
+
+
+def _crossings(times: numpy.ndarray, values: numpy.ndarray) -> numpy.ndarray:
+    """Return where a trace crosses its mean upwards, or downwards, as :func:`.rises` does.
+
+    The last row is a part of the whole range.
+    """
+    low, high = values.min(), values.max()
+    band = HYSTERESIS * (high - low)
+    # Short pulses leave a mean that is close to where they come from on one side only.
+    level = min(max(values.mean(), low + 2 * band), high - 2 * band)
+    found = rises(times, values, level, band)
+    if found.shape[1] < 2:  # of two periods, one may begin too close to an end to be seen
+        found = rises(times, -values, -level, band)
+    found[2] /= high - low
+    return found
+
+
+def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray, times: numpy.ndarray) -> Figure:
+    """Return the mean time from one crossing to the next one of the same piece, s."""
+    moments, doubts, jumps = crossings
+    length, weights = _slope(moments, piece_of)
+    if not length > 0.0:  # the stamps of a simulation that stands are the same
+        return TOO_SHORT
+    doubt, drift = float(doubts.max()), 0.0
+    if len(moments) >= _SEVERAL:
+        rest = _within(moments - length * numpy.arange(len(moments)), piece_of)
+        spread = math.sqrt(float(numpy.square(rest).sum()) / (len(moments) - 2))
+        # An edge may be anywhere between two samples, what is smooth is on a line between them.
+        aside = float(numpy.median(numpy.diff(times)) * numpy.median(jumps)) / 2.0
+        doubt = min(doubt, aside + 3.0 * spread)
+        half = len(moments) // 2
+        parts = [_slope(moments[one], piece_of[one])[0] for one in (slice(half), slice(half, None))]
+        drift = abs(parts[1] - parts[0])
+    return measured(length, doubt * float(numpy.abs(weights).sum()) + drift)
+
+
+def _slope(moments: numpy.ndarray, piece_of: numpy.ndarray) -> Tuple[float, numpy.ndarray]:
+    """Return the period that fits crossings best, s, and what weight each crossing has."""
+    apart = _within(numpy.arange(float(len(moments))), piece_of)
+    total = float(numpy.square(apart).sum())
+    weights = apart / total if total else apart
+    # From the first one on: of times since the epoch, sums would keep few digits.
+    return float((weights * (moments - moments[:1])).sum()), weights
+
+
+def _within(numbers: numpy.ndarray, piece_of: numpy.ndarray) -> numpy.ndarray:
+    """Return numbers less the mean of those of the same piece."""
+    _, group = numpy.unique(piece_of, return_inverse=True)
+    counts = numpy.bincount(group)
+    less: numpy.ndarray = (numpy.bincount(group, numbers) / numpy.maximum(counts, 1))[group]
+    return numbers - less
+
+
+def _begins(moments: numpy.ndarray, piece_of: numpy.ndarray, count: int) -> numpy.ndarray:
+    """Return the first crossing of each piece, s; NaN where there is none."""
+    begins = numpy.full(count, math.nan)
+    begins[piece_of[::-1]] = moments[::-1]
+    return begins
+
+
+def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Figure:
+    """Return the frequency of the strongest sine, if the trace repeats itself so often, Hz."""
+    part = longest_stretch(times, longest)
+    times, values = times[part], values[part]
+    lines = spectrum(times[-_LATEST:], values[-_LATEST:])
+    strongest = peaks(lines, "hann", 1) if lines is not None else []
+    if not strongest or strongest[0].uncertainty is None:
+        return NO_PERIOD
+    found = _compared(times - times[0], values, 1.0 / strongest[0].frequency)
+    if found.noise >= found.limit:
+        return NO_PERIOD
+    return measured(strongest[0].frequency, strongest[0].uncertainty)

@@ -1,0 +1,198 @@
+"""Two hundred signals whose figures are known: what is measured of them has to be true."""
+
+import math
+from typing import Callable, Dict, List, NamedTuple, Tuple
+
+import numpy
+
+from topic_scope.analysis.ring import Ring
+
+EPOCH = 1.7e9
+#: How many there are of each kind.
+COUNTS = {
+    "sine": 60,
+    "square": 35,
+    "step": 35,
+    "noise": 20,
+    "chirp": 20,
+    "gap": 15,
+    "late": 15,
+}
+
+
+class Signal(NamedTuple):
+    """Samples, and the truth about them.
+
+    :param kind: one of :data:`COUNTS`
+    :param times: ascending, s
+    :param values: the samples
+    :param longest: how far apart samples of one line may be, s
+    :param truth: by name of the figure; what is not in there is not to be measured
+    :param sigma: standard deviation of the noise on it, as a part of its height
+    """
+
+    kind: str
+    times: numpy.ndarray
+    values: numpy.ndarray
+    longest: float
+    truth: Dict[str, float]
+    sigma: float
+
+
+def signals() -> List[Signal]:
+    """Return all of them, the same ones each time."""
+    return [
+        _MAKERS[kind](numpy.random.RandomState(1000 * index + number))
+        for index, (kind, count) in enumerate(COUNTS.items())
+        for number in range(count)
+    ]
+
+
+def _scaled(random: numpy.random.RandomState, values: numpy.ndarray) -> numpy.ndarray:
+    """Return values from 0 to 1 in another unit, from somewhere else on."""
+    height = 10.0 ** random.uniform(-3.0, 3.0)
+    return height * (values + random.uniform(-3.0, 3.0))
+
+
+def _noise(random: numpy.random.RandomState) -> float:
+    """Return how much noise there is on a signal of the height 1: on every other one none."""
+    return float(random.choice([0.0, 0.0, 0.002, 0.01, 0.05]))
+
+
+def _even(random: numpy.random.RandomState, hertz: float, least: float = 2.3) -> numpy.ndarray:
+    """Return times at which a signal of some frequency is sampled, for some of its periods."""
+    rate = hertz * math.exp(random.uniform(math.log(least), math.log(200.0)))
+    cycles = random.uniform(2.5, 40.0)
+    return EPOCH + random.uniform(0.0, 1.0) + numpy.arange(0.0, cycles / hertz, 1.0 / rate)
+
+
+def _hertz(random: numpy.random.RandomState) -> float:
+    """Return a frequency, 1 Hz to 1 kHz."""
+    return float(10.0 ** random.uniform(0.0, 3.0))
+
+
+def _sine_at(
+    random: numpy.random.RandomState, times: numpy.ndarray, hertz: float, sigma: float
+) -> "Tuple[numpy.ndarray, Dict[str, float]]":
+    """Return a sine, and what is true of it."""
+    angle, middle = random.uniform(-math.pi, math.pi), random.uniform(-3.0, 3.0)
+    height = 10.0 ** random.uniform(-3.0, 3.0)
+    turns = 2.0 * math.pi * hertz * (times - EPOCH) + angle
+    noise = sigma * random.standard_normal(len(times))
+    values = height * (middle + 0.5 * numpy.sin(turns) + noise)
+    truth = {
+        "frequency": hertz,
+        "rise": math.asin(0.8) / math.pi / hertz,
+        "duty": 50.0,
+        "phase": math.degrees(angle),
+        "amplitude": 0.5 * height,
+    }
+    return values, truth
+
+
+def _sine(random: numpy.random.RandomState) -> Signal:
+    hertz, sigma = _hertz(random), _noise(random)
+    times = _even(random, hertz)
+    values, truth = _sine_at(random, times, hertz, sigma)
+    return Signal("sine", times, values, math.inf, truth, sigma)
+
+
+def _square(random: numpy.random.RandomState) -> Signal:
+    hertz, sigma = _hertz(random), _noise(random)
+    times, part = _even(random, hertz, 12.0), random.uniform(0.2, 0.8)
+    values = (numpy.mod((times - EPOCH) * hertz, 1.0) < part).astype(float)
+    values += sigma * random.standard_normal(len(times))
+    truth = {"frequency": hertz, "rise": 0.0, "overshoot": 0.0, "duty": 100.0 * part}
+    return Signal("square", times, _scaled(random, values), math.inf, truth, sigma)
+
+
+def second_order(times: numpy.ndarray, damping: float, omega: float) -> numpy.ndarray:
+    """Return what a system of second order answers to a step of 1 at 0.
+
+    :param times: s
+    :param damping: below 1
+    :param omega: its frequency without damping, rad/s
+    """
+    after = numpy.maximum(times, 0.0)
+    damped = omega * math.sqrt(1.0 - damping**2)
+    waves = numpy.cos(damped * after) + damping * omega / damped * numpy.sin(damped * after)
+    return 1.0 - numpy.exp(-damping * omega * after) * waves
+
+
+def _step(random: numpy.random.RandomState) -> Signal:
+    damping, omega, sigma = (
+        random.uniform(0.15, 0.95),
+        2.0 * math.pi * _hertz(random),
+        _noise(random),
+    )
+    exact = numpy.linspace(0.0, 8.0 / (damping * omega), 40001)
+    answer = second_order(exact, damping, omega)
+    rise = exact[numpy.argmax(answer >= 0.9)] - exact[numpy.argmax(answer >= 0.1)]
+    settled = exact[numpy.flatnonzero(numpy.abs(answer - 1.0) > 0.02)[-1]]
+    left = exact[numpy.argmax(answer > 0.02)]
+    spacing = rise / random.uniform(2.0, 60.0)
+    length = random.uniform(0.5, 3.0) * (settled - left)
+    begin = -random.uniform(4.0, 60.0) * spacing
+    since = numpy.arange(begin, settled + length, spacing)
+    values = second_order(since, damping, omega) + sigma * random.standard_normal(len(since))
+    truth = {
+        "rise": rise,
+        "overshoot": 100.0 * math.exp(-math.pi * damping / math.sqrt(1.0 - damping**2)),
+        "settling": settled - left,
+    }
+    if random.uniform() < 0.5:
+        values = 1.0 - values
+    return Signal("step", EPOCH + since, _scaled(random, values), math.inf, truth, sigma)
+
+
+def _only_noise(random: numpy.random.RandomState) -> Signal:
+    count = int(random.randint(50, 4000))
+    values = random.choice([random.standard_normal, random.uniform])(size=count)
+    times = EPOCH + numpy.arange(count) / _hertz(random)
+    return Signal("noise", times, _scaled(random, values), math.inf, {}, 1.0)
+
+
+def _chirp(random: numpy.random.RandomState) -> Signal:
+    first = _hertz(random)
+    last = first * random.uniform(1.5, 10.0)
+    length = random.uniform(10.0, 40.0) / first
+    since = numpy.arange(0.0, length, 1.0 / (last * random.uniform(2.5, 50.0)))
+    turns = 2.0 * math.pi * (first * since + (last - first) / length / 2.0 * since**2)
+    values = numpy.sin(turns + random.uniform(0.0, 6.0))
+    return Signal("chirp", EPOCH + since, _scaled(random, values), math.inf, {}, 0.0)
+
+
+def _gap(random: numpy.random.RandomState) -> Signal:
+    hertz, sigma = _hertz(random), _noise(random)
+    times = _even(random, hertz, 5.0)
+    step, length = times[1] - times[0], times[-1] - times[0]
+    begin = times[0] + random.uniform(0.1, 0.8) * length
+    times = times[
+        (times < begin) | (times > begin + max(random.uniform(0.1, 0.5) * length, 6 * step))
+    ]
+    values, truth = _sine_at(random, times, hertz, sigma)
+    return Signal("gap", times, values, 5.0 * step, truth, sigma)
+
+
+def _late(random: numpy.random.RandomState) -> Signal:
+    """Return a signal whose messages come late, and not in their order."""
+    hertz, sigma = _hertz(random), _noise(random)
+    times = _even(random, hertz)
+    values, truth = _sine_at(random, times, hertz, sigma)
+    received = times + random.uniform(0.0, 2.0 / hertz, len(times))
+    ring, order = Ring(1e6), received.argsort()
+    for some in numpy.array_split(order, max(len(order) // 7, 1)):
+        ring.append(times[some], values[some], received[some])
+    times, values, _ = ring.between(-math.inf, math.inf).copy()
+    return Signal("late", times, values, math.inf, truth, sigma)
+
+
+_MAKERS: Dict[str, Callable[[numpy.random.RandomState], Signal]] = {
+    "sine": _sine,
+    "square": _square,
+    "step": _step,
+    "noise": _only_noise,
+    "chirp": _chirp,
+    "gap": _gap,
+    "late": _late,
+}

@@ -68,7 +68,8 @@ def test_what_is_computed_begins_with_the_second_message() -> None:
     assert rows(columns, samples) == [
         ["time", "/x/data.derivative", "/x/data"],
         ["0.000000000", "", "1.0"],
-        ["2.000000000", "2.0", "5.0"],
+        ["1.000000000", "2.0", ""],
+        ["2.000000000", "", "5.0"],
     ]
 
 

@@ -9,6 +9,7 @@ from bags import first_messages
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from topic_scope.analysis.measurements import phase
 from topic_scope.bag.bag_columns import choose
 from topic_scope.messages.derived import FUNCTIONS, make, parts
 from topic_scope.messages.fields import FieldError, expand, parted
@@ -18,30 +19,55 @@ from geometry_msgs.msg import PoseStamped, Quaternion  # isort: skip
 cuts = st.lists(st.integers(0, 400), max_size=6)
 
 
+def samples_of(
+    name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int], longest: float = math.inf
+) -> numpy.ndarray:
+    """Return times and values of what is computed of samples that come in parts."""
+    function, edges = make(name), [0] + sorted(cuts) + [len(times)]
+    found = [function(times[a:b], rows[:, a:b], longest) for a, b in zip(edges, edges[1:]) if a < b]
+    return numpy.concatenate(found, axis=1)
+
+
 def computed(
     name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int]
 ) -> numpy.ndarray:
-    """Return what is computed of samples that come in parts."""
-    function, edges = make(name), [0] + sorted(cuts) + [len(times)]
-    found = [function(times[a:b], rows[:, a:b]) for a, b in zip(edges, edges[1:]) if a < b]
-    return numpy.concatenate(found)
+    """Return the values of what is computed of samples that come in parts."""
+    values: numpy.ndarray = samples_of(name, times, rows, cuts)[1]
+    return values
 
 
 @given(cuts, st.floats(0.1, 20.0))
 @settings(max_examples=30)
 def test_a_derivative_is_the_slope(cuts: List[int], omega: float) -> None:
     times = 1.7e9 + numpy.arange(400) / 1024.0
-    found = computed("derivative", times, numpy.sin(omega * (times - 1.7e9))[None], cuts)
+    values = numpy.sin(omega * (times - 1.7e9))[None]
+    made, found = samples_of("derivative", times, values, cuts)
     middles = times[1:] - 1.7e9 - 0.5 / 1024.0
-    assert len(found) == len(times) - 1
+    assert (made - 1.7e9).tolist() == middles.tolist()
     assert found == pytest.approx(omega * numpy.cos(omega * middles), abs=omega**3 / 1e6 + 1e-6)
     steps = computed("difference", times, numpy.arange(400.0)[None] ** 2, cuts)
     assert steps.tolist() == [2 * index + 1 for index in range(399)]
 
 
+@pytest.mark.parametrize("hertz", [1.0, 10.0, 30.0])
+def test_a_derivative_is_a_quarter_of_a_turn_ahead(hertz: float) -> None:
+    times = 1.7e9 + numpy.arange(1000) / 100.0
+    values = numpy.sin(2.0 * math.pi * hertz * times)
+    ahead = phase(tuple(samples_of("derivative", times, values[None], [])), (times, values))
+    assert ahead.value == pytest.approx(90.0, abs=0.1)
+
+
+def test_a_gap_has_no_derivative() -> None:
+    times, values = numpy.array([1.0, 2.0, 9.0, 10.0]), numpy.arange(4.0)[None]
+    made, found = samples_of("derivative", times, values, [], longest=5.0)
+    assert made.tolist() == [1.5, 5.5, 9.5]
+    assert found[0] == 1.0 and numpy.isnan(found[1]) and found[2] == 1.0
+
+
 def test_what_is_late_is_no_step() -> None:
     times, values = numpy.array([1.0, 2.0, 2.0, 1.5, 3.0]), numpy.arange(5.0)[None]
-    found = computed("derivative", times, values, [2])
+    made, found = samples_of("derivative", times, values, [2])
+    assert made.tolist() == [1.5, 2.0, 1.5, 2.25]
     assert found[0] == 1.0 and numpy.isnan(found[1:3]).all() and found[3] == pytest.approx(1 / 1.5)
 
 
@@ -64,9 +90,9 @@ def test_the_yaw_of_a_quaternion(yaw: float, pitch: float, roll: float, length: 
     )
     quaternion = [sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy]
     quaternion += [cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy]
-    found = make("yaw")(numpy.zeros(1), length * numpy.array(quaternion)[:, None])
+    _, found = make("yaw")(numpy.zeros(1), length * numpy.array(quaternion)[:, None], math.inf)
     assert found[0] == pytest.approx(yaw, abs=1e-6)
-    assert numpy.isnan(make("yaw")(numpy.zeros(1), numpy.zeros((4, 1)))[0])
+    assert numpy.isnan(make("yaw")(numpy.zeros(1), numpy.zeros((4, 1)), math.inf)[1][0])
 
 
 @given(st.sampled_from(FUNCTIONS), st.lists(st.floats(), max_size=30))

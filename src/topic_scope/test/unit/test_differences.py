@@ -174,3 +174,19 @@ def test_frames_add_up_whichever_comes_late(
     if is_forgotten:
         made.forget()
         assert not numpy.size(made.samples(name, 0.0, 1e9))
+
+
+@pytest.mark.parametrize("name", ["/a/data.derivative", "=derivative(/a/data)"])
+def test_a_derivative_stands_in_the_middle_and_says_why_it_jumps(name: str) -> None:
+    source = TimedSource()
+    made = recording(source, name, "/a/data")
+    source.receive("/a", [1.0, 1.5, 1.75, 9.0, 9.5], [0.0, 1.0, 2.0, 0.0, 4.0])
+    source.time = 10.0
+    made.update()
+    times, values = made.samples(name, 0.0, 10.0)
+    assert times.tolist() == [1.25, 1.625, 5.375, 9.25]
+    assert values.tolist()[:2] + values.tolist()[3:] == [2.0, 4.0, 8.0]
+    trace, plain = made.trace(name), made.trace("/a/data")
+    assert trace is not None and plain is not None
+    assert trace.jumps is not None and trace.jumps.startswith("timed by reception")
+    assert plain.jumps is None

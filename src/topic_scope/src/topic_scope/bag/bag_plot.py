@@ -85,12 +85,11 @@ class _Recorded:
                 times.append(times[-1])
                 values.append(math.nan)
             order = numpy.argsort(part, kind="stable")
-            found = function(part[order], rows[:, start : start + len(part)][:, order])
+            own_rows, longest = rows[:, start : start + len(part)], longest_step(path, part[order])
+            made, found = function(part[order], own_rows[:, order], longest)
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
-            # What is computed of two begins with the second.
-            late = len(order) - len(found)
-            part, found = _with_gaps(path, part[order][late:], found)
-            times.extend(part)
+            made, found = _with_gaps(path, made, found)
+            times.extend(made)
             values.extend(found)
             start += len(order)
         return Series(column.name, times, values)

@@ -1,5 +1,6 @@
 """Read columns out of the messages of a bag, and write them to a CSV file."""
 
+import math
 from typing import Any, Iterable, Iterator, List, TextIO
 
 import numpy
@@ -80,21 +81,22 @@ class ColumnReader:
     def cells(self, found: Slice) -> CsvColumn:
         """Return what is written of messages, exactly as it was recorded.
 
-        Rows stand at the stamps where these were named, else at the time of recording.
+        Rows stand at the stamps where these were named, else at the time of recording; those of a
+        derivative in the middle of two messages.
 
         :raises struct.error: if a message is cut off
         """
-        count = len(found.messages)
-        if self.column.function:
-            stamps = self.stamps(found.messages)
-            times = found.times / 1e9 if self._stamp is None else stamps
-            values = self._function(times, self.rows(found.messages)).tolist()
-            # What is computed of two begins with the second.
-            texts = [""] * (count - len(values)) + [repr(value) for value in values]
-        else:
-            texts = list(self._texts(found.messages))
         times = self._stamps_ns(found) if self.is_exact else found.times
-        return CsvColumn(self.column.topic, times, numpy.arange(count), texts)
+        places = numpy.arange(len(found.messages))
+        if not self.column.function:
+            return CsvColumn(self.column.topic, times, places, list(self._texts(found.messages)))
+        own = found.times / 1e9 if self._stamp is None else self.stamps(found.messages)
+        made, values = self._function(own, self.rows(found.messages), math.inf)
+        # What is computed of two begins with the second, and a derivative stands between both.
+        late = len(places) - len(values)
+        before = numpy.nan_to_num(1e9 * (own[late:] - made)).round().astype(numpy.int64)
+        texts = [repr(value) for value in values.tolist()]
+        return CsvColumn(self.column.topic, times[late:] - before, places[late:], texts)
 
     def _stamps_ns(self, found: Slice) -> numpy.ndarray:
         """Return the stamps, ns, and the times of recording where nobody has filled them in."""

@@ -5,9 +5,12 @@ from typing import Callable, Dict, Sequence, Tuple
 
 import numpy
 
-#: Computes a trace, as its samples come: takes their times, s, and a row for each number that is
-#: needed of a message; returns values for the last of these times, for all but perhaps the first.
-Function = Callable[[numpy.ndarray, numpy.ndarray], numpy.ndarray]
+#: Times and values.
+Samples = Tuple[numpy.ndarray, numpy.ndarray]
+#: Computes a trace, as its samples come: takes their times, s, a row for each number that is needed
+#: of a message, and how far apart samples of one line may be, s; returns times and values, for all
+#: samples but perhaps the first.
+Function = Callable[[numpy.ndarray, numpy.ndarray, float], Samples]
 
 #: What has a heading: the names of its fields.
 QUATERNION = ("x", "y", "z", "w")
@@ -29,37 +32,39 @@ def parts(name: str) -> Sequence[Tuple[str, ...]]:
     return [(part,) for part in QUATERNION] if name == "yaw" else [()]
 
 
-def _as_it_is(_times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
-    values: numpy.ndarray = rows[0]
-    return values
+def _as_it_is(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Samples:
+    return times, rows[0]
 
 
-def _yaw(_times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+def _yaw(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Samples:
     """Return how far quaternions turn to the left, rad; they need not be of length 1."""
     x, y, z, w = rows
     turned: numpy.ndarray = numpy.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    return numpy.where((rows == 0.0).all(axis=0), numpy.nan, turned)
+    return times, numpy.where((rows == 0.0).all(axis=0), numpy.nan, turned)
 
 
 class _Steps:
     """Computes something of each sample and the one before.
 
-    :param is_slope: whether that is divided by the time between both
+    :param is_slope: whether that is divided by the time between both, and stands in the middle
     """
 
     def __init__(self, is_slope: bool) -> None:
         self._is_slope = is_slope
         self._last = numpy.empty((2, 0))
 
-    def __call__(self, times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+    def __call__(self, times: numpy.ndarray, rows: numpy.ndarray, longest: float) -> Samples:
         samples = numpy.hstack([self._last, [times, rows[0]]])
         self._last = samples[:, -1:]
         with numpy.errstate(all="ignore"):
             apart, steps = numpy.diff(samples)
             # What is late, or comes after its clock was set back, is no step from the one before.
             steps[apart <= 0.0] = numpy.nan
-            found: numpy.ndarray = steps / apart if self._is_slope else steps
-        return found
+            later = samples[0, 1:]
+            if not self._is_slope:
+                return later, steps
+            steps[apart > longest] = numpy.nan
+            return later - numpy.maximum(apart, 0.0) / 2.0, steps / apart
 
 
 class _Unwrap:
@@ -69,7 +74,7 @@ class _Unwrap:
         self._last = numpy.empty(0)
         self._turns = 0.0
 
-    def __call__(self, _times: numpy.ndarray, rows: numpy.ndarray) -> numpy.ndarray:
+    def __call__(self, times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Samples:
         values = numpy.array(rows[0])
         finite = numpy.isfinite(values)
         angles = numpy.concatenate([self._last, values[finite]])
@@ -78,11 +83,13 @@ class _Unwrap:
             turns = self._turns - numpy.concatenate([[0.0], numpy.cumsum(jumps)])
             values[finite] = (angles + 2.0 * math.pi * turns)[len(self._last) :]
             self._last, self._turns = angles[-1:], float(turns[-1])
-        return values
+        return times, values
 
 
+#: The name of what is a change per second.
+DERIVATIVE = "derivative"
 _FUNCTIONS: Dict[str, Callable[[], Function]] = {
-    "derivative": lambda: _Steps(True),
+    DERIVATIVE: lambda: _Steps(True),
     "difference": lambda: _Steps(False),
     "unwrap": _Unwrap,
     "yaw": lambda: _yaw,

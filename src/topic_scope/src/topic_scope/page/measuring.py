@@ -72,6 +72,7 @@ def _measured(
     samples = read(name, *span)
     told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
     told["correction"] = trace.stream.correction
+    told["jumps"] = trace.jumps
     if wanted.latency:
         late = trace.latency(*span)
         told["latency"] = float(numpy.median(late)) if len(late) else None

@@ -18,6 +18,8 @@ from topic_scope.record.message_source import Batch
 _MORE_S = 1e-5
 #: How many samples tell what is usual between them.
 _USUAL = 200
+#: Why a derivative jumps.
+_JUMPS = "timed by reception: the derivative jumps where messages come early or late"
 
 
 class Stream:
@@ -144,6 +146,7 @@ class Trace:
         self._longest_step: Optional[float] = None
         self._new = 0
         self._function = derived.make(function)
+        self._is_derivative = function == derived.DERIVATIVE
         #: Where a message has no element of that name it is about others: no gap, but no sample.
         self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in derived.parts(function)]
@@ -153,6 +156,11 @@ class Trace:
     def stream(self) -> Stream:
         """Where they come from."""
         return self._stream
+
+    @property
+    def jumps(self) -> Optional[str]:
+        """Why it jumps, in words; None where it need not."""
+        return _JUMPS if self._is_derivative and self.stream.path is None else None
 
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""
@@ -172,9 +180,9 @@ class Trace:
             if self._is_named and numpy.isnan(rows).any():
                 there = [all(one.has(data) for one in self._decoders) for data in messages]
                 rows, times, received = rows[:, there], times[there], received[there]
-            values = self._function(times, rows)
-            late = len(times) - len(values)  # what is computed of two begins with the second
-            self.ring.append(times[late:], values, received[late:])
+            times, values = self._function(times, rows, self.longest_step)
+            late = len(received) - len(values)  # what is computed of two begins with the second
+            self.ring.append(times, values, received[late:])
             self._new += len(values)
             if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
                 self._longest_step, self._new = None, 0
@@ -280,6 +288,8 @@ class ComputedTrace:
 
     def __init__(self, formula: Formula, traces: Mapping[str, Trace]) -> None:
         self._tree = formula.tree
+        functions = [word.text for word in formula.words if word.kind != "field"]
+        self._is_derivative = derived.DERIVATIVE in functions
         self._traces = [traces[name] for name in formula.fields]
         self._first = self._traces[0]
         self._operands = Operands(
@@ -292,6 +302,14 @@ class ComputedTrace:
     def stream(self) -> Stream:
         """What gives the first trace its topic and its time."""
         return self._first.stream
+
+    @property
+    def jumps(self) -> Optional[str]:
+        """Why it jumps, in words; None where it need not."""
+        by_receipt = any(trace.stream.path is None for trace in self._traces)
+        if self._is_derivative and by_receipt:
+            return _JUMPS
+        return next((trace.jumps for trace in self._traces if trace.jumps), None)
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span, its ends included, s."""

@@ -14,11 +14,12 @@ const CURSORS_EVERY_MS = 120;
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
-/** Say in words what data a trace lacks, and how its stamps were corrected. */
-function missing({ silent, nan, problem, correction }) {
+/** Say in words what data a trace lacks, how its stamps were corrected, and why it jumps. */
+function missing({ silent, nan, problem, correction, jumps }) {
   if (problem) return problem;
   const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
   if (correction) words.push(correction);
+  if (jumps) words.push(jumps);
   if (nan > 0) words.push(`NaN ${Math.max(1, Math.round(100 * nan))} %`);
   return words.join(", ");
 }

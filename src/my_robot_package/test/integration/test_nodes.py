@@ -159,6 +159,14 @@ class Nodes(unittest.TestCase):
         wait_until(lambda: results(client, "asynchronous") > told + 2, lambda: str(client.lines))
         self.assert_ends_well(client)
 
+    def test_client_tells_of_both_calls_that_fail(self) -> None:
+        service = rospy.Service("/unable", AddTwoInts, lambda request: None)
+        arguments = ["add_two_ints:=unable", "__name:=unlucky_client", "_period:=3600"]
+        client = start("service_client_node", *arguments)
+        wait_until(lambda: len(client.logged("Service call failed")) == 2, lambda: str(client.lines))
+        self.assert_ends_well(client)
+        service.shutdown()
+
     def test_sum_that_does_not_fit_is_refused_with_a_sentence(self) -> None:
         self.server("add_two_ints:=sum", "__name:=adder")
         rospy.wait_for_service("/sum")

@@ -17,6 +17,8 @@ from draw import Mutant, drawn, mutants_of
 from judging import Judge
 from verdicts import Verdicts
 
+#: What tests are made of is no wiring, and is tested by those of all packages.
+FOR_TESTS = ("nodekit.testing",)
 PLACE = code_rules.SOURCES.parent / "build" / "wiring"
 
 
@@ -29,7 +31,8 @@ def modules_of(packages: Sequence[str]) -> List[pathlib.Path]:
     found = [
         path.relative_to(code_rules.SOURCES)
         for name, path in code_rules.modules()
-        if path.parent.name != "scripts" and not code_rules.is_in(name, code_rules.PURE)
+        if path.parent.name != "scripts"
+        if not code_rules.is_in(name, [*code_rules.PURE, *FOR_TESTS])
     ]
     for package in packages:
         if package not in {path.parts[0] for path in found}:

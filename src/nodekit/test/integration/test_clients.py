@@ -255,6 +255,27 @@ class Clients(unittest.TestCase):
     def test_nested_call_to_the_only_thread_is_refused(self) -> None:
         self.assertEqual(self.served(SingleThreadedExecutor(), same_group=False), [NestedCall] * 2)
 
+    def test_nested_call_that_is_refused_is_not_sent(self) -> None:
+        came: List[Any] = []
+
+        def count(request: Any) -> TriggerResponse:
+            came.append(request)
+            return TriggerResponse(True, "")
+
+        self.node.service("own", Trigger, count)
+        client = self.node.client("own", Trigger)
+
+        def ask(request: Any) -> TriggerResponse:
+            for _ in range(5):
+                with self.assertRaisesRegex(NestedCall, "own is not called"):
+                    client.call(TriggerRequest(), timeout=TIMEOUT_S)
+            return TriggerResponse(True, "")
+
+        self.node.service("ask", Trigger, ask)
+        for name in ("ask", "own", "own"):
+            self.assertTrue(rospy.ServiceProxy(f"{self.space}/{name}", Trigger)().success)
+        self.assertEqual(len(came), 2)
+
     def test_nested_call_to_another_group_is_answered(self) -> None:
         self.assertEqual(self.served(None, same_group=False), ["hello"] * 2)
 

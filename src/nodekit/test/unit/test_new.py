@@ -1,7 +1,6 @@
 """Make a package from the template, or nothing and say why. Course 002-pkg-17."""
 
 import errno
-import os
 import pathlib
 from typing import Any, List
 
@@ -30,10 +29,12 @@ def test_what_is_made_is_a_package_of_that_name(tmp_path: pathlib.Path) -> None:
     assert parse_package(str(made)).name == "first_robot"
     files = [path for path in made.rglob("*") if path.is_file()]
     assert len(files) == 10
+    written = (made / "package.xml").stat().st_mode
     for path in files:
         text = path.read_text("utf-8")
         assert new.PLACEHOLDER not in f"{path}{text}"
-        assert os.access(str(path), os.X_OK) == text.startswith("#!")
+        # For all who may read it to run, and for nobody else to change.
+        assert path.stat().st_mode == written | (0o111 if text.startswith("#!") else 0)
         if path.suffix == ".py" or path.parent.name == "scripts":
             compile(text, str(path), "exec")
 

@@ -163,7 +163,8 @@ class Nodes(unittest.TestCase):
         service = rospy.Service("/unable", AddTwoInts, lambda request: None)
         arguments = ["add_two_ints:=unable", "__name:=unlucky_client", "_period:=3600"]
         client = start("service_client_node", *arguments)
-        wait_until(lambda: len(client.logged("Service call failed")) == 2, lambda: str(client.lines))
+        said = "Service call failed"
+        wait_until(lambda: len(client.logged(said)) == 2, lambda: str(client.lines))
         self.assert_ends_well(client)
         service.shutdown()
 

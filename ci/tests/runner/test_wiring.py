@@ -228,11 +228,18 @@ def test_what_is_known_of_a_test_holds_until_it_changes(
         assert len(judge.tests_of(MODULE)) == 1
         judge.close()
         assert seen.read_text() == expected
-    test.write_text(test.read_text() + "\n")
-    judge = Judge(tmp_path)
-    judge.tests_of(MODULE)
-    judge.close()
-    assert seen.read_text() == "xx"
+    good = test.read_text() + "\n"
+    for text, expected in (
+        (good, "xx"),
+        (good + "assert 0", "xxxx"),
+        (good + "assert 0", "xxxxxx"),
+    ):
+        test.write_text(text)
+        judge = Judge(tmp_path)
+        judge.tests_of(MODULE)
+        judge.close()
+        # One that fails is run twice, and again by the next judge.
+        assert seen.read_text() == expected
 
 
 def test_a_mutant_that_runs_in_circles_is_killed_by_the_time(

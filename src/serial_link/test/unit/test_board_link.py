@@ -1,5 +1,6 @@
 """The link's threads and a board at the other end of a real pseudo terminal, without ROS."""
 
+import math
 import pathlib
 from typing import Any, Iterator, List, Optional, Sequence
 
@@ -13,6 +14,7 @@ from serial_link.hardware.serial_port import SerialPort
 from serial_link.host.counts import Counts
 from serial_link.link.arrivals import InStep, Message, Restarted, Topics
 from serial_link.link.board_link import BoardLink
+from serial_link.link.sayings import Sayings
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, Values
 
 BAUD = 115200
@@ -163,7 +165,22 @@ def test_a_board_is_asked_for_what_is_not_known_and_told_again_only_when_it_has_
     rig.fetch_until(InStep)
 
 
-def test_an_exception_ends_no_thread(rig: Rig) -> None:
+def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    missing = "is not there: is the board plugged in"
+    rig.link._sayings = Sayings(math.inf)  # says nothing again only because time has passed
+    rig.start()
+    for losses in (1, 2):
+        rig.board.faults = Faults()
+        rig.fetch_until(InStep)
+        rig.board.faults = Faults(is_plugged=False)
+        wait_until(lambda: caplog.text.count(missing) == losses, lambda: caplog.text)
+
+
+def test_an_exception_is_logged_and_ends_no_thread(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
     failures = []
 
     def fail() -> "tuple[int, int]":
@@ -175,6 +192,7 @@ def test_an_exception_ends_no_thread(rig: Rig) -> None:
     wait_until(lambda: failures, lambda: "it was not asked for the time")
     rig.link._time_of = rig.time
     rig.fetch_until(InStep)
+    assert "RuntimeError: no time today" in caplog.text
 
 
 def test_at_the_end_the_board_is_told_to_stop(rig: Rig) -> None:

@@ -104,6 +104,12 @@ class Signals(ScopeTest):
         cells = [row[0] for _, row in self.samples("/finite/data")]
         self.assertEqual(cells, ["nan", "inf", "-inf", "5.0"])
 
+    def test_figures_come_less_often_than_frames(self) -> None:
+        page = self.page()
+        wait_until(lambda: len(page.messages("stats")) > 8, lambda: page.messages("frame")[-1:])
+        heard = [message["heard"] for message in page.messages("stats")]
+        self.assertGreater((heard[-1] - heard[0]) / (len(heard) - 1), 0.2)  # 0.25 s, and by rounds
+
     def test_fields_of_one_message_share_a_row(self) -> None:
         page = self.page()
         wait_until(lambda: len(page.values("/signal/signal_y")) > 50, lambda: page.bins)

@@ -3,11 +3,12 @@
 
 import subprocess
 import time
-from typing import Any
+from typing import Any, List
 
 import roslib.packages
 import rosnode
 import rospy
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from std_srvs.srv import Trigger
 from wire.client import Client
 from wire.scope_test import ScopeTest
@@ -253,6 +254,22 @@ class Controls(ScopeTest):
         page.forget()
         talker.terminate()
         page.wait_for("managed", lambda told: states(told) == [])
+
+    def test_a_managed_node_that_fails_is_left_out_and_asked_again_after_a_while(self) -> None:
+        asked: List[float] = []
+
+        def fail(_request: Any) -> Any:
+            asked.append(time.monotonic())
+            raise rospy.ServiceException("not today")
+
+        kinds = (ChangeState, GetAvailableTransitions, GetState)
+        names = ("change_state", "get_available_transitions", "get_state")
+        for name, kind in zip(names, kinds):
+            self.addCleanup(rospy.Service(f"/unwell/{name}", kind, fail).shutdown)
+        wait_until(lambda: len(asked) > 2, lambda: f"it was asked {len(asked)} times")
+        self.assertGreater(asked[2] - asked[0], 3.0)
+        # A page is told of others nevertheless.
+        self.assertNotIn("/unwell", str(self.page().wait_for("managed")))
 
 
 def _describe_guest(_request: Any) -> Any:

@@ -3,7 +3,7 @@
 import os
 import sys
 from concurrent.futures import Future
-from typing import Any
+from typing import Any, Callable
 
 import pytest
 from std_srvs.srv import TriggerResponse
@@ -66,8 +66,27 @@ def test_a_pipe_has_80_columns(monkeypatch: "pytest.MonkeyPatch", lines: Any) ->
     assert len(table) > 1 and 70 < max(map(len, table)) <= 80
 
 
-def test_status_and_names_tell_of_one_in_many_that_does_not_answer(
-    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]", lines: Any
+def unanswered(future: "Future[Any]") -> None:
+    future.set_exception(CallError("no answer within 2 s"))
+
+
+def somebody_elses(future: "Future[Any]") -> None:
+    future.set_result(TriggerResponse(True, "a door"))
+
+
+@pytest.mark.parametrize(
+    "end, why",
+    [
+        (unanswered, " does not answer: no answer within 2 s"),
+        (somebody_elses, "/describe does not describe parameters"),
+    ],
+)
+def test_status_and_names_tell_of_one_in_many_that_is_not_described(
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    lines: Any,
+    end: Callable[["Future[Any]"], None],
+    why: str,
 ) -> None:
     names = [f"/robot{number:02}" for number in range(2 * command._TOGETHER + 1)]
     mute, answer = names[3], command.call_service
@@ -76,7 +95,7 @@ def test_status_and_names_tell_of_one_in_many_that_does_not_answer(
         future = answer(service, kind)
         if service.startswith(mute + "/"):
             future = Future()
-            future.set_exception(CallError("no answer within 2 s"))
+            end(future)
         return future
 
     monkeypatch.setattr(command, "call_service", answer_but_one)
@@ -87,4 +106,4 @@ def test_status_and_names_tell_of_one_in_many_that_does_not_answer(
     printed = capsys.readouterr()
     told = [line for line in printed.out.splitlines() if line.startswith("/")]
     assert told == [name for name in names if name != mute]
-    assert printed.err == f"describe: {mute} does not answer: no answer within 2 s\n"
+    assert printed.err == f"describe: {mute}{why}\n"

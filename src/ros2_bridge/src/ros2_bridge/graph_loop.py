@@ -49,7 +49,14 @@ class GraphLoop:
         self._side = side = Ros2(names.in_ros2(node.name) or node.name)
         self._graph, self._skipped, types = Ros2Graph(side, names), SkipLog(), Types()
         self._topics = TopicBridge(node, side, types, qualities, self._skipped)
-        self._nodes = NodeBridge(node, side, self._master, names, self._skipped)
+        self._nodes = NodeBridge(
+            node,
+            side,
+            self._master,
+            names,
+            self._skipped,
+            lambda: parameters.values.integers_for_doubles,
+        )
         self._services = ServiceBridge(
             node,
             side,

@@ -2,7 +2,7 @@
 
 import re
 import time
-from typing import Collection, Dict, List, Optional, Set
+from typing import Callable, Collection, Dict, List, Optional, Set
 
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
@@ -66,13 +66,20 @@ class NodeBridge:
     :param client: asks the master
     :param names: what has another name in ROS 2
     :param skipped: is told which nodes are left out
+    :param is_kind: tells whether a whole number is taken for a double
     """
 
     def __init__(
-        self, node: Node, side: Ros2, client: MasterClient, names: Renaming, skipped: SkipLog
+        self,
+        node: Node,
+        side: Ros2,
+        client: MasterClient,
+        names: Renaming,
+        skipped: SkipLog,
+        is_kind: Callable[[], bool],
     ) -> None:
         self._node, self._side, self._client, self._skipped = node, side, client, skipped
-        self._names = names
+        self._names, self._is_kind = names, is_kind
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
         #: When each node was first seen, s on the monotonic clock.
@@ -148,6 +155,7 @@ class NodeBridge:
             self._other(name),
             kind(self._client, name),
             self._events.publish,
+            self._is_kind,
         )
 
     def _update_to_ros1(self, nodes: Set[str], most: int, is_restarted: bool) -> None:

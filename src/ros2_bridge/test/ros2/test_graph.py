@@ -115,6 +115,21 @@ def test_types_that_do_not_fit_are_named(ros: both.Both, bridge: both.Bridge) ->
     ros.node.destroy_publisher(other)
 
 
+def test_what_is_bridged_of_a_topic_with_two_types_is_told(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    out = publisher1(ros, "/half", "std_msgs/Float32")
+    wait_until(
+        lambda: ("/half", ["std_msgs/msg/Float32"]) in ros.node.get_topic_names_and_types(),
+        lambda: "/half is not in ROS 2",
+    )
+    other: Any = ros.node.create_publisher(String, "/half", 10)
+    line = "/half to ROS 1, as it has several types: std_msgs/Float32 in ROS 1, std_msgs/msg/String"
+    bridge.wait_for_log(f"{line} (to ROS 2 it is bridged as std_msgs/Float32)")
+    out.unregister()
+    ros.node.destroy_publisher(other)
+
+
 def test_pairs_are_printed(ros: both.Both) -> None:
     script = str(both.SOURCES / "ros2_bridge" / "scripts" / "bridge")
     done = subprocess.run(
@@ -138,7 +153,7 @@ class FewNodes(NodeBridge):
             destroy_node=id,
         )
         nothing: Any = None
-        super().__init__(nothing, side, nothing, Renaming(), self.log)
+        super().__init__(nothing, side, nothing, Renaming(), self.log, bool)
         self._to_ros2, self._to_ros1 = Bridged(1), Bridged(1)
 
     def _parameters(self, name: str, style: str) -> None:

@@ -76,6 +76,30 @@ def test_set_and_refuse(ros: both.Both, generator: both.Running) -> None:
     assert not set_one(ros, "amplitude", "loud").successful
 
 
+def test_a_whole_number_for_a_double_is_refused_as_by_rclpy(
+    ros: both.Both, bridge: both.Bridge, generator: both.Running
+) -> None:
+    node = Node("strict")
+    node.declare_parameter("amplitude", 1.0)
+    ros.executor.add_node(node)
+    refused = set_one(ros, "amplitude", 2, "/strict")
+    assert not refused.successful and refused.reason
+    ros.executor.remove_node(node)
+    node.destroy_node()
+    assert set_one(ros, "amplitude", 2).reason == refused.reason
+    answer = ros.call2(
+        SetParametersAtomically,
+        f"{GENERATOR}/set_parameters_atomically",
+        parameters=[value("offset", 0.5), value("amplitude", 2)],
+    )
+    assert (answer.result.successful, answer.result.reason) == (False, refused.reason)
+    rospy.set_param("/ros2_bridge/integers_for_doubles", True)
+    bridge.wait_for_log("integers_for_doubles: False -> True")
+    assert set_one(ros, "amplitude", 2).successful and get(ros, "amplitude") == [2.0]
+    rospy.set_param("/ros2_bridge/integers_for_doubles", False)
+    bridge.wait_for_log("integers_for_doubles: True -> False")
+
+
 def test_each_is_judged_by_itself(ros: both.Both, generator: both.Running) -> None:
     given = [value("offset", 0.5), value("amplitude", -2.0), value("frequency", 3.0)]
     answer = ros.call2(SetParameters, f"{GENERATOR}/set_parameters", parameters=given)
@@ -217,6 +241,28 @@ def test_a_node_of_ros2_whose_responses_are_malformed(ros: both.Both, bridge: bo
         wait_until(lambda: rospy.get_param(key) == 1.5, lambda: "not put back")
     ros.executor.remove_node(node)
     node.destroy_node()
+
+
+def test_each_node_that_does_not_spin_is_named(ros: both.Both, bridge: both.Bridge) -> None:
+    nodes = [Node("asleep"), Node("dozing")]
+    for node in nodes:
+        name = node.get_name()
+        bridge.wait_for_log(f"parameters of /{name} in ROS 2: /{name}/list_parameters")
+    for node in nodes:
+        node.destroy_node()
+
+
+def test_that_a_node_does_not_answer_is_logged_seldom(monkeypatch: "pytest.MonkeyPatch") -> None:
+    logged: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", logged.append)
+    parameters: Any = ParametersToRos1.__new__(ParametersToRos1)
+    parameters._quiet_until = 0.0
+    for _ in range(3):
+        parameters._warn_seldom("it sleeps")
+    assert logged == ["it sleeps"]
+    parameters._quiet_until -= 601.0
+    parameters._warn_seldom("still")
+    assert logged == ["it sleeps", "still"]
 
 
 def test_the_latest_that_stands_on_the_server_is_taken() -> None:

@@ -5,6 +5,8 @@ import io
 import pathlib
 import random
 import re
+import sys
+from types import SimpleNamespace
 from typing import Any, List
 
 import genpy.dynamic
@@ -16,9 +18,12 @@ from ros2_bridge.types.types import Types, Unbridgeable, package_folder
 
 PACKAGES = (
     "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"
+    " actionlib_msgs visualization_msgs"
 )
 #: Types that differ: what is bridged of them is nothing, with a sentence.
-DIFFERENT = {"sensor_msgs/Range"}
+MARKERS = "Marker MarkerArray InteractiveMarker InteractiveMarkerControl InteractiveMarkerInit"
+DIFFERENT = {"sensor_msgs/Range", "visualization_msgs/InteractiveMarkerUpdate"}
+DIFFERENT.update(f"visualization_msgs/{name}" for name in MARKERS.split())
 #: What ROS 2 has in another way: actions, and what goes with its tf2.
 OLD = re.compile(
     "Action|Goal$|Result$|Feedback$|TF2Error|FrameGraph|rosgraph_msgs/(Log|TopicStatistics)"
@@ -92,7 +97,7 @@ def judge(codec: Any, cls: Any, name: str, genpy_class: Any = None) -> None:
 @pytest.mark.parametrize("name", names("msg"))
 def test_message_is_the_same_in_both(name: str) -> None:
     if name in DIFFERENT:
-        with pytest.raises(Unbridgeable, match="only"):
+        with pytest.raises(Unbridgeable, match="differs between ROS 1 and ROS 2: .* has field"):
             Types().message(name)
         return
     kind = Types().message(name)
@@ -105,3 +110,16 @@ def test_service_is_the_same_in_both(name: str) -> None:
     kind = Types().service(name)
     judge(kind.request, kind.cls.Request, name)
     judge(kind.response, kind.cls.Response, name)
+
+
+@pytest.mark.parametrize("name", ["visualization_msgs/Marker", "bot_controller_demo_msgs/GoToGoal"])
+def test_what_ros1_alone_has_is_said_to_be_missing_in_ros2(
+    name: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    package, _, base = name.partition("/")
+    of_ros1 = SimpleNamespace(Marker=type("Marker", (), {"_md5sum": ""}))
+    monkeypatch.setitem(sys.modules, "visualization_msgs.msg", of_ros1)
+    with pytest.raises(Unbridgeable) as caught:
+        Types().message(name)
+    missing = f"{name} needs {package}/msg/{base}, which is not installed in ROS 2"
+    assert str(caught.value) == missing

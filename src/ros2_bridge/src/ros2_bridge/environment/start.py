@@ -25,6 +25,9 @@ def main(module: str) -> None:
 
     :param module: name of the module
     """
+    if {"-h", "--help"}.intersection(sys.argv[1:]):
+        print(importlib.import_module("ros2_bridge.environment.usage").usage(), end="")
+        return
     environment = find(os.environ, pathlib.Path(__file__).resolve())
     if environment is None:
         end(

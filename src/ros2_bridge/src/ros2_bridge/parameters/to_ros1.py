@@ -3,6 +3,7 @@
 import collections
 import queue
 import threading
+import time
 import traceback
 from typing import Any, Callable, Deque, Dict, List, Tuple
 
@@ -29,6 +30,8 @@ from ros2_bridge.rules.skipped import SkipLog
 
 #: Longest wait for the node, s.
 _TIMEOUT_S = 2.0
+#: Least time between two warnings that a node does not answer, s: one may never spin.
+_SELDOM_S = 600.0
 
 
 class ParametersToRos1:
@@ -49,6 +52,8 @@ class ParametersToRos1:
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_written = False
+        #: When it may be warned again, s on the monotonic clock.
+        self._quiet_until = 0.0
         #: What stands on the server now, until it is sent to the node.
         self._latest: Deque[Any] = collections.deque(maxlen=1)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
@@ -94,9 +99,15 @@ class ParametersToRos1:
                 self._work.get()()
             except (NoResponse, MasterUnreachable) as error:
                 self._is_written = False  # the server may lack something
-                rospy.logwarn_throttle(10.0, f"parameters of {self._name} in ROS 2: {error}")
+                self._warn_seldom(f"parameters of {self._name} in ROS 2: {error}")
             except Exception:  # of a node that sends malformed responses
                 rospy.logerr_throttle(10.0, traceback.format_exc())
+
+    def _warn_seldom(self, text: str) -> None:
+        now = time.monotonic()
+        if now >= self._quiet_until:
+            self._quiet_until = now + _SELDOM_S
+            rospy.logwarn(text)
 
     def _write_all(self) -> None:
         names = self._list.call(ListParameters.Request(), _TIMEOUT_S).result.names

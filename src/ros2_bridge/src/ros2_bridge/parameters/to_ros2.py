@@ -20,13 +20,15 @@ from rcl_interfaces.srv import (
     SetParametersAtomically,
 )
 from rclpy.node import Node as Ros2Node
+from rclpy.parameter import Parameter as Ros2Parameter
 
 from nodekit import Maker
 from ros2_bridge.parameters import messages
 from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
-from ros2_bridge.parameters.values import changes, differs, flat, listed, unfit
+from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, listed, unfit
 from ros2_bridge.ros2.side import Ros2
 
+Type = Ros2Parameter.Type
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
 _MOST_READS, _PAUSE_S = 20, 0.1
 
@@ -40,6 +42,7 @@ class ParametersToRos2:
     :param other: the global name that it has in ROS 2
     :param parameters: its parameters
     :param publish: publishes an event
+    :param is_kind: tells whether a whole number is taken for a double
     """
 
     def __init__(
@@ -50,7 +53,9 @@ class ParametersToRos2:
         other: str,
         parameters: Ros1Parameters,
         publish: Callable[[Any], None],
+        is_kind: Callable[[], bool],
     ) -> None:
+        self._is_kind = is_kind
         self._made, self._other, self._parameters = made, other, parameters
         self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
@@ -125,10 +130,26 @@ class ParametersToRos2:
         """Have the node take all of some values, or none."""
         values = {one.name: messages.to_plain(one.value) for one in parameters}
         reasons = [reason for reason in (unfit(*item) for item in values.items()) if reason]
+        reasons = reasons or self._wrong_types(parameters)
         reason = "; ".join(reasons) or self._parameters.change(values)
         if not reason:
             self._publish_changes()
         return SetParametersResult(successful=not reason, reason=reason)
+
+    def _wrong_types(self, parameters: List[Any]) -> List[str]:
+        """Return why whole numbers are refused that are given to doubles, as rclpy refuses them."""
+        given = {one.name: one.value.type for one in parameters if one.value.type in DOUBLE_FOR}
+        if not given or self._is_kind():
+            return []
+        try:
+            known = self._parameters.read()
+        except Unreadable as error:
+            return [str(error)]
+        return [
+            f"Wrong parameter type, expected '{Type(known[name].kind)}' got '{Type(kind)}'"
+            for name, kind in given.items()
+            if name in known and known[name].entry and known[name].kind == DOUBLE_FOR[kind]
+        ]
 
     def _publish_soon(self, tree: Any) -> None:
         """Publish what has changed, in a thread of its own, and once more where that is under way.

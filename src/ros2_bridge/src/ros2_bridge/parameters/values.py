@@ -22,6 +22,8 @@ FIELDS = {
 }
 _DECLARED = {"bool": BOOL, "int": INTEGER, "float": DOUBLE, "str": STRING, "enum": STRING}
 _ARRAYS = {BOOL: BOOLS, INTEGER: INTEGERS, DOUBLE: DOUBLES, STRING: STRINGS}
+#: The kind that a kind of whole numbers may be taken for.
+DOUBLE_FOR = {INTEGER: DOUBLE, INTEGERS: DOUBLES}
 #: What a parameter server of ROS 1 takes for whole numbers.
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
 #: The largest number that ROS 2 has for a range.

@@ -43,6 +43,10 @@ class BridgeParameters(ParameterSet):
         )
     )
     parameters = BoolParameter(True, help="whether parameters are bridged")
+    integers_for_doubles = BoolParameter(
+        False,
+        help="whether a whole number is taken for a double of ROS 1's nodes; rclpy refuses it",
+    )
     depth = read_once(
         IntParameter(
             1000,

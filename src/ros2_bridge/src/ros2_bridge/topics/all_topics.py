@@ -97,7 +97,12 @@ class TopicBridge(PairBridge[_Pair]):
             names.add(type1)
             used.insert(0, f"{type1} in ROS 1")
         if len(names) > 1:
-            raise Unbridgeable(f"{way.name} has several types: {', '.join(used)}")
+            here, there = ("ROS 2", "ROS 1") if way.to_ros2 else ("ROS 1", "ROS 2")
+            other = self.pairs.get(Way(way.name, not way.to_ros2))
+            kept = f" (to {there} it is bridged as {other.kind.ros1})" if other else ""
+            raise Unbridgeable(
+                f"{way.name} to {here}, as it has several types: {', '.join(used)}{kept}"
+            )
         return self._types.message(names.pop())
 
     def counts(self) -> Dict[Way, Count]:

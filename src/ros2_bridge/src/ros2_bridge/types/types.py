@@ -151,7 +151,10 @@ class Types:
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
         with _explaining(f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2"):
-            return getattr(importlib.import_module(f"{package}.{kind}"), base)
+            cls = getattr(importlib.import_module(f"{package}.{kind}"), base)
+            if hasattr(cls, "_md5sum"):  # ROS 1's, whose packages are within reach as well
+                raise ImportError(cls)
+            return cls
 
     def _describe(self, name: str, top: Any) -> Mapping[str, str]:
         """Return the fields of a ROS 2 type: of the class itself, or of one that it holds."""
@@ -200,7 +203,16 @@ class _Folders(Dict[str, List[str]]):
 
     def __getitem__(self, package: str) -> List[str]:
         folder = package_folder(self._packages, package)
-        return [str(folder / kind) for kind in ("msg", "srv")] if folder else []
+        if folder is None:
+            return []
+        # A build writes the messages of an action elsewhere.
+        built = [pathlib.Path(place) / "share" / package for place in _prefixes()]
+        return [str(place / kind) for place in (folder, *built) for kind in ("msg", "srv")]
+
+
+def _prefixes() -> List[str]:
+    """Return the folders of ROS 1's workspaces that are in use."""
+    return [place for place in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if place]
 
 
 @contextlib.contextmanager

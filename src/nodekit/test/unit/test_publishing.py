@@ -532,3 +532,17 @@ def test_the_last_of_several_stays_latched_and_none_leaves_it(opened, connect):
     publisher.publish_all([String("older"), String("newer")])
     publisher.publish_all([])
     assert receive(connect(publisher)).data == "newer"
+
+
+def test_later_subscribers_get_all_that_is_latched(opened, connect):
+    publisher = opened(String, latch=True)
+    early = connect(publisher, "/early")
+    for words in (["left"], ["left", "right"]):
+        publisher.latch_all([String(word) for word in words])
+        publisher.publish(String(words[-1]))
+    late = connect(publisher, "/late")
+    publisher.latch_all([])
+    publisher.publish(String("last"))
+    assert [receive(early).data for _ in range(3)] == ["left", "right", "last"]
+    assert [receive(late).data for _ in range(3)] == ["left", "right", "last"]
+    assert receive(connect(publisher, "/latest")).data == "last"

@@ -4,7 +4,7 @@ import contextlib
 import struct
 import xmlrpc.client
 from types import SimpleNamespace
-from typing import Any, List, cast
+from typing import Any, Dict, List, Tuple, cast
 
 import both
 import rospy
@@ -16,7 +16,7 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.taking import Arrived
-from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.rules.settings import Qualities, Quality
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.codec import Codec
 
@@ -165,24 +165,68 @@ def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
     illegal.unregister()
 
 
-def test_what_gone_nodes_have_latched_is_forgotten() -> None:
-    side: Any = SimpleNamespace(published=[], destroy_publisher=lambda _: None)
-    side.publisher = lambda *_: SimpleNamespace(publish=side.published.append)
+class Keeping:
+    """Stands in for our side in ROS 2: what each publisher that there is has published last."""
+
+    def __init__(self) -> None:
+        self.last: Dict[int, bytes] = {}
+        self.latched: Dict[int, bool] = {}
+
+    def publisher(self, _: Any, __: str, quality: Quality) -> Any:
+        made = SimpleNamespace()
+        self.latched[id(made)] = quality.latched
+        made.publish = lambda data: self.last.update({id(made): data})
+        return made
+
+    def destroy_publisher(self, publisher: Any) -> None:
+        del self.latched[id(publisher)]
+        self.last.pop(id(publisher), None)
+
+
+def keeping_pair() -> Tuple[TopicToRos2, Keeping]:
+    side: Any = Keeping()
     kind: Any = SimpleNamespace(cls=None)
-    pair = TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(1000, None))
-    for number in range(9):  # each from a node with a name of its own
-        pair.forward_while(False, {"/first", f"/rostopic_{number}"})
-        pair._latch("/first", b"0")
-        pair._latch(f"/rostopic_{number}", b"%d" % (number + 1))
-    assert pair._latches == {"/first": b"0", "/rostopic_8": b"9"}
-    pair.forward_while(False, set())
-    pair._latch("/second", b"10")
-    assert side.published[-3:] == [b"0", b"9", b"10"]  # the master was restarted: all stay
+    return TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(9, None)), side
+
+
+def test_what_gone_nodes_have_latched_is_forgotten() -> None:
+    pair, side = keeping_pair()
+    pair._latch("/first", b"0")
+    for number in range(1, 10):  # each from a node with a name of its own
+        pair._latch(f"/rostopic_{number}", b"%d" % number)
+        for _ in range(4):
+            pair.forward_while(False, {"/first", f"/rostopic_{number}"})
+    assert sorted(side.last.values()) == [b"0", b"9"]
+    pair.forward_while(False, {"/first"})  # a poll that began before the other one came
+    pair._latch("/another", b"10")
+    for _ in range(9):
+        pair.forward_while(False, set())  # the master has been restarted
+    assert sorted(side.last.values()) == [b"0", b"10", b"9"]
+    pair.close()
+    assert not side.latched
+
+
+def test_what_is_latched_often_leaves_what_another_node_has_latched() -> None:
+    pair, side = keeping_pair()
+    pair._latch("/seldom", b"a")
+    for number in range(9):
+        pair._latch("/often", b"%d" % number)
+    assert sorted(side.last.values()) == [b"8", b"a"] and all(side.latched.values())
+
+
+def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
+    pair, side = keeping_pair()
+    pair._latch("/map_server", b"a")
+    pair._publish(b"b")
+    pair._latch("/another", b"c")
+    kept = {side.last[one]: is_latched for one, is_latched in side.latched.items()}
+    assert kept == {b"a": True, b"b": False, b"c": True}
 
 
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
+    pair._found = SimpleNamespace(latched=False)
     pair._side = SimpleNamespace(is_ours=lambda sender: sender == b"ours")
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
     passed: List[Any] = []

@@ -146,6 +146,19 @@ class Publisher:
         elif messages:
             topic.publish_all(messages)
 
+    def latch_all(self, messages: Sequence[Any]) -> None:
+        """Let later subscribers of a latched topic get these, in place of the last that was sent.
+
+        To be called before the newest of them is published, so that nobody misses it who comes
+        meanwhile. Where rospy's own queues are in use, it is the last message all the same; those
+        in the same process get nothing from before.
+
+        :param messages: of the publisher's class; none for the last that is sent from now on
+        """
+        topic = self._topic
+        if topic is not None:
+            topic.latch_all(messages)
+
     def get_num_connections(self) -> int:
         """Tell how many subscribers are connected; those in the same process need no connection."""
         publisher = self._publisher

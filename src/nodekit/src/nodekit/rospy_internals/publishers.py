@@ -147,6 +147,8 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         self.lifespan = 0.0
         self._last: Any = None
         self._last_expires = 0.0
+        #: What a later subscriber gets in place of the last message, where it is latched.
+        self._latched: Sequence[Any] = ()
         #: What a subscriber in this process is told of the publisher, as by a connection.
         self.header_here = {
             "callerid": rospy.get_name(),
@@ -162,7 +164,17 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
         with self._lock:  # it may have been sent a message already by now, which is as good
             if c not in self._links and time.monotonic() < self._last_expires:
                 self.publish(self._last, c)
+            for message in self._latched:
+                self.publish(message, c)
         return added
+
+    def latch_all(self, messages: Sequence[Any]) -> None:
+        """Let later subscribers get these, in place of the last message.
+
+        :param messages: oldest first; none for the last that is published from now on
+        """
+        with self._lock:
+            self._latched, self.latch = tuple(messages), None
 
     def set_queue_size(self, queue_size: Optional[int]) -> None:
         """Do without a queue, whatever another publisher of the topic asks for."""
@@ -211,7 +223,7 @@ class OutgoingTopic(rospy.topics._PublisherImpl):
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
             if self.is_latch:  # only now: what does not fit would keep later subscribers out
-                self.latch = messages[-1]
+                self.latch = None if self._latched else messages[-1]
             elif self.lifespan:
                 self._last = messages[-1]
                 self._last_expires = time.monotonic() + self.lifespan

@@ -18,6 +18,7 @@ class Topic(NamedTuple):
 
     :param types: ``package/msg/Name`` of each of its publishers
     :param publishers: global names of the publishing nodes
+    :param senders: names of the publishers themselves, 16 bytes each
     :param subscribers: global names of the subscribing nodes
     :param latched: whether all publishers keep messages for those who come later
     :param best_effort: whether one of the publishers may lose messages
@@ -25,6 +26,7 @@ class Topic(NamedTuple):
 
     types: Set[str]
     publishers: Set[str]
+    senders: Set[bytes]
     subscribers: Set[str]
     latched: bool
     best_effort: bool
@@ -71,6 +73,7 @@ class Ros2Graph:
             found[name_in_ros1] = Topic(
                 {each.topic_type for each in publishers or subscribers},
                 set(map(_full_name, publishers)),
+                {bytes(each.endpoint_gid) for each in publishers},
                 set(map(_full_name, subscribers)),
                 durabilities == {DurabilityPolicy.TRANSIENT_LOCAL},
                 ReliabilityPolicy.BEST_EFFORT in reliabilities,

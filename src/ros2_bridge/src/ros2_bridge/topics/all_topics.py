@@ -43,6 +43,8 @@ class TopicBridge(PairBridge[_Pair]):
             if isinstance(pair, TopicToRos2):
                 is_heard = way.name in ros2 and bool(ros2[way.name].subscribers)
                 pair.forward_while(is_heard, ros1.publishers.get(way.name, set()))
+            elif way.name in ros2:
+                pair.forget_all_but(ros2[way.name].senders)
         self.follow_subscribers1()
 
     def follow_subscribers1(self) -> None:

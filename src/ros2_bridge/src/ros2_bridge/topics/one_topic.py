@@ -2,7 +2,7 @@
 
 import contextlib
 import threading
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 
 import rospy
 
@@ -10,6 +10,7 @@ from nodekit import Node
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType
@@ -44,10 +45,41 @@ class OnDemand:
             self._unsubscribe = None
 
 
+class Latched:
+    """The latest message of one latching node of ROS 1, which those get who come later in ROS 2.
+
+    It has a publisher of its own, whose history no other node's messages fill.
+
+    :param side: the bridge in ROS 2
+    :param publisher: keeps it
+    """
+
+    def __init__(self, side: Ros2, publisher: Any) -> None:
+        self._side, self._publisher = side, publisher
+
+    def publish(self, data: bytes) -> None:
+        """Publish the next one."""
+        self._publisher.publish(data)
+
+    def close(self) -> None:
+        """Take it back, as its node has gone."""
+        self._side.destroy_publisher(self._publisher)
+
+
+class Kept(NamedTuple):
+    """The latest message of a latching publisher of ROS 2, as one of ROS 1."""
+
+    message: Any
+
+    def close(self) -> None:
+        """Nothing is to be done for it."""
+
+
 class TopicToRos2:
     """A topic of ROS 1 in ROS 2.
 
-    It is published from the beginning, and subscribed to while it has subscribers in ROS 2.
+    It is published from the beginning, and subscribed to while it has subscribers in ROS 2. What
+    several nodes latch is kept of each.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -67,10 +99,16 @@ class TopicToRos2:
         self._other, self._qualities = other, qualities
         self.count = Count()
         self._lock = threading.Lock()
-        self._latches: Dict[str, bytes] = {}
-        self._callers: Set[str] = set()
+        self._latched: Bridged[str, Latched] = Bridged()
         self._subscription = OnDemand(self._subscribe)
-        self._publisher = side.publisher(kind.cls, other, qualities.of(topic))
+        #: For what is not latched; None while there is nothing such, and something that is.
+        self._publisher: Any = self._make_publisher(latched=False)
+        self._is_used = False
+
+    def _make_publisher(self, latched: bool) -> Any:
+        # Of what is latched in ROS 1 there is one message.
+        quality = self._qualities.of(self.topic, latched, at_least=1 if latched else 0)
+        return self._side.publisher(self.kind.cls, self._other, quality)
 
     def _subscribe(self) -> Callable[[], None]:
         made = self._node.lifetime()
@@ -85,7 +123,9 @@ class TopicToRos2:
         :param is_heard: whether it has subscribers in ROS 2
         :param callers: who publishes it in ROS 1
         """
-        self._callers = callers or self._callers  # none: the master has been restarted
+        if callers:  # or else the master has been restarted
+            with self._lock:
+                self._latched.close_missing(callers)
         self._subscription.switch(is_heard)
 
     def _forward(self, messages: List[Any]) -> None:
@@ -104,39 +144,44 @@ class TopicToRos2:
             if header.get("latching") == "1":
                 self._latch(header.get("callerid", ""), data)
             else:
-                self._publisher.publish(data)
+                self._publish(data)
             self.count.passed += 1
+
+    def _publish(self, data: bytes) -> None:
+        with self._lock:
+            if self._publisher is None:
+                self._publisher = self._make_publisher(latched=False)
+            self._is_used = True
+            self._publisher.publish(data)
 
     def _latch(self, caller: str, data: bytes) -> None:
         """Publish so that those who come later get it too, the latest of each latching node."""
         with self._lock:
-            is_new = caller not in self._latches
-            if is_new:  # what nodes have left that are no more, is forgotten
-                kept = {one: last for one, last in self._latches.items() if one in self._callers}
-                self._latches = kept
-            self._latches[caller] = data
-            if not is_new:
-                self._publisher.publish(data)
-                return
-            old = self._publisher
-            qos = self._qualities.of(self.topic, latched=True, at_least=len(self._latches))
-            self._publisher = self._side.publisher(self.kind.cls, self._other, qos)
-            for last in self._latches.values():
-                self._publisher.publish(last)
-            self._side.destroy_publisher(old)
+            if caller not in self._latched:
+                publisher = self._make_publisher(latched=True)
+                self._latched[caller] = Latched(self._side, publisher)
+                if self._publisher is not None and not self._is_used:
+                    # Who asks for nothing that was before does not know the new publisher yet.
+                    self._publisher.publish(data)
+                    self._side.destroy_publisher(self._publisher)
+                    self._publisher = None
+            self._latched[caller].publish(data)
 
     def close(self) -> None:
         """End it."""
         self._subscription.switch(False)
         with self._lock:
-            self._side.destroy_publisher(self._publisher)
+            for caller in list(self._latched):
+                self._latched.close_one(caller)
+            if self._publisher is not None:
+                self._side.destroy_publisher(self._publisher)
 
 
 class TopicToRos1:
     """A topic of ROS 2 in ROS 1.
 
     It is published from the beginning, and subscribed to while it has subscribers in ROS 1; where
-    it is latched, always.
+    it is latched, always. Who comes later then gets the latest of each publisher.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -159,6 +204,8 @@ class TopicToRos1:
         self.count = Count()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
+        self._lock = threading.Lock()
+        self._kept: Bridged[bytes, Kept] = Bridged()
         self._made = node.lifetime()
         self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
         self._subscription = OnDemand(self._subscribe)
@@ -184,6 +231,7 @@ class TopicToRos1:
 
     def _forward(self, arrived: List[Arrived]) -> None:
         messages = []
+        latest: Dict[bytes, Kept] = {}
         for data, sender, number in arrived:
             if self._side.is_ours(sender):
                 continue  # what has come from ROS 1
@@ -197,10 +245,29 @@ class TopicToRos1:
                 continue
             self._seq += 1
             messages.append(message)
+            latest[sender] = Kept(message)
         if messages:
+            if self._found.latched:
+                self._keep(latest)
             with contextlib.suppress(rospy.ROSException):  # it has just been closed
                 self._publisher.publish_all(messages)
                 self.count.passed += len(messages)
+
+    def _keep(self, latest: Mapping[bytes, Kept]) -> None:
+        with self._lock:
+            self._kept.update(latest)
+            self._publisher.latch_all([kept.message for kept in self._kept.values()])
+
+    def forget_all_but(self, senders: Set[bytes]) -> None:
+        """Keep nothing for those who come later of publishers that have gone.
+
+        :param senders: the publishers that there are
+        """
+        with self._lock:
+            before = len(self._kept)
+            self._kept.close_missing(senders)
+            if len(self._kept) < before:
+                self._publisher.latch_all([kept.message for kept in self._kept.values()])
 
     def _count_lost(self, sender: bytes, number: Optional[int]) -> None:
         """Count what a publisher has numbered and what has not arrived."""

@@ -1,0 +1,117 @@
+"""What several nodes latch: whoever comes later gets the latest of each, also of a new bridge.
+
+As of a robot: its description, and the static transforms of two nodes.
+"""
+
+import struct
+from typing import Any, List
+
+import both
+import rospy
+from geometry_msgs.msg import TransformStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import String
+from test_topics import publisher1
+from tf2_msgs.msg import TFMessage
+
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+
+TF, DESCRIPTION = "/tf_static", "/robot_description"
+TF1 = "tf2_msgs/TFMessage"
+QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+ROBOT = "<robot name='bot'/>"
+
+
+def tf1(child: str) -> bytes:
+    """Return the bytes in ROS 1 of a transform to a frame."""
+    frames = b"".join(struct.pack("<I", len(name)) + name.encode() for name in ("map", child))
+    return struct.pack("<IIII", 1, 0, 7, 8) + frames + struct.pack("<7d", *range(7))
+
+
+def tf2(child: str) -> Any:
+    """Return a message in ROS 2 of a transform to a frame."""
+    return TFMessage(transforms=[TransformStamped(child_frame_id=child)])
+
+
+def frames(ros: both.Both, ear: both.Ear) -> List[str]:
+    """Return the frames that were heard, in either ROS."""
+    codec = ros.types.message(TF1).codec
+    found = [
+        heard
+        if isinstance(heard, TFMessage)
+        else deserialize_message(codec.to_cdr(heard._buff), TFMessage)
+        for heard in list(ear.heard)
+    ]
+    return [message.transforms[0].child_frame_id for message in found]
+
+
+def wait_for(ros: both.Both, ear: both.Ear, *names: str) -> None:
+    wait_until(lambda: {*names} <= {*frames(ros, ear)}, lambda: str(frames(ros, ear)))
+
+
+def late1(ros: both.Both) -> List[str]:
+    """Return the frames that a listener in ROS 1 hears that comes now."""
+    ear = ros.hear1(TF, TF1)
+    ear.wait()
+    rospy.sleep(0.3)  # what is latched comes together
+    ear.end()
+    return sorted(frames(ros, ear))
+
+
+def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both.Both) -> None:
+    left, right = (ros.node.create_publisher(TFMessage, TF, QOS) for _ in range(2))
+    description = ros.node.create_publisher(String, DESCRIPTION, QOS)
+    description.publish(String(data=ROBOT))
+    for child in ("older", "old", "left"):
+        left.publish(tf2(child))
+    right.publish(tf2("right"))
+    for _ in range(2):
+        with both.Bridge():
+            early = ros.hear1(TF, TF1)
+            wait_for(ros, early, "left", "right")
+            early.end()  # or the next one would share its connection
+            assert late1(ros) == ["left", "right"]
+            text = ros.hear1(DESCRIPTION, "std_msgs/String")
+            assert text.wait()[0]._buff[4:].decode() == ROBOT
+            text.end()
+    with both.Bridge():
+        wait_until(lambda: late1(ros) == ["left", "right"], lambda: str(late1(ros)))
+        ros.node.destroy_publisher(right)
+        wait_until(lambda: late1(ros) == ["left"], lambda: str(late1(ros)))
+    for publisher in (left, description):
+        ros.node.destroy_publisher(publisher)
+
+
+def test_late_listeners_in_ros2_get_what_each_node_of_ros1_has_latched(ros: both.Both) -> None:
+    left = publisher1(ros, TF, TF1, latch=True)
+    left.send(tf1("left"))
+    description = publisher1(ros, DESCRIPTION, "std_msgs/String", latch=True)
+    description.send(struct.pack("<I", len(ROBOT)) + ROBOT.encode())
+    right = "transforms: [{child_frame_id: right}]"
+    other = Process("/usr/bin/rostopic", ["pub", "--latch", TF, TF1, right])
+    try:
+        for _ in range(2):
+            with both.Bridge():
+                early = ros.hear2(TF, TFMessage, latched=True)
+                wait_for(ros, early, "left", "right")
+                before = frames(ros, early).count("left")
+                for child in ("new", "left"):
+                    left.send(tf1(child))
+                wait_until(
+                    lambda: frames(ros, early).count("left") > before,
+                    lambda: str(frames(ros, early)),
+                )
+                late = ros.hear2(TF, TFMessage, latched=True)
+                wait_for(ros, late, "left", "right")
+                rospy.sleep(0.3)  # what is too much would have come by now
+                assert sorted(frames(ros, late)) == ["left", "right"]
+                text = ros.hear2(DESCRIPTION, String, latched=True)
+                assert text.wait()[0].data == ROBOT
+                for ear in (early, late, text):
+                    ear.end()
+    finally:
+        other.end()
+    for publisher in (left, description):
+        publisher.unregister()

@@ -2,28 +2,35 @@
 
 import os
 import time
-from typing import Iterator, Sequence, Tuple
+from typing import Iterator, List, Sequence, Tuple
 
 import rospkg
 
 from pid_control.judging.judgement import judge
 from pid_control.judging.limits import read_limits
+from pid_control.judging.record import Record
 from pid_control.judging.reports import as_sentences
-from pid_control.judging.scenarios import BY_NAME
+from pid_control.judging.scenarios import SCENARIOS, Scenario
+from pid_control.trial.outcome import OutOfTime
 from pid_control.trial.own_master import OwnMaster
 from pid_control.trial.target import find_target
 from pid_control.tuning.rules import Gains
 
 #: How long the judgement of one may take, s.
-_TIME_LIMIT_S = 120.0
+TIME_LIMIT_S = 120.0
 
 
-def judge_gains(several: Sequence[Gains]) -> Iterator[Tuple[Gains, str]]:
+def judge_gains(
+    several: Sequence[Gains],
+    scenarios: Sequence[Scenario] = SCENARIOS,
+    time_limit: float = TIME_LIMIT_S,
+) -> Iterator[Tuple[Gains, str]]:
     """Judge the reference controller with gains, one after the other, with the course's motor.
 
     :param several: the gains
+    :param scenarios: what they have to go through
+    :param time_limit: how long the judgement of one may take, s
     :returns: each with what is wrong, and the verdict
-    :raises OutOfTime: if a judgement takes too long
     """
     folder = rospkg.RosPack().get_path("pid_control")
     with open(os.path.join(folder, "config", "judge_limits.yaml"), encoding="utf-8") as file:
@@ -40,9 +47,15 @@ def judge_gains(several: Sequence[Gains]) -> Iterator[Tuple[Gains, str]]:
             words = [f"_{name}:={values[name]}" for name in ("mode", "kp", "ki", "kd")]
             words.append(f"_filter_time:={gains.filter_time}")
             target = find_target(["pid_control", "controller.py", *words])
-            deadline = time.monotonic() + _TIME_LIMIT_S
+            deadline = time.monotonic() + time_limit
             trial = Trial(stage, target, master.environment, False, deadline)
-            records = [trial.run(scenario) for scenario in BY_NAME.values()]
-            yield gains, as_sentences(judge(records, limits, ""))
+            records: List[Record] = []
+            reason = ""
+            try:
+                for scenario in scenarios:
+                    records.append(trial.run(scenario))
+            except OutOfTime:
+                reason = f"{time_limit:g} s are over"
+            yield gains, as_sentences(judge(records, limits, reason))
     finally:
         master.close()

@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""The judge says of each gains that ``tune`` has found what it thinks of them."""
+
+import subprocess
+import sys
+import unittest
+
+from nodekit.testing.running import rosrun
+from pid_control.judging.scenarios import BY_NAME
+from pid_control.law.pid import PI
+from pid_control.trial.gains_trial import judge_gains
+from pid_control.tuning.rules import Gains
+
+GOOD = Gains("good", "a test", PI, 0.08, 1.5)
+WEAK = Gains("weak", "a test", PI, 0.001, 0.01)
+#: Judges in a process of its own: one becomes a node once.
+TOO_LONG = """
+from pid_control.trial.gains_trial import judge_gains
+from pid_control.tuning.rules import Gains
+for _, text in judge_gains([Gains("good", "a test", "PI", 0.08, 1.5)], time_limit=0.1):
+    print(text)
+"""
+
+
+class GainsTrial(unittest.TestCase):
+    """Of all scenarios one, as each of four gains takes a quarter of a minute in all of them."""
+
+    def test_each_is_judged_by_itself(self) -> None:
+        ramp = [BY_NAME["ramp"]]
+        said = {gains.method: text for gains, text in judge_gains([GOOD, WEAK], ramp)}
+        self.assertEqual(said["good"], "passed: all 2 figures of 1 scenario")
+        self.assertIn("ramp: mean |error|", said["weak"])
+        self.assertTrue(said["weak"].endswith("failed: gains"), said["weak"])
+
+    def test_a_judgement_that_takes_too_long_is_none(self) -> None:
+        command = [sys.executable, "-c", TOO_LONG]
+        said = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode()
+        self.assertEqual(said.splitlines()[-1], "not judged: 0.1 s are over")
+
+
+if __name__ == "__main__":
+    rosrun("pid_control", "gains_trial", GainsTrial)

@@ -4,6 +4,7 @@
 import sys
 
 from nodekit import Node, Publisher, run
+from pid_control.msg import motor_output
 from pid_control.nodes.system import System
 from record import Record
 
@@ -16,10 +17,10 @@ class RecordingPublisher:
     def __init__(self, publisher: Publisher) -> None:
         self._publish = publisher.publish
 
-    def publish(self, speed: float, elapsed: float, status: str) -> None:
+    def publish(self, message: motor_output) -> None:
         """Note the output's own time and the moment just before it is published."""
-        record.add(elapsed)
-        self._publish(speed, elapsed, status)
+        record.add(message.time)
+        self._publish(message)
 
 
 class RecordedSystem(System):

@@ -24,6 +24,8 @@ def is_finite(message: Any) -> bool:
     """
     if isinstance(message, float):
         return math.isfinite(message)
+    if isinstance(message, (int, str)):  # sooner than to find that they have no fields
+        return True
     if isinstance(message, (list, tuple)):
         return all(map(is_finite, message))
     if hasattr(message, "tolist"):  # of numpy, or an array of Python's

@@ -1,5 +1,6 @@
 """The controller: has the motor do what the set point says."""
 
+import time
 from typing import Optional
 
 import rospy
@@ -46,6 +47,8 @@ class Controller:
         self._stamps = StampJudge()
         self._set_point: Optional[float] = None
         self._is_stopped = self._has_ended = False
+        # By ROS time: a simulation that stands still is not silence.
+        self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         #: The motor's latest stamp, the latest input, and when the motor was heard last, s.
         self._stamp = self._input = self._heard_at = 0.0
         self._publisher = node.publisher("motor_input", motor_input)
@@ -66,7 +69,7 @@ class Controller:
         if stamp.kind == LATE:
             self._warn(f"a sample of {message.time:g} s came late or twice, and is left out")
             return
-        self._stamp, self._heard_at = message.time, rospy.get_time()
+        self._stamp, self._heard_at = message.time, self._clock()
         if self._set_point is None or not settings.enabled or self._has_ended:
             self._stop()
             return
@@ -81,7 +84,9 @@ class Controller:
             self._law.resume(self._input)
         terms = self._law.update(self._set_point, message.output, stamp.interval)
         self._input = terms.output
-        self._publisher.publish(terms.output, message.time)
+        answer = motor_input()  # filled in afterwards, which takes genpy half the time
+        answer.input, answer.time = terms.output, message.time
+        self._publisher.publish(answer)
         if self._terms.get_num_connections() > 0:
             error = self._set_point - message.output
             self._terms.publish(ControllerTerms(message.time, error, *terms))
@@ -91,7 +96,7 @@ class Controller:
 
     def _check_silence(self, _elapsed: float) -> None:
         timeout = self._settings.values.timeout
-        if not self._is_stopped and rospy.get_time() - self._heard_at > timeout:
+        if not self._is_stopped and self._clock() - self._heard_at > timeout:
             was_at_work = self._input != 0.0
             self._stop()
             self._stamps = StampJudge()  # the next motor may be another one

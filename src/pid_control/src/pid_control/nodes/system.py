@@ -1,5 +1,7 @@
 """The motor: its input is a voltage, its output a speed."""
 
+import time
+
 import rospy
 
 from first_order_sys_sim.sampled_plant import SampledPlant
@@ -37,6 +39,8 @@ class System:
         values = self._settings.values
         sampled = SampledPlant(values.plant, values.system_sample_time, values.system_initial_cond)
         self._plant = DelayedPlant(sampled, values.system_dead_time)
+        # Outputs are due by /clock where there is one.
+        self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         # In the motor's time, when the last output was due and the next one is; by the clock, when
         # the last one went out.
         self._due = self._next_due = 0.0
@@ -55,9 +59,11 @@ class System:
             return
         values = self._settings.values
         self._due, self._next_due = elapsed, elapsed + 1.0 / values.system_node_rate
-        self._published_at = rospy.get_time()
-        speed = self._plant.output(elapsed)
-        self._publisher.publish(speed, elapsed, status_of(speed, values.system_max_speed))
+        self._published_at = self._clock()
+        message = motor_output()  # filled in afterwards, which takes genpy half the time
+        message.output = speed = self._plant.output(elapsed)
+        message.time, message.status = elapsed, status_of(speed, values.system_max_speed)
+        self._publisher.publish(message)
 
     def _on_input(self, message: motor_input) -> None:
         self._plant.set_input(self._now(), message.input)
@@ -71,11 +77,11 @@ class System:
     def _end(self) -> None:
         with self._group:  # or an output that is due just now would have the last word
             self._has_ended = True
-            self._publisher.publish(0.0, self._due, NOT_TURNING)
+            self._publisher.publish(motor_output(0.0, self._due, NOT_TURNING))
 
     def _now(self) -> float:
         """Return the motor's time, s: from the last output on, until the next one is due."""
-        since = rospy.get_time() - self._published_at  # below 0 where the clock was set back
+        since = self._clock() - self._published_at  # below 0 where the clock was set back
         return min(self._due + max(since, 0.0), self._next_due)
 
 

@@ -61,9 +61,15 @@ class SerialPort:
         try:
             if not select.select([port.fileno()], [], [], timeout)[0]:
                 return b""
-            return bytes(port.read(_READ_AT_ONCE))
+            # Not by pyserial, which would look once more whether there is something.
+            data = os.read(port.fileno(), _READ_AT_ONCE)
+        except BlockingIOError:
+            return b""
         except (OSError, TypeError, ValueError) as error:  # of a port that is closed meanwhile
             raise PortLost(f"{self.name} is gone: {error}") from None
+        if not data:
+            raise PortLost(f"{self.name} is gone: it has ended")
+        return data
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""

@@ -234,7 +234,8 @@ class Loop(unittest.TestCase):
 
     def test_set_point_carries_its_time_and_ends_with_its_stop_value(self) -> None:
         heard = Ear(self.space + "/set_point", set_point)
-        node = self.start("set_point_generator", rate=50.0, offset=3.0, stop_value=-1.0)
+        # So often that another one is due as it ends.
+        node = self.start("set_point_generator", rate=1e4, offset=3.0, stop_value=-1.0)
         heard.wait_for(lambda message: message.time > 0.5)
         self.assertEqual(self.end(node), 0)
         times = [message.time for message in heard.messages()]

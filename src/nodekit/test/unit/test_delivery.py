@@ -167,6 +167,14 @@ def test_full_receivers_together_are_waited_for_once(pairs, clock):
     assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
 
 
+def test_what_is_lost_counts_as_so_many_messages_as_went_together(pairs, clock):
+    link = Link("full", pairs()[0], threading.RLock())
+    for _ in range(20):
+        delivery.deliver(BIG, [link], 3)
+    held = sum(each.messages for each in link.held)
+    assert (link.sent, held, link.lost) == (0, 6, 54)
+
+
 def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clock):
     full, _ = pairs()
     full.send(BIG, socket.MSG_DONTWAIT)

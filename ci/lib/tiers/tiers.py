@@ -59,6 +59,7 @@ def lint() -> List[Step]:
         "page_rules": [sys.executable, str(CI / "lib" / "lint" / "page_rules.py")],
         "launch files": [sys.executable, str(CI / "lib" / "lint" / "launch_files.py")]
         + [str(package / "launch") for package in packages()],
+        "empty_loops": [sys.executable, str(CI / "lib" / "lint" / "empty_loops.py")],
         "rosdep_keys": [sys.executable, str(CI / "lib" / "lint" / "rosdep_keys.py")],
         "debian_files": [sys.executable, str(CI / "lib" / "packages" / "debian_files.py")],
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib/setup:{CI}/lib/systems"]

@@ -176,7 +176,9 @@ def test_its_author_is_told_here_and_signs_nothing(
 
 def test_each_package_has_its_part_in_the_changelog() -> None:
     whole = (CI.parent / "docs" / "changelog.rst").read_text("utf-8")
-    for manifest in sorted(CI.parent.glob("src/*/package.xml")):
+    manifests = sorted(CI.parent.glob("src/*/package.xml"))
+    assert manifests
+    for manifest in manifests:
         name = manifest.parent.name
         part = f"\n{name}\n{'~' * len(name)}\n\n.. include:: ../src/{name}/CHANGELOG.rst\n"
         assert part in whole, name

@@ -36,5 +36,6 @@ def test_independent_rooms_do_not_import_each_other() -> None:
 
 def test_independent_rooms_are_rooms() -> None:
     for package, groups in code_rules.INDEPENDENT.items():
+        assert groups
         for group in groups:
             assert len(group) > 1 and group <= set(code_rules.ROOMS[package])

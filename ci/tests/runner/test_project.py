@@ -20,7 +20,9 @@ REAL = {
 
 
 def test_each_file_agrees_with_it() -> None:
-    for path, text in project.written(WORKSPACE, project.read(WORKSPACE)):
+    written = list(project.written(WORKSPACE, project.read(WORKSPACE)))
+    assert written
+    for path, text in written:
         assert path.read_text("utf-8") == text, f"{path}: project.py --write"
 
 
@@ -36,6 +38,7 @@ def test_each_package_names_all_of_it(manifest: pathlib.Path) -> None:
 
 def test_no_file_has_a_placeholder_of_its_own() -> None:
     known = {path for path, _ in project.written(WORKSPACE, project.read(WORKSPACE))}
+    assert known
     for place in ("src", "docs", "packaging", "ci/lib"):
         for path in (WORKSPACE / place).rglob("*"):
             if path.suffix in (".xml", ".py", ".md") and path not in known:

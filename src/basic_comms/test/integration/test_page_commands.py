@@ -104,6 +104,7 @@ class Pages(unittest.TestCase):
     def test_what_is_not_typed_is_still_there(self) -> None:
         for page, starts in NOT_TYPED.items():
             lines = [line.command for line in lines_of(PAGES[page])]
+            self.assertTrue(starts, page)
             for start in starts:
                 self.assertTrue(any(line.startswith(start) for line in lines), f"{page}: {start}")
 

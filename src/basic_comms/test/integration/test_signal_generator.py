@@ -69,12 +69,15 @@ class SignalGeneratorNode(unittest.TestCase):
         return self.samples.messages()[:count]
 
     def test_each_sample_belongs_to_exactly_its_time(self) -> None:
-        for sample in self.record(200):
+        samples = self.record(200)
+        self.assertEqual(len(samples), 200)
+        for sample in samples:
             exact = 2.0 * math.sin(2.0 * math.pi * 10.0 * sample.time_x)
             self.assertAlmostEqual(sample.signal_y, exact, delta=2.5e-7)
 
     def test_no_sample_is_missing(self) -> None:
         numbers = [sample.time_x * RATE for sample in self.record(int(RATE))]
+        self.assertEqual(len(numbers), RATE)
         for before, number in zip(numbers, numbers[1:]):
             self.assertAlmostEqual(number - before, 1.0, places=6)
 

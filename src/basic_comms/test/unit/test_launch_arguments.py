@@ -113,6 +113,7 @@ def as_text(value: Any) -> str:
 )
 def test_defaults_of_the_talkers_arguments(name: str, arguments: Dict[str, str]) -> None:
     listed = listed_arguments(name)
+    assert arguments
     for argument, parameter in arguments.items():
         default = yaml.safe_load(listed[argument][1])
         assert default == to_wire(TalkerParameters.declared[parameter].default)

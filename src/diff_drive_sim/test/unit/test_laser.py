@@ -22,6 +22,7 @@ GRID = st.integers(-50, 50)
 @pytest.mark.parametrize("rays", [1, 4, 8, 360, 1000])
 def test_in_the_middle_of_a_square_each_ray_has_its_distance(rays: int) -> None:
     found = Laser(SQUARE.segments, rays).ranges(0.0, 0.0, 0.0)
+    assert len(found) == rays
     for number, distance in enumerate(found):
         angle = 2.0 * math.pi * number / rays
         exact = 2.0 / max(abs(math.cos(angle)), abs(math.sin(angle)))

@@ -86,7 +86,9 @@ def test_chain_remaps_the_input_of_the_system_only() -> None:
 
 @pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))
 def test_terminals_are_for_every_node_and_only_when_asked_for(name: str) -> None:
-    for node in load(name).nodes:
+    found = load(name).nodes
+    assert found
+    for node in found:
         assert "xterm" not in (node.launch_prefix or "")
         assert node.output == "screen"
     for node in load(name, "terminals:=true").nodes:

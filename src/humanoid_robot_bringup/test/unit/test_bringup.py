@@ -50,11 +50,15 @@ def config_of(name: str) -> Dict[str, Any]:
 def test_configuration_is_loaded_and_allowed() -> None:
     """Course 002-pkg-15."""
     parameters = {key: value.value for key, value in load().params.items()}
-    for name, value in config_of("robot_description.yaml").items():
+    described = config_of("robot_description.yaml")
+    assert described
+    for name, value in described.items():
         assert parameters["/base/" + name] == value
     for file in ("controllers.yaml", "sensors.yaml"):
-        for node, values in config_of(file).items():
+        nodes = config_of(file)
+        assert nodes, file
+        for node, values in nodes.items():
             for name, value in values.items():
                 assert parameters[f"/{node}/{name}"] == value
-    RobotParameters(**config_of("robot_description.yaml"))
+    RobotParameters(**described)
     ProportionalControllerParameters(**config_of("controllers.yaml")["proportional_controller"])

@@ -79,10 +79,13 @@ def test_params_go_over_the_defaults() -> None:
 def test_params_name_nodes_and_parameters_that_exist() -> None:
     started = nodes(load("motor_2.launch"))
     with open(os.path.join(PACKAGE, "config", "params.yaml")) as file:
-        for group, members in yaml.safe_load(file).items():
-            for node, values in members.items():
-                assert started[f"/{group}/{node}"] == "dc_motor.py"
-                MotorParameters(**values)
+        groups = yaml.safe_load(file)
+    assert groups
+    for group, members in groups.items():
+        assert members, group
+        for node, values in members.items():
+            assert started[f"/{group}/{node}"] == "dc_motor.py"
+            MotorParameters(**values)
 
 
 def test_own_configuration_can_be_given() -> None:
@@ -94,7 +97,9 @@ def test_own_configuration_can_be_given() -> None:
 
 @pytest.mark.parametrize("name", sorted(os.listdir(LAUNCH)))
 def test_terminals_are_for_every_node_and_only_when_asked_for(name: str) -> None:
-    for node in load(name).nodes:
+    found = load(name).nodes
+    assert found
+    for node in found:
         assert "xterm" not in (node.launch_prefix or "")
         assert node.output == "screen"
     for node in load(name, "terminals:=true").nodes:

@@ -208,6 +208,7 @@ def test_any_raw_value_is_refused_or_becomes_a_finite_value_of_the_kind(raw, par
 )
 def test_ends_of_a_range_are_closed_or_open(ends, inside, outside):
     parameter = FloatParameter(0.5, help="a number", **ends)
+    assert inside and outside
     for raw in inside:
         parameter.coerce(raw)
     for raw in outside:

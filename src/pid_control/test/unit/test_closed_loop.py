@@ -41,7 +41,9 @@ def test_weak_controller_never_gets_there() -> None:
 
 def test_set_point_is_within_reach_and_inputs_within_limits() -> None:
     limited = Model(-2.0, 1.0, 0.2, 0.1, 1.2)
-    for gains in gains_of(limited, PERIOD).values():
+    found = gains_of(limited, PERIOD)
+    assert found
+    for gains in found.values():
         response = respond(limited, gains, PERIOD, -0.5, 1.0)
         assert response.set_point == -0.6
         assert min(response.inputs) >= -0.5 and max(response.inputs) <= 1.0

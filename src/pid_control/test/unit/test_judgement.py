@@ -145,6 +145,7 @@ def test_the_likely_cause(
 
 def test_every_figure_has_a_cause() -> None:
     for scenario, names in MEASURED.items():
+        assert names, scenario
         for name in names:
             beyond = -1.0 if MEASURES[name].is_least else 1e9
             cause = cause_of(scenario, name, {(scenario, name): beyond})

@@ -37,7 +37,9 @@ def test_wanted_time_constant_is_taken_by_those_that_have_one() -> None:
 
 
 def test_gain_below_0_turns_all_gains_round() -> None:
-    for gains in gains_of(MODEL._replace(gain=-2.0), PERIOD).values():
+    found = gains_of(MODEL._replace(gain=-2.0), PERIOD)
+    assert found
+    for gains in found.values():
         assert gains.kp < 0.0 and gains.ki < 0.0 and gains.kd <= 0.0
 
 

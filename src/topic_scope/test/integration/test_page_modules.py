@@ -21,6 +21,7 @@ class Modules(BrowserTest):
         answers = self.browser.call(
             "base/numbers.js", "a[0].map(([low, high]) => module.ticks(low, high, 8))", ranges
         )
+        self.assertEqual(len(answers), len(ranges))
         for (low, high), ticks in zip(ranges, answers):
             span = high - low
             self.assertTrue(2 <= len(ticks) <= 9, ticks)
@@ -632,6 +633,7 @@ class Modules(BrowserTest):
             " routes: Object.fromEntries(made.routes)}; })",
             graphs,
         )
+        self.assertEqual(len(layouts), len(graphs))
         for (items, edges), layout in zip(graphs, layouts):
             boxes = {name: _box(place) for name, place in layout["places"].items()}
             self.assertEqual(set(boxes), {item["id"] for item in items})

@@ -7,6 +7,7 @@ from typing import List
 
 import rosgraph
 import rospy
+from putting_back import wait_for_put_backs
 from rosgraph_msgs.msg import Log
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String
@@ -147,7 +148,7 @@ class DcMotor(unittest.TestCase):
         self.speed.forget()
         answer = self.enable(False)
         self.assertEqual((answer.success, answer.message), (True, "disabled already"))
-        rospy.sleep(10.0 * SAMPLE_TIME)
+        wait_for_put_backs(NODE, 10)
         self.assertEqual(self.values(), [])
         # What drove it before does not drive it now.
         self.enable(True)

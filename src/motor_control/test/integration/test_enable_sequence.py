@@ -6,10 +6,11 @@ import signal
 import subprocess
 import time
 import unittest
-from typing import List
+from typing import Dict, List
 
 import rospkg
 import rospy
+from putting_back import wait_for_put_backs
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 
@@ -31,6 +32,7 @@ class EnableSequence(unittest.TestCase):
         self.states = Ear(self.space + "/motor_state", String)
         self.log = Ear("/rosout", Log)
         self.enable = rospy.ServiceProxy(self.space + "/EnableProcess", SetProcessBool)
+        self.nodes: Dict[str, "subprocess.Popen[bytes]"] = {}
 
     def start(self, program: str, name: str) -> "subprocess.Popen[bytes]":
         """Start a node, to be ended after the test."""
@@ -38,7 +40,12 @@ class EnableSequence(unittest.TestCase):
             [os.path.join(SCRIPTS, program), "__ns:=" + self.space, "__name:=" + name]
         )
         self.addCleanup(self.end, node, signal.SIGKILL)
+        self.nodes[name] = node
         return node
+
+    def alive(self) -> List[str]:
+        """Return the names of the nodes that run."""
+        return [name for name, node in self.nodes.items() if node.poll() is None]
 
     def end(self, node: "subprocess.Popen[bytes]", number: int) -> int:
         """End a node by a signal, and return its exit status."""
@@ -68,10 +75,11 @@ class EnableSequence(unittest.TestCase):
             ear.wait_for(lambda heard: heard.data != 0.0)
 
     def assert_both_are_silent(self) -> None:
-        """Listen for some periods of each."""
+        """Listen for some periods of each that is there."""
         for ear in (self.inputs, self.speeds):
             ear.forget()
-        rospy.sleep(0.5)
+        for name in self.alive():
+            wait_for_put_backs(f"{self.space}/{name}", 5)
         self.assertEqual(self.inputs.messages() + self.speeds.messages(), [])
 
     def test_set_point_first(self) -> None:

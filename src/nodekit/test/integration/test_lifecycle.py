@@ -566,8 +566,9 @@ class Made(Managed):
         with self.assertRaises(ValueError):
             driver.timer.set_rate(-1.0)
         driver.timer.set_rate(200.0)  # from the next activation on
-        count = len(driver.ticks)
-        time.sleep(0.05)  # five ticks of a timer that does not heed
+        count, others = len(driver.ticks), []
+        driver.node.every(200.0, others.append)  # not managed, with the thread of all timers
+        wait_until(lambda: len(others) > 10, lambda: "no ticks")
         self.assertEqual(len(driver.ticks), count)
         self.assertEqual(set(driver.ticks), {"active"})
         self.assertTrue(self.change("activate"))

@@ -69,6 +69,15 @@ class OnMaster(unittest.TestCase):
         state = rosgraph.Master("/test").getSystemState()
         return sorted((n, nodes) for part in state for n, nodes in part if self.space in n)
 
+    def wait_for_ticks(self, count: int) -> None:
+        """Wait until the thread that serves all timers has had time for so many calls at 100 Hz."""
+        ticks: List[float] = []
+        clock = self.node(f"clock{next(self.numbers)}")
+        clock.every(100.0, ticks.append)
+        clock.start()
+        wait_until(lambda: len(ticks) >= count, lambda: f"{len(ticks)} ticks")
+        clock.close()
+
     def publisher(self, topic: str, kind: type = String, **options: Any) -> rospy.Publisher:
         """Return a publisher of the plain kind, which needs a connection."""
         publisher = rospy.Publisher(self.space + "/" + topic, kind, queue_size=100, **options)
@@ -80,7 +89,7 @@ class Start(OnMaster):
     """What is made is noted until the start."""
 
     def test_no_callback_begins_before_the_constructor_has_returned(self) -> None:
-        calls: List[str] = []
+        calls, wait_for_ticks = [], self.wait_for_ticks  # type: Any
         self.publisher("latched", latch=True).publish("there already")
         self.server.set(self.space + "/one/beside", 5)
 
@@ -95,7 +104,7 @@ class Start(OnMaster):
                 own.publish("hello")
                 node.service("~ask", Trigger, self.call)
                 settings.update(gain=2.0)
-                time.sleep(0.3)
+                wait_for_ticks(20)
                 calls.append("constructed")
 
             def call(self, *_: Any) -> None:
@@ -350,7 +359,7 @@ class Callbacks(OnMaster):
         settings.update(rate=0.001)
         node.start()
         wait_until(lambda: calls, lambda: "no first call")
-        time.sleep(0.1)
+        self.wait_for_ticks(10)
         self.assertEqual(len(calls), 1)
         self.server.set(self.space + "/one/rate", 200.0)
         wait_until(lambda: len(calls) > 10, lambda: str(calls))
@@ -580,10 +589,11 @@ class Closing(OnMaster):
         node.start()
         wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
         wait_until(lambda: len(calls) > 10, lambda: str(len(calls)))
-        stop = threading.Event()
+        stop, rounds = threading.Event(), []  # type: Any
 
         def disturb() -> None:
             for number in itertools.count():
+                rounds.append(number)
                 publisher.publish("x")
                 settings.update(gain=float(number % 7))
                 if stop.wait(0.001):
@@ -591,10 +601,12 @@ class Closing(OnMaster):
 
         thread = threading.Thread(target=disturb)
         thread.start()
-        time.sleep(0.05)
+        wait_until(lambda: len(rounds) > 10, lambda: f"{len(rounds)} rounds")
         node.close()
         closed.set()
-        time.sleep(0.2)
+        before = len(rounds)
+        wait_until(lambda: len(rounds) > before + 10, lambda: f"{len(rounds)} rounds")
+        self.wait_for_ticks(10)
         stop.set()
         thread.join(TIMEOUT_S)
         self.assertEqual(late, [])

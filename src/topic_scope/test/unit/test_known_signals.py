@@ -113,7 +113,9 @@ def test_the_highest_peak_of_the_spectrum_is_the_sine(kind: str) -> None:
 
 @of_each_kind
 def test_what_is_told_of_the_samples_is_exact(kind: str) -> None:
-    for signal in of_kind(kind):
+    signals = of_kind(kind)
+    assert signals
+    for signal in signals:
         found, values = measure(signal.times, signal.values), signal.values.tolist()
         count, height = len(values), max(map(abs, values))
         mean = math.fsum(values) / count

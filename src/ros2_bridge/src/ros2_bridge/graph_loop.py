@@ -98,6 +98,7 @@ class GraphLoop:
         self._names.register(in_ros2 - ros1.nodes(), is_restarted)
         self._rosout.subscription.switch(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
         self._topics.update_topics(rules, ros1, topics)
+        self._nodes.offer_own_parameters()
         services = self._graph.services(in_ros2)
         parameters, most = values.parameters, values.max_nodes
         self._nodes.update_nodes(ros1, in_ros2, services, parameters, most, is_restarted)

@@ -10,7 +10,11 @@ from rclpy.serialization import deserialize_message
 
 from nodekit import Node
 from nodekit.master import MasterClient
-from ros2_bridge.parameters.ros1_parameters import DescribedParameters, ServerParameters
+from ros2_bridge.parameters.ros1_parameters import (
+    DescribedParameters,
+    Ros1Parameters,
+    ServerParameters,
+)
 from ros2_bridge.parameters.to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.to_ros2 import ParametersToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
@@ -82,6 +86,7 @@ class NodeBridge:
         self._names, self._is_kind = names, is_kind
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
+        self._own: Optional[ParametersToRos2] = None
         #: When each node was first seen, s on the monotonic clock.
         self._since: Dict[str, float] = {}
         self._events = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
@@ -140,6 +145,12 @@ class NodeBridge:
             self._skipped.report(f"{what} beyond ~max_nodes, {most}: {some}")
         return names[:most]
 
+    def offer_own_parameters(self) -> None:
+        """Offer the bridge's own parameters in ROS 2, unless they are offered already."""
+        if self._own is None:
+            name = self._node.name
+            self._own = self._bridged(self._side.node, DescribedParameters(self._client, name))
+
     def _parameters(self, name: str, style: str) -> Optional[ParametersToRos2]:
         """Bridge the parameters of a node of ROS 1.
 
@@ -148,12 +159,15 @@ class NodeBridge:
         if style == "none":
             return None
         kind = DescribedParameters if style == "described" else ServerParameters
+        return self._bridged(self._to_ros2[name].node, kind(self._client, name))
+
+    def _bridged(self, node: Ros2Node, parameters: Ros1Parameters) -> ParametersToRos2:
         return ParametersToRos2(
             self._node.lifetime(),
             self._side,
-            self._to_ros2[name].node,
-            self._other(name),
-            kind(self._client, name),
+            node,
+            self._other(parameters.name),
+            parameters,
             self._events.publish,
             self._is_kind,
         )

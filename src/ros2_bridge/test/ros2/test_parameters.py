@@ -21,6 +21,7 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Value
 from rclpy.serialization import serialize_message
+from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.parameters.messages import to_message
@@ -154,6 +155,24 @@ def test_events(ros: both.Both, generator: both.Running) -> None:
     wait_until(lambda: 5.5 in told("amplitude"), lambda: str(ear.heard))
     assert told("amplitude") == [4.5, 5.5]
     ear.end()
+
+
+def test_the_bridge_has_its_own_live(ros: both.Both, bridge: both.Bridge) -> None:
+    def topics() -> List[str]:
+        return [name for name, _ in ros.node.get_topic_names_and_types()]
+
+    out = publisher1(ros, "/hidden/one", "std_msgs/Float32")
+    wait_until(lambda: "/hidden/one" in topics(), lambda: str(topics()))
+    names = ros.call2(ListParameters, "/ros2_bridge/list_parameters").result.names
+    assert {"allow", "deny", "max_nodes", "use_sim_time"} <= set(names)
+    refused = set_one(ros, "max_nodes", -1, "/ros2_bridge")
+    assert not refused.successful and "refused -1" in refused.reason
+    assert set_one(ros, "deny", ["/hidden/*"], "/ros2_bridge").successful
+    wait_until(lambda: "/hidden/one" not in topics(), lambda: str(topics()))
+    assert get(ros, "deny", node="/ros2_bridge") == [["/hidden/*"]]
+    assert set_one(ros, "deny", [""], "/ros2_bridge").successful
+    wait_until(lambda: "/hidden/one" in topics(), lambda: str(topics()))
+    out.unregister()
 
 
 def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:

@@ -80,6 +80,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "basic_comms/shapes": ("signal_source", "delay_line"),
     "basic_comms/signal_parameters": ("signal_parameters", "signal_source"),
     "topic_scope/bag_messages": ("bag_file",),
+    "topic_scope/bag_series": ("bag_plot", "plot_bag_command"),
     "topic_scope/checks": ("requests", "scaling"),
     "topic_scope/crossings": ("periods", "known_signals"),
     "topic_scope/decoding": ("fields", "arrays"),

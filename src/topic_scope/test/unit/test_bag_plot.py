@@ -16,7 +16,8 @@ from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
 from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_plot import Series, collect, computed, draw, save
+from topic_scope.bag.bag_plot import draw, save
+from topic_scope.bag.bag_series import Series, collect, computed
 from topic_scope.formulas.names import formula_of
 from topic_scope.messages.fields import to_path
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, List
 
 import genpy
+import numpy
 import pytest
 import rosbag
 from bags import write_bag
@@ -15,7 +16,7 @@ from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
-from topic_scope.bag import plot_bag_command
+from topic_scope.bag import bag_plot, plot_bag_command
 
 
 @pytest.fixture
@@ -270,3 +271,54 @@ def test_what_is_wrong_with_a_formula_is_said(
         "plot_bag: something is missing at the end\n"
     )
     assert "nearest to it: /x/data" in failure(monkeypatch, capsys, bag, "=/x/datum", "-o", "o.csv")
+
+
+def ramp(path: Path, start: float) -> str:
+    """Record a ramp from 0 up to 1 that begins some time after the bag, and takes 1 s."""
+    values = [min(max(0.1 * index - start, 0.0), 1.0) for index in range(40)]
+    return write_bag(
+        path, [("/x", Float64(one), index * 10**8) for index, one in enumerate(values)]
+    )
+
+
+def drawn(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> List[Any]:
+    """Return the series of a picture."""
+    pictures: List[Any] = []
+    monkeypatch.setattr(bag_plot, "draw", pictures.append)
+    monkeypatch.setattr(bag_plot, "save", lambda _figure, path, _format: Path(path).touch())
+    call(monkeypatch, *arguments, "-o", "out.svg")
+    return list(pictures[0])
+
+
+def test_another_bag_is_laid_over_with_an_offset(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    new, old = ramp(tmp_path / "new.bag", 1.0), ramp(tmp_path / "old.bag", 1.75)
+    first, over = drawn(monkeypatch, new, "/x", "--over", old, "--offset=-0.75")
+    assert (first.name, over.name) == ("/x/data", "/x/data (old.bag)")
+    assert first.times[0] == 0.0 and over.times[0] == -0.75
+    other = drawn(monkeypatch, new, "=2*/x", "--over", old, "--over", new, "--offset", "3")
+    assert [one.times[0] for one in other] == [0.0, 3.0, 0.0]
+    assert other[1].name == "=2 * /x/data (old.bag)"
+
+
+def test_bags_are_aligned_where_a_field_rises_through_a_level(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    new, old = ramp(tmp_path / "new.bag", 1.0), ramp(tmp_path / "old.bag", 1.75)
+    first, over = drawn(monkeypatch, new, "/x", "--over", old, "--align", "/x", "0.5")
+    assert first.times[0] == pytest.approx(-1.5) and over.times[0] == pytest.approx(-2.25)
+    for one in (first, over):
+        assert numpy.interp(0.0, one.times, one.values) == pytest.approx(0.5)
+    aligned = [new, "/x", "--align", "/x"]
+    said = failure(monkeypatch, capsys, *aligned, "2", "-o", "o.png")
+    assert said == "plot_bag: /x/data does not rise through 2 in this time\n"
+    said = failure(monkeypatch, capsys, *aligned, "high", "-o", "o.png")
+    assert said == "plot_bag: --align: 'high' is not a level\n"
+    said = failure(monkeypatch, capsys, new, "/x", "--over", old, "-o", "o.csv")
+    assert said == "plot_bag: a .csv is of one bag: --over and --align are for pictures\n"
+    assert "no.bag: No such file" in failure(
+        monkeypatch, capsys, new, "/x", "--over", "no.bag", "-o", "o.png"
+    )

@@ -14,7 +14,7 @@ from rospy import Time
 
 from topic_scope.analysis.measurements import phase
 from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_plot import collect
+from topic_scope.bag.bag_series import collect
 from topic_scope.bag.column_reader import write_csv
 from topic_scope.messages.definitions import layout_of
 from topic_scope.messages.timestamp_source import OwnClock, correction

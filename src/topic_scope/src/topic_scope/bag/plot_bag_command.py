@@ -5,13 +5,14 @@ import math
 import os
 import struct
 import sys
-from typing import Iterator, List, Optional
+from typing import Iterator, List, Optional, TextIO, Tuple
 
 from tqdm import tqdm
 
-from topic_scope.bag.bag_columns import choose_lines
+from topic_scope.bag.bag_columns import Line, choose_lines
 from topic_scope.bag.bag_file import BagError, BagFile
 from topic_scope.bag.bag_messages import Slice, first_messages, slices
+from topic_scope.bag.bag_series import Series, collect, computed, crossing, moved
 from topic_scope.bag.column_reader import ColumnReader, write_csv
 from topic_scope.bag.computed_csv import write_computed_csv
 from topic_scope.messages.fields import FieldError
@@ -27,12 +28,13 @@ _FORMATS = ("png", "svg", "pdf", "csv")
 def main() -> None:
     """Plot fields of a bag, or write them to a CSV file."""
     arguments = _parser().parse_args()
+    if arguments.align and not _is_level(arguments.align[1]):
+        _fail(f"--align: {arguments.align[1]!r} is not a level")
     if arguments.end is not None and arguments.start > arguments.end:
         start, end = arguments.start / 1e9, arguments.end / 1e9
         _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
     try:
-        with BagFile(arguments.bag) as bag:
-            _plot(bag, arguments)
+        _write(arguments)
     except (BagError, FieldError) as error:
         _fail(str(error))
     except ModuleNotFoundError as error:
@@ -41,6 +43,13 @@ def main() -> None:
         _fail(f"{arguments.output}: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit(130)  # as a shell puts it
+
+
+def _is_level(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
 
 
 def _fail(text: str) -> None:
@@ -77,7 +86,38 @@ def _parser() -> argparse.ArgumentParser:
         type=_nanoseconds,
         help="leave out what came later, in s from the start of the bag",
     )
+    parser.add_argument(
+        "--over",
+        metavar="OTHER.bag",
+        action="append",
+        default=[],
+        help="draw the same fields of another bag over them; may be repeated",
+    )
+    parser.add_argument(
+        "--offset",
+        metavar="S",
+        type=_offset,
+        action="append",
+        default=[],
+        help="how much later to draw the other bag, s; one for each --over, in their order",
+    )
+    parser.add_argument(
+        "--align",
+        metavar=("FIELD", "LEVEL"),
+        nargs=2,
+        help="let the time of each bag begin where this field first rises through this level",
+    )
     return parser
+
+
+def _offset(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not -1e9 < seconds < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in s")
+    return seconds
 
 
 def _output(text: str) -> str:
@@ -100,44 +140,78 @@ def _nanoseconds(text: str) -> int:
     return round(seconds * 1e9)
 
 
-def _plot(bag: BagFile, arguments: argparse.Namespace) -> None:
-    first = first_messages(bag)
-    lines = choose_lines(arguments.fields, first)
-    columns = list(dict.fromkeys(column for line in lines for column in line.columns))
-    readers = [ColumnReader(column, first[column.topic]) for column in columns]
-    if _format(arguments.output) != "csv" and len(lines) > LINES:
-        raise FieldError(
-            f"{len(lines)} lines are too many: at most {LINES} can be told apart; "
-            "name fewer fields, or write a .csv"
-        )
-    messages = _in_range(bag, readers, arguments.start, arguments.end)
-    # The file appears when it is complete.
+def _write(arguments: argparse.Namespace) -> None:
+    """Write the file; it appears when it is complete."""
     partial = arguments.output + ".part"
     try:
-        with open(partial, "w", newline="") as file:
-            if _format(arguments.output) == "csv":
-                if any(line.formula for line in lines):
-                    write_computed_csv(file, lines, readers, messages)
-                else:
-                    write_csv(file, readers, messages)
-            else:
-                # It takes a second to load, which an error need not wait for.
-                from topic_scope.bag.bag_plot import collect, computed, draw, save
-
-                series = {one.name: one for one in collect(readers, messages)}
-                drawn = [
-                    computed(line.name, line.formula, series.values())
-                    if line.formula
-                    else series[line.name]
-                    for line in lines
-                ]
-                save(draw(drawn), partial, _format(arguments.output))
+        if _format(arguments.output) == "csv":
+            with open(partial, "w", newline="") as file:
+                _write_numbers(file, arguments)
+        else:
+            _draw(partial, arguments)
         os.replace(partial, arguments.output)
-    except struct.error as error:
-        raise bag.broken(error) from error
     finally:
         if os.path.exists(partial):
             os.remove(partial)
+
+
+def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> None:
+    if arguments.over or arguments.align:
+        raise FieldError("a .csv is of one bag: --over and --align are for pictures")
+    with BagFile(arguments.bag) as bag:
+        lines, readers = _chosen(bag, arguments.fields)
+        messages = _in_range(bag, readers, arguments.start, arguments.end)
+        try:
+            if any(line.formula for line in lines):
+                write_computed_csv(file, lines, readers, messages)
+            else:
+                write_csv(file, readers, messages)
+        except struct.error as error:
+            raise bag.broken(error) from error
+
+
+def _draw(path: str, arguments: argparse.Namespace) -> None:
+    # It takes a second to load, which an error need not wait for.
+    from topic_scope.bag.bag_plot import draw, save
+
+    drawn: List[Series] = []
+    for number, name in enumerate([arguments.bag, *arguments.over]):
+        with BagFile(name) as bag:
+            lines = _series(bag, arguments.fields, arguments)
+            by = arguments.offset[number - 1] if 0 < number <= len(arguments.offset) else 0.0
+            if arguments.align:
+                field, level = arguments.align[0], float(arguments.align[1])
+                by -= crossing(_series(bag, [field], arguments)[0], level)
+        called = "" if number == 0 else f" ({os.path.basename(name)})"
+        drawn += [moved(one, by, one.name + called) for one in lines]
+    if len(drawn) > LINES:
+        raise FieldError(
+            f"{len(drawn)} lines are too many: at most {LINES} can be told apart; "
+            "name fewer fields, or write a .csv"
+        )
+    save(draw(drawn), path, _format(arguments.output))
+
+
+def _series(bag: BagFile, fields: List[str], arguments: argparse.Namespace) -> List[Series]:
+    """Return fields of a bag over time, in the range that was asked for."""
+    lines, readers = _chosen(bag, fields)
+    try:
+        found = collect(readers, _in_range(bag, readers, arguments.start, arguments.end))
+    except struct.error as error:
+        raise bag.broken(error) from error
+    series = {one.name: one for one in found}
+    return [
+        computed(line.name, line.formula, found) if line.formula else series[line.name]
+        for line in lines
+    ]
+
+
+def _chosen(bag: BagFile, fields: List[str]) -> Tuple[List[Line], List[ColumnReader]]:
+    """Return what fields stand for in a bag, and what reads them."""
+    first = first_messages(bag)
+    lines = choose_lines(fields, first)
+    columns = dict.fromkeys(column for line in lines for column in line.columns)
+    return lines, [ColumnReader(column, first[column.topic]) for column in columns]
 
 
 def _in_range(

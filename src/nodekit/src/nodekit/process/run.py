@@ -17,7 +17,7 @@ from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.kinds import ParameterError
-from nodekit.process import arguments
+from nodekit.process import arguments, launch_arguments
 from nodekit.rospy_internals import registration, start
 from nodekit.rospy_internals.made import NameTaken
 
@@ -141,6 +141,8 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
     def work() -> None:
         try:
             node = init_node(name)
+            for warning in launch_arguments.warnings():
+                rospy.logwarn("%s", warning)
             with get_watcher().reading_ahead([node.name]) as held:
                 made.extend([node, as_wanted(cls, node.name, held[node.name])(node)])
             node.start()

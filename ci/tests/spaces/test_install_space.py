@@ -12,6 +12,7 @@ import pytest
 from conftest import PACKAGES, SOURCES
 
 CHECK = SOURCES.parent / "ci" / "lib" / "lint" / "launch_files.py"
+CONTROLLER = ("pid_control", "motor_control.launch")
 # Only what hangs takes as long: a look at eleven launch files has taken more than a minute on a
 # machine that had ten times as much to do.
 LIMIT_S = 300.0
@@ -102,6 +103,12 @@ def test_the_course_runs(install_space: pathlib.Path, start: Start) -> None:
     finally:
         launch.send_signal(signal.SIGINT)
         launch.communicate(timeout=60)
+
+
+def test_a_controller_is_judged(start: Start) -> None:
+    """Of a package both are somewhere else here: the program, and the limits."""
+    said = output(start("rosrun", "pid_control", "judge", "--only", "ramp", *CONTROLLER))
+    assert said.endswith("passed: all 2 figures of 1 scenario")
 
 
 def test_a_new_package_can_be_made(start: Start, tmp_path: pathlib.Path) -> None:

@@ -152,6 +152,9 @@ class Judge(unittest.TestCase):
             "has no node motor; its nodes are /system": [
                 *["--node", "motor", "pid_control", "motor_control.launch"]
             ],
+            "'judged.png' does not end in .svg": ["--picture", "judged.png", "x"],
+            "'fast' must be above 0 and at most 1e+06 rad/s": ["--full-speed", "fast", "x"],
+            "--full-speed is that of a --real-plant": ["--full-speed", "9", "x", "y"],
             "there is no folder nowhere": ["--class", "nowhere"],
             f"no package in {self.folder}": ["--class", self.folder],
             "are not for a --class": ["--class", self.folder, "--csv", "x"],

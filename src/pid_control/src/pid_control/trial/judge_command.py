@@ -20,8 +20,8 @@ _TIME_LIMIT_S = 120.0
 _LONGEST_S = 3600.0
 #: What rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
-#: The greatest speed of a plant unless another one is given, and of any plant, rad/s.
-_FULL_SPEED, _FASTEST = MOTOR.max_output, 1e6
+#: The greatest speed of any plant, rad/s.
+_FASTEST = 1e6
 
 
 class _Parser(argparse.ArgumentParser):
@@ -94,8 +94,7 @@ def _parser() -> argparse.ArgumentParser:
         "--full-speed",
         metavar="RAD/S",
         type=_speed,
-        default=_FULL_SPEED,
-        help=f"greatest speed of a real plant; {_FULL_SPEED:g} by default",
+        help=f"greatest speed of a real plant; {MOTOR.max_output:g} by default",
     )
     parser.add_argument(
         "--time-limit",
@@ -104,7 +103,9 @@ def _parser() -> argparse.ArgumentParser:
         default=_TIME_LIMIT_S,
         help=f"how long it may take, s; {_TIME_LIMIT_S:g} by default",
     )
-    parser.add_argument("--picture", metavar="FILE.svg", help="draw all scenarios there")
+    parser.add_argument(
+        "--picture", metavar="FILE.svg", type=_svg_path, help="draw all scenarios there"
+    )
     parser.add_argument("--csv", metavar="FILE", help="write all figures there")
     parser.add_argument(
         "--class",
@@ -135,6 +136,12 @@ def _seconds(text: str) -> float:
     if not 1.0 <= seconds <= _LONGEST_S:
         raise argparse.ArgumentTypeError(f"{text!r} must be from 1 to {_LONGEST_S:g} s")
     return seconds
+
+
+def _svg_path(text: str) -> str:
+    if not text.lower().endswith(".svg"):
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .svg")
+    return text
 
 
 def _speed(text: str) -> float:
@@ -176,6 +183,8 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
     if not arguments.words:
         raise CannotJudge("what? a package and a name in it, or a path")
+    if arguments.full_speed is not None and not arguments.real_plant:
+        raise CannotJudge("--full-speed is that of a --real-plant")
     try:
         target = find_target(arguments.words, arguments.node, arguments.workspace)
     except TargetError as error:
@@ -183,7 +192,8 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     print(f"judge: {target.name}", flush=True)
     session = Session(target, arguments.only, limits, arguments.time_limit)
     if arguments.real_plant:
-        return session.judge_with_real_plant(arguments.full_speed), session.records
+        full_speed = arguments.full_speed or MOTOR.max_output
+        return session.judge_with_real_plant(full_speed), session.records
     return session.judge_with_own_plant(arguments.real_time), session.records
 
 
@@ -202,7 +212,9 @@ def _judge_class(arguments: argparse.Namespace) -> int:
     if arguments.real_time:
         options.append("--real-time")
     if arguments.real_plant:
-        options += ["--real-plant", "--full-speed", str(arguments.full_speed)]
+        options.append("--real-plant")
+    if arguments.full_speed is not None:
+        options += ["--full-speed", str(arguments.full_speed)]
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
     return ClassRun(folder, arguments.words, options, output, limit).run()

@@ -51,7 +51,9 @@ class RealPlant:
         node.start()
 
     def close(self) -> None:
-        """Leave the graph; this process does not come back to it."""
+        """Stop the plant once more, and leave the graph; this process does not come back to it."""
+        time.sleep(_LOOK_S)  # what a controller sent as it was killed may have come since
+        self.stop()
         rospy.signal_shutdown("all is judged")
 
     def ask(self, speed: float) -> None:

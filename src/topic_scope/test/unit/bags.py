@@ -48,10 +48,10 @@ def first_messages(messages: Mapping[str, Any]) -> Dict[str, FirstMessage]:
     }
 
 
-def reading(columns: Iterable[Column], told: Iterable[Told]) -> List[ColumnReader]:
-    """Return what reads columns out of messages."""
+def reading(columns: Iterable[Column], told: Iterable[Told], begin: int = 0) -> List[ColumnReader]:
+    """Return what reads columns out of messages of a bag that begins at some time, ns."""
     first = first_messages({topic: message for _, topic, message in reversed(list(told))})
-    return [ColumnReader(column, first[column.topic]) for column in columns]
+    return [ColumnReader(column, first[column.topic], begin) for column in columns]
 
 
 def slices(told: Iterable[Told]) -> List[List[Slice]]:

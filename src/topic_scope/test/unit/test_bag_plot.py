@@ -39,8 +39,8 @@ def test_each_field_gets_the_values_of_its_topic() -> None:
         (3 * 10**8, "/x", Float64(4.0)),
     ]
     assert collected(columns, samples) == [
-        ("/x/data", array("d", [0.0, 0.3]), array("d", [1.0, 4.0])),
-        ("/y/data[1]", array("d", [0.1]), array("d", [3.0])),
+        Series("/x/data", array("d", [0.0, 0.3]), array("d", [1.0, 4.0])),
+        Series("/y/data[1]", array("d", [0.1]), array("d", [3.0])),
     ]
 
 

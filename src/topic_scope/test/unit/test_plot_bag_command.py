@@ -11,7 +11,7 @@ import genpy
 import numpy
 import pytest
 import rosbag
-from bags import write_bag
+from bags import BEGIN, write_bag
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
@@ -261,7 +261,25 @@ def test_stamps_are_exact_to_the_nanosecond_in_the_rows_of_formulas(
     monkeypatch.chdir(tmp_path)
     call(monkeypatch, bag, "/p/point/x@stamp", "=/p/point/x@stamp + 1", "-o", "out.csv")
     rows = Path("out.csv").read_text().splitlines()[1:]
-    assert rows == ["1700000000.123456789,0.0,1.0", "1700000000.223456788,1.0,2.0"]
+    # They count from the begin of the bag, which the first one is at.
+    assert rows == ["0.000000000,0.0,1.0", "0.099999999,1.0,2.0"]
+
+
+def test_what_is_corrected_is_said(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    messages: List[Any] = []
+    for index in range(20):
+        message = PointStamped()
+        message.header.stamp = genpy.Time(0, BEGIN + index * 10**8)
+        messages.append(("/p", message, index * 10**8 + 8 * 10**8))
+    bag = write_bag(tmp_path / "p.bag", messages)
+    monkeypatch.chdir(tmp_path)
+    call(monkeypatch, bag, "/p/point/x", "=2 * /p/point/x", "/p/point/x@stamp", "-o", "out.svg")
+    words = "stamps 0.80 s behind: shown at reception"
+    said = capsys.readouterr().err.splitlines()
+    assert said == [f"plot_bag: {name}: {words}" for name in ("/p/point/x", "=2 * /p/point/x")]
+    assert Path("out.svg").read_text().count(f"({words})") == 2
 
 
 def test_what_is_wrong_with_a_formula_is_said(

@@ -33,6 +33,8 @@ DELAYS: Dict[str, List[float]] = {
     "0.4 to 0.6": [SEED.uniform(0.4, 0.6) for _ in range(COUNT)],
 }
 NAME = "/s/point/x@stamp"
+#: The same in a bag, whose times count from its begin, ns.
+EXACT, BAG_BEGIN = Column("/s", ("point", "x"), "stamp"), round(START * 1e9)
 
 late = pytest.mark.parametrize("delays", DELAYS.values(), ids=DELAYS.keys())
 
@@ -51,6 +53,12 @@ def told_of(delays: List[float]) -> List[Told]:
         message.point.x = value
         told.append((round((stamp + delay) * 1e9), "/s", message))
     return sorted(told, key=lambda one: one[0])
+
+
+def in_bag(delays: List[float], later: float = 0.0) -> List[Told]:
+    """Return the messages as a bag tells them, and how much later it was recorded, s."""
+    more = round(later * 1e9) - BAG_BEGIN
+    return [(time + more, topic, message) for time, topic, message in told_of(delays)]
 
 
 def recorded(delays: List[float], timestamp: str = "stamp") -> Trace:
@@ -113,18 +121,42 @@ def test_the_pages_csv_stands_at_the_stamps_and_tells_the_reception(delays: List
 
 @late
 def test_plot_bag_draws_at_the_stamps(delays: List[float]) -> None:
-    told = told_of(delays)
-    (series,) = collect(reading([Column("/s", ("point", "x"), "stamp")], told), slices(told))
-    check(series.times, series.values)
+    told = in_bag(delays)
+    (series,) = collect(reading([EXACT], told, BAG_BEGIN), slices(told))
+    assert series.correction is None
+    check(START + numpy.array(series.times), series.values)
+
+
+@pytest.mark.parametrize(
+    "delay, shift, words",
+    [(0.3, 0.0, None), (0.8, 0.8, "stamps 0.80 s behind: shown at reception")],
+)
+def test_plot_bag_chooses_as_the_page_does_and_says_what_it_corrects(
+    delay: float, shift: float, words: Optional[str]
+) -> None:
+    told = in_bag([delay] * COUNT)
+    (series,) = collect(reading([EXACT._replace(timestamp="")], told, BAG_BEGIN), slices(told))
+    assert series.correction == words
+    assert series.title == (f"/s/point/x ({words})" if words else "/s/point/x")
+    check(START + numpy.array(series.times) - shift, series.values)
+
+
+def test_plot_bag_aligns_the_stamps_of_a_simulation_and_says_so() -> None:
+    told = in_bag([0.0] * COUNT, -START * 1e3)
+    for timestamp in ("stamp", ""):
+        column = EXACT._replace(timestamp=timestamp)
+        (series,) = collect(reading([column], told, BAG_BEGIN), slices(told))
+        assert series.correction == "stamps of another clock: shown at reception"
+        assert series.times[0] == pytest.approx(-START * 1e3, abs=0.01)
 
 
 @late
 def test_the_csv_of_plot_bag_stands_at_the_stamps(delays: List[float]) -> None:
-    told, file = told_of(delays), io.StringIO()
-    write_csv(file, reading([Column("/s", ("point", "x"), "stamp")], told), slices(told))
+    told, file = in_bag(delays), io.StringIO()
+    write_csv(file, reading([EXACT], told, BAG_BEGIN), slices(told))
     _, *lines = file.getvalue().splitlines()
     rows = sorted([float(cell) for cell in line.split(",")] for line in lines)
-    check([time for time, _ in rows], [value for _, value in rows])
+    check([START + time for time, _ in rows], [value for _, value in rows])
 
 
 @late

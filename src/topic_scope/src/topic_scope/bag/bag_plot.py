@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from topic_scope.bag.bag_series import Series
 
-
 #: So few points are marked, as a line through them may not be seen.
 _MARKED = 40
 #: Most characters in a line of the y axis's title.
@@ -42,7 +41,7 @@ def draw(everything: List[Series]) -> Figure:
         axes.set_prop_cycle(_LINES)
         for series in everything:
             few = sum(map(math.isfinite, series.values)) <= _MARKED
-            axes.plot(series.times, series.values, marker="." if few else "", label=series.name)
+            axes.plot(series.times, series.values, marker="." if few else "", label=series.title)
         axes.set_xlabel("time [s]")
         axes.set_ylabel(_title([series.name for series in everything]))
         axes.grid(alpha=0.3)

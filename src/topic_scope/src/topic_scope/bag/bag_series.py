@@ -2,7 +2,7 @@
 
 import math
 from array import array
-from typing import Iterable, List, NamedTuple, Optional, Tuple
+from typing import Collection, Iterable, List, NamedTuple, Optional, Tuple
 
 import numpy
 
@@ -12,10 +12,12 @@ from topic_scope.formulas.reading import Formula
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import FieldError, Path
-from topic_scope.messages.timestamp_source import longest_step, placed, said_in
+from topic_scope.messages.timestamp_source import correction, longest_step, placed, said_in
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
+#: Times of stamps are rounded to less than this, s.
+_ROUNDED_S = 1e-5
 
 
 class Series(NamedTuple):
@@ -24,11 +26,18 @@ class Series(NamedTuple):
     :param name: name of the field
     :param times: when each message was made, since the start of the bag, s
     :param values: the number in each message; NaN where there is none to plot
+    :param correction: how the stamps were moved, in words
     """
 
     name: str
     times: "array[float]"
     values: "array[float]"
+    correction: Optional[str] = None
+
+    @property
+    def title(self) -> str:
+        """The name, and what is to be known of the times."""
+        return f"{self.name} ({self.correction})" if self.correction else self.name
 
 
 class _Recorded:
@@ -58,8 +67,13 @@ class _Recorded:
             return Series(column.name, times, values)
         function, rows = make(column.function), numpy.concatenate(self._rows, axis=1)
         start, own = 0, numpy.concatenate(self._own)
-        parts = placed(path, own, numpy.concatenate(self._received), self._reader.is_exact)
-        path = path if said_in(path, own).any() else None
+        begin = self._reader.begin
+        received = numpy.concatenate(self._received) + begin
+        parts = placed(path, own, received, self._reader.is_exact)
+        said = said_in(path, own)
+        by = float(numpy.median((numpy.concatenate(parts) - own)[said])) if said.any() else 0.0
+        words = correction(path, by if abs(by) > _ROUNDED_S else 0.0)
+        path = path if said.any() else None
         for part in parts:
             if times:
                 times.append(times[-1])
@@ -69,10 +83,10 @@ class _Recorded:
             made, found = function(part[order], own_rows[:, order], longest)
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
             made, found = _with_gaps(path, made, found)
-            times.extend(made)
+            times.extend(made - begin)
             values.extend(found)
             start += len(order)
-        return Series(column.name, times, values)
+        return Series(column.name, times, values, words)
 
 
 def _with_gaps(
@@ -100,7 +114,7 @@ def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[
     return [recorded.series() for recorded in everything]
 
 
-def computed(name: str, formula: Formula, everything: Iterable[Series]) -> Series:
+def computed(name: str, formula: Formula, everything: Collection[Series]) -> Series:
     """Return what a formula makes of series.
 
     :param name: of the result
@@ -114,12 +128,14 @@ def computed(name: str, formula: Formula, everything: Iterable[Series]) -> Serie
         signals[series.name] = Signal(times, values, times, math.inf)
     times, values, *_ = formula.computed(signals)
     drawn = numpy.where(numpy.abs(values) <= _LARGEST, values, numpy.nan)
-    return Series(name, array("d", times), array("d", drawn))
+    words = (one.correction for one in everything if one.name in formula.fields and one.correction)
+    return Series(name, array("d", times), array("d", drawn), next(words, None))
 
 
 def moved(series: Series, seconds: float, name: str) -> Series:
     """Return a series later in time, under another name."""
-    return Series(name, array("d", (time + seconds for time in series.times)), series.values)
+    times = array("d", (time + seconds for time in series.times))
+    return series._replace(name=name, times=times)
 
 
 def crossing(series: Series, level: float) -> float:

@@ -12,7 +12,7 @@ from topic_scope.messages.arrays import first_missing, lengths_in
 from topic_scope.messages.decoding import Decoder, NotThere
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
-from topic_scope.messages.timestamp_source import is_exact, path_of
+from topic_scope.messages.timestamp_source import ELSEWHERE_S, is_exact, path_of
 
 
 class ColumnReader:
@@ -20,13 +20,15 @@ class ColumnReader:
 
     :param column: the column
     :param first: the message that tells the layout of its topic
+    :param begin: when the bag begins, ns since the epoch
 
     :ivar column: the column
     :ivar stamp_path: where messages say when they were made; None where the time of receipt counts
     """
 
-    def __init__(self, column: Column, first: FirstMessage) -> None:
+    def __init__(self, column: Column, first: FirstMessage, begin: int) -> None:
         self.column = column
+        self._begin = begin
         self.stamp_path = path_of(column.timestamp, first.layout)
         #: Whether samples stand where the messages say, however late they were recorded.
         self.is_exact = is_exact(column.timestamp, first.layout)
@@ -65,6 +67,11 @@ class ColumnReader:
         self._was_there = self._was_there or len(unknown) < len(messages)
         return rows
 
+    @property
+    def begin(self) -> float:
+        """When the bag begins by the clock of stamps, s; 0 for times that are none."""
+        return self._begin / 1e9 if self._stamp is not None and self._stamp.is_time else 0.0
+
     def stamps(self, messages: List[bytes]) -> numpy.ndarray:
         """Return when messages say that they were made, s; NaN where they say nothing."""
         if self._stamp is None:
@@ -90,7 +97,8 @@ class ColumnReader:
         places = numpy.arange(len(found.messages))
         if not self.column.function:
             return CsvColumn(self.column.topic, times, places, list(self._texts(found.messages)))
-        own = found.times / 1e9 if self._stamp is None else self.stamps(found.messages)
+        by_rows = self._stamp is None or self.is_exact
+        own = times / 1e9 if by_rows else self.stamps(found.messages)
         made, values = self._function(own, self.rows(found.messages), math.inf)
         # What is computed of two begins with the second, and a derivative stands between both.
         late = len(places) - len(values)
@@ -99,12 +107,14 @@ class ColumnReader:
         return CsvColumn(self.column.topic, times[late:] - before, places[late:], texts)
 
     def _stamps_ns(self, found: Slice) -> numpy.ndarray:
-        """Return the stamps, ns, and the times of recording where nobody has filled them in."""
+        """Return the stamps since the start of the bag, ns; where there is none, the recording."""
         assert self._stamp is not None
         stamps = numpy.array(
-            [self._stamp.value(message) for message in found.messages], numpy.int64
+            [self._stamp.value(message) - self._begin for message in found.messages], numpy.int64
         )
-        return numpy.where(stamps != 0, stamps, found.times)
+        # What nobody has filled in, or what is of another clock.
+        said = numpy.abs(stamps - found.times) < ELSEWHERE_S * 1e9
+        return numpy.where(said, stamps, found.times)
 
     def _texts(self, messages: List[bytes]) -> Iterator[str]:
         (decoder,) = self._decoders

@@ -190,6 +190,9 @@ def _draw(path: str, arguments: argparse.Namespace) -> None:
             "name fewer fields, or write a .csv"
         )
     save(draw(drawn), path, _format(arguments.output))
+    for one in drawn:
+        if one.correction:
+            print(f"plot_bag: {one.name}: {one.correction}", file=sys.stderr)
 
 
 def _series(bag: BagFile, fields: List[str], arguments: argparse.Namespace) -> List[Series]:
@@ -211,7 +214,7 @@ def _chosen(bag: BagFile, fields: List[str]) -> Tuple[List[Line], List[ColumnRea
     first = first_messages(bag)
     lines = choose_lines(fields, first)
     columns = dict.fromkeys(column for line in lines for column in line.columns)
-    return lines, [ColumnReader(column, first[column.topic]) for column in columns]
+    return lines, [ColumnReader(column, first[column.topic], bag.start) for column in columns]
 
 
 def _in_range(

@@ -31,7 +31,7 @@ TOLERANCE_S, SETTLED_S = 0.002, 0.1
 #: Stamps no further away than this at first are by the scope's clock, and are taken as they are, s.
 SAME_CLOCK_S = 0.5
 #: Stamps further away than this are not late, but count from elsewhere, s.
-_ELSEWHERE_S = 3600.0
+ELSEWHERE_S = 3600.0
 #: A time so far before those that came earlier was set back, and is not just late, s.
 BACK_S = 0.5
 #: How many samples tell what is usual between them; how many times that is a gap; and how long one
@@ -88,7 +88,7 @@ def correction(path: Optional[Path], offset: float) -> Optional[str]:
     """
     if path != _STAMP_PATH or offset == 0.0:
         return None
-    if abs(offset) > _ELSEWHERE_S:
+    if abs(offset) > ELSEWHERE_S:
         return "stamps of another clock: shown at reception"
     side = "behind" if offset > 0.0 else "ahead"
     return f"stamps {abs(offset):.2f} s {side}: shown at reception"
@@ -114,17 +114,18 @@ def placed(
 
     :param path: where their times stand
     :param own: these times, s
-    :param received: when they were recorded, s
+    :param received: when they were recorded, s; for stamps, since the epoch as these
     :param exact: whether they were made when they say; see :func:`is_exact`
     :returns: the times, s, in parts: each begins where the clock was set back
     """
-    if exact:
-        return [numpy.where(said_in(path, own), own, received)]
+    said = said_in(path, own)
+    if exact and said.any() and abs(numpy.median((received - own)[said])) < ELSEWHERE_S:
+        return [numpy.where(said, own, received)]
     ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
     times = []
-    for said, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
+    for told, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
         time = OwnClock(path)
-        part, _ = time.convert(said, came)
+        part, _ = time.convert(told, came)
         times.append(part + time.offset)
     return times
 
@@ -211,7 +212,7 @@ class OwnClock:
         """Return how far the clocks are apart, s."""
         median = float(numpy.median(differences))
         if self._is_same is None:
-            most = _ELSEWHERE_S if self._exact else SAME_CLOCK_S
+            most = ELSEWHERE_S if self._exact else SAME_CLOCK_S
             is_stamp = self._exact or self._path == _STAMP_PATH
             self._is_same = is_stamp and abs(median) < most
         return 0.0 if self._is_same else median

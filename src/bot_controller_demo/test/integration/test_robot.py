@@ -174,6 +174,10 @@ class Robots(unittest.TestCase):
         self.graph.set_parameter(name, "lab/")
         self.until(lambda: self.odometry().header.frame_id == "lab/odom", "no prefix")
         told = self.current.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
+        # Who comes later is told, too.
+        late = Ear(CONTROLLER + "/current_goal", PoseStamped)
+        late.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
+        late.close()
         self.assertAlmostEqual(told.pose.orientation.z, math.sin(0.25))
 
     def test_turn_by_pi_by_topic_and_goals_that_are_refused(self) -> None:

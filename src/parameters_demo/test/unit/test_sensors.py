@@ -56,10 +56,15 @@ def test_an_image_can_be_sent_without_a_copy() -> None:
 
 def test_the_camera_sees_60_degrees() -> None:
     info = camera_info(HEADER)
-    focal_length, x = info.K[0], info.K[2]
+    focal_length, x, y = info.K[0], info.K[2], info.K[5]
     edges = [math.degrees(math.atan((edge - x) / focal_length)) for edge in (-0.5, WIDTH - 0.5)]
     assert edges == pytest.approx([-30.0, 30.0])
-    assert info.P[:3] == info.K[:3] and info.header == HEADER
+    # Square pixels, the centre between those in the middle, and a picture that is straight already.
+    assert info.K[4] == focal_length and y == (HEIGHT - 1) / 2.0
+    rows = [list(info.K[row : row + 3]) for row in (0, 3, 6)]
+    assert [list(info.P[row : row + 4]) for row in (0, 4, 8)] == [row + [0.0] for row in rows]
+    assert rows[0][1] == rows[1][0] == 0.0 and rows[2] == [0.0, 0.0, 1.0]
+    assert info.header == HEADER
 
 
 def test_a_scan_says_how_it_was_made() -> None:

@@ -125,6 +125,15 @@ class Identify(unittest.TestCase):
             self.assertFalse(command.logged("Traceback"))
         self.assertEqual(os.listdir(self.folder), ["bad.yaml"])
 
+    def test_ctrl_c_ends_tuning_as_a_shell_puts_it(self) -> None:
+        model = self.file("model.yaml")
+        os.mkfifo(model)
+        command = self.start("tune", model, "--gains", self.file("gains.yaml"))
+        with open(model, "w"):  # from here on it waits for what is in it
+            self.assertEqual(command.interrupt(), 130)
+        self.assertFalse(command.logged("Traceback"))
+        self.assertEqual(os.listdir(self.folder), ["model.yaml"])
+
     def test_ctrl_c_stops_the_motor_and_is_no_success(self) -> None:
         self.start_motor()
         command = self.start("identify", "--seconds", "30", "--model", self.file("model.yaml"))

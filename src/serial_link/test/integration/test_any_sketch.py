@@ -180,6 +180,16 @@ class AnySketch(unittest.TestCase):
         self.assertRegex(failures[0], "the board was restarted")
         node.wait_for_log("the board was restarted")
 
+    def test_what_a_new_sketch_has_no_more_is_told_and_taken_off_the_graph(self) -> None:
+        said = Ear(self.space + "/said", String)
+        node = self.start()
+        wait_until(said.publishers, lambda: "nobody publishes")
+        self.sketch.topics = self.sketch.topics[1:]
+        self.board.reset()
+        node.wait_for_log("the board no longer publishes said")
+        wait_until(lambda: not said.publishers(), lambda: "it still publishes")
+        self.assertEqual(len(node.logged("the board no longer")), 1)
+
     def test_types_that_there_are_not_are_refused_and_the_others_work(self) -> None:
         said = Ear(self.space + "/said", String)
         node = self.start()

@@ -16,6 +16,7 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
 from ros2_bridge.types.codec import Codec
@@ -226,7 +227,7 @@ def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
-    pair._found = SimpleNamespace(latched=False)
+    pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
     pair._side = SimpleNamespace(is_ours=lambda sender: sender == b"ours")
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
     passed: List[Any] = []
@@ -240,7 +241,7 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
         (good, b"ours", 1),
     ]
     pair._forward([Arrived(*one) for one in arrived])
-    assert vars(pair.count) == {"passed": 3, "lost": 2, "refused": 1}
+    assert vars(pair.count) == {"passed": 3, "lost": 2, "refused": 1, "thinned": 0}
     assert len(passed) == 3
 
 

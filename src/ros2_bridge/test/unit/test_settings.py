@@ -1,5 +1,6 @@
 """Qualities of service, and where the environment is."""
 
+import math
 import pathlib
 import sys
 from typing import Any
@@ -68,7 +69,9 @@ def test_defaults_and_ranges(name: str, default: float, limits: Any) -> None:
 def test_everything_is_bridged_unless_the_user_says() -> None:
     settings = BridgeParameters()
     rules = settings.bridged(Renaming())
-    assert settings.parameters and rules == Rules(True, True, ("*",), (), rules.names)
+    rest = rules.names, rules.max_rates
+    assert settings.parameters and rules == Rules(True, True, ("*",), (), *rest)
+    assert rules.max_rates.of("/signal") == math.inf
 
 
 def test_what_is_read_at_the_start_says_so() -> None:
@@ -88,6 +91,13 @@ def test_rules_for_names_are_judged() -> None:
     assert BridgeParameters(remap=["/robot1=/"]).names().in_ros2("/robot1/scan") == "/scan"
     with pytest.raises(ParameterError, match="each rule must be NAME=NAME"):
         BridgeParameters(remap=["/robot1:/"])
+
+
+def test_rules_for_rates_are_judged() -> None:
+    rules = BridgeParameters(max_rate=["/camera/*=10"]).bridged(Renaming())
+    assert rules.max_rates.of("/camera/left") == 10.0
+    with pytest.raises(ParameterError, match="each rule must be PATTERN=HZ"):
+        BridgeParameters(max_rate=["/camera/*"])
 
 
 def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:

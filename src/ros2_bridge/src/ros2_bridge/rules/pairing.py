@@ -5,6 +5,7 @@ import functools
 import re
 from typing import Iterable, List, NamedTuple, Sequence, Set, Tuple
 
+from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
 
 #: The log, which is bridged one way, with the names of the nodes.
@@ -33,6 +34,7 @@ class Rules(NamedTuple):
     :param allow, deny: patterns of names in ROS 1, such as ``/robot/*``; what is denied is not
         allowed
     :param names: what has another name in ROS 2
+    :param max_rates: how often topics are passed on at most
     """
 
     to_ros2: bool
@@ -40,6 +42,7 @@ class Rules(NamedTuple):
     allow: Sequence[str]
     deny: Sequence[str]
     names: Renaming = Renaming()
+    max_rates: MaxRates = MaxRates()
 
     def allows(self, name: str) -> bool:
         """Tell whether a topic or service that has this name in ROS 1 may be bridged."""

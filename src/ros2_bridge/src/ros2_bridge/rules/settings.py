@@ -16,6 +16,7 @@ from nodekit import (
     rule,
 )
 from ros2_bridge.rules.pairing import Rules
+from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
 
 
@@ -41,6 +42,11 @@ class BridgeParameters(ParameterSet):
             element=StringParameter("", help="a rule"),
             help="rules NAME=NAME, ROS 1 first: another name in ROS 2, also for all below it",
         )
+    )
+    max_rate = ListParameter(
+        (),
+        element=StringParameter("", help="a rule"),
+        help="rules PATTERN=HZ: topics that are passed on at most so often",
     )
     parameters = BoolParameter(True, help="whether parameters are bridged")
     integers_for_doubles = BoolParameter(
@@ -70,6 +76,11 @@ class BridgeParameters(ParameterSet):
         """Refuse malformed rules, and more than one for a name."""
         self.names()
 
+    @rule("max_rate")
+    def max_rate_is_a_list_of_rules(self) -> None:
+        """Refuse malformed rules."""
+        MaxRates(self.max_rate)
+
     def names(self) -> Renaming:
         """Return what has another name in ROS 2."""
         return Renaming(self.remap)
@@ -80,7 +91,7 @@ class BridgeParameters(ParameterSet):
         :param names: what has another name in ROS 2
         """
         to_ros2, to_ros1 = self.direction != "to_ros1", self.direction != "to_ros2"
-        return Rules(to_ros2, to_ros1, self.allow, self.deny, names)
+        return Rules(to_ros2, to_ros1, self.allow, self.deny, names, MaxRates(self.max_rate))
 
 
 class Quality(NamedTuple):

@@ -40,6 +40,7 @@ class TopicBridge(PairBridge[_Pair]):
         published2 = {name for name, topic in ros2.items() if topic.publishers}
         self.update_pairs(wanted(rules, set(ros1.publishers), published2))
         for way, pair in self.pairs.items():
+            pair.limit.set_rate(rules.max_rates.of(way.name))
             if isinstance(pair, TopicToRos2):
                 is_heard = way.name in ros2 and bool(ros2[way.name].subscribers)
                 pair.forward_while(is_heard, ros1.publishers.get(way.name, set()))

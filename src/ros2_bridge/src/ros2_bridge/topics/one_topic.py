@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+import time
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 
 import rospy
@@ -11,6 +12,7 @@ from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType
@@ -20,10 +22,10 @@ _MOST_SENDERS = 1000
 
 
 class Count:
-    """How much went through a pair, and what was lost."""
+    """How much went through a pair, what was lost, and what was left out as it came too often."""
 
     def __init__(self) -> None:
-        self.passed = self.lost = self.refused = 0
+        self.passed = self.lost = self.refused = self.thinned = 0
 
 
 class OnDemand:
@@ -97,7 +99,7 @@ class TopicToRos2:
     ) -> None:
         self._node, self._side, self.topic, self.kind = node, side, topic, kind
         self._other, self._qualities = other, qualities
-        self.count = Count()
+        self.count, self.limit = Count(), RateLimit()
         self._lock = threading.Lock()
         self._latched: Bridged[str, Latched] = Bridged()
         self._subscription = OnDemand(self._subscribe)
@@ -135,13 +137,17 @@ class TopicToRos2:
             header = message._connection_header
             if header.get("callerid") == self._node.name:
                 continue  # what has come from ROS 2
+            is_latched = header.get("latching") == "1"
+            if not (is_latched or self.limit.passes(time.monotonic())):
+                self.count.thinned += 1
+                continue
             try:
                 data = self.kind.codec.to_cdr(message._buff)
             except ConversionError as error:
                 self.count.refused += 1
                 rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 2: {error}")
                 continue
-            if header.get("latching") == "1":
+            if is_latched:
                 self._latch(header.get("callerid", ""), data)
             else:
                 self._publish(data)
@@ -201,7 +207,7 @@ class TopicToRos1:
     ) -> None:
         self._side, self.topic, self._other, self.kind = side, topic, other, kind
         self._qualities, self._found = qualities, found
-        self.count = Count()
+        self.count, self.limit = Count(), RateLimit()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
         self._lock = threading.Lock()
@@ -236,6 +242,9 @@ class TopicToRos1:
             if self._side.is_ours(sender):
                 continue  # what has come from ROS 1
             self._count_lost(sender, number)
+            if not (self._found.latched or self.limit.passes(time.monotonic())):
+                self.count.thinned += 1
+                continue
             message = self.kind.raw()
             try:
                 message._buff = self.kind.codec.to_ros1(data, self._seq)

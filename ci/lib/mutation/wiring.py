@@ -104,7 +104,9 @@ def main(asked: argparse.Namespace) -> int:
 
     :returns: exit status
     """
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell ignores the one in the background
+    # A shell has what it starts in the background ignore Ctrl-C and Ctrl-\\, and so would nodes.
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
+    for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     interrupted = False
     try:

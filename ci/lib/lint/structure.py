@@ -73,8 +73,8 @@ ROOMS: Dict[str, List[str]] = {
     "pid_control": [
         "motor",
         "law",
-        "judging",
         "charts",
+        "judging",
         "identification",
         "tuning",
         "recording",

@@ -4,7 +4,7 @@ import math
 import xml.etree.ElementTree
 from typing import List, Tuple
 
-from pid_control.charts.chart import Curve, Panel, as_svg
+from pid_control.charts.chart import Curve, Panel, as_svg, plot
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
@@ -43,3 +43,11 @@ def test_what_is_not_finite_and_what_never_changes_are_drawn() -> None:
         Curve("", "red", [0.0], [5.0]),
     )
     assert [len(points) for points in curves] == [2, 1]
+
+
+def test_axis_with_limits_of_its_own_shows_those() -> None:
+    curve = Curve("", "red", [0.0, 1.0], [0.0, 0.5])
+    text = "\n".join(plot(Panel("", [curve], 40.0, (-1.2, 1.2)), 100.0, 0.0, 2.0))
+    assert 'points="0.0,20.0 50.0,11.7"' in text
+    marks = [f'text-anchor="end">{mark}</text>' for mark in ("-1", "0", "1")]
+    assert [mark in text for mark in marks] == [True, True, True]

@@ -2,14 +2,12 @@
 
 import math
 from html import escape
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 #: Size of a panel's plot, and of the room about it.
 _WIDTH, _LEFT, _RIGHT, _ABOVE, _BELOW = 640.0, 56.0, 16.0, 36.0, 34.0
-#: As many points of a curve are drawn, as two to a column can be seen.
-_POINTS = 1280
-#: How many marks an axis has, about.
-_MARKS = 5
+#: How many marks the axis of time has, about, and that of values: one in so many, but some.
+_MARKS, _MARK_EVERY, _FEWEST_MARKS = 5, 32.0, 3
 
 
 class Curve(NamedTuple):
@@ -35,11 +33,13 @@ class Panel(NamedTuple):
     :ivar title: what stands above
     :ivar curves: at least one
     :ivar height: of the plot
+    :ivar limits: least and largest value that is shown; by default what the curves need
     """
 
     title: str
     curves: Sequence[Curve]
     height: float = 160.0
+    limits: Optional[Tuple[float, float]] = None
 
 
 def as_svg(panels: Sequence[Panel]) -> str:
@@ -58,17 +58,21 @@ def as_svg(panels: Sequence[Panel]) -> str:
     y = 0.0
     for panel in panels:
         parts.append(f'<g transform="translate({_LEFT:g} {y + _ABOVE:g})">')
-        parts += _panel(panel, begin, end)
+        parts += plot(panel, _WIDTH, begin, end)
         parts.append("</g>")
         y += panel.height + _ABOVE + _BELOW
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _panel(panel: Panel, begin: float, end: float) -> List[str]:
-    values = [value for curve in panel.curves for value in curve.values if math.isfinite(value)]
-    low, high = min(values, default=0.0), max(values, default=0.0)
-    margin = 0.05 * (high - low) or 1.0
-    low, high = low - margin, high + margin
+def plot(panel: Panel, width: float, begin: float, end: float) -> List[str]:
+    """Return the elements of a panel, whose upper left corner is at 0, with its title above.
+
+    :param panel: the panel
+    :param width: of the plot
+    :param begin: time at its left, s
+    :param end: time at its right, s
+    """
+    low, high = panel.limits or _needed(panel)
     span = end - begin or 1.0
     legend = "".join(
         f'<tspan dx="12" fill="{curve.colour}">{escape(curve.name)}</tspan>'
@@ -76,23 +80,30 @@ def _panel(panel: Panel, begin: float, end: float) -> List[str]:
     )
     parts = [
         f'<text y="-10">{escape(panel.title)}{legend}</text>',
-        f'<rect width="{_WIDTH:g}" height="{panel.height:g}" fill="none" stroke="#bbbbbb"/>',
+        f'<rect width="{width:g}" height="{panel.height:g}" fill="none" stroke="#bbbbbb"/>',
     ]
-    for mark in _marks(low, high):
+    for mark in _marks(low, high, max(_FEWEST_MARKS, round(panel.height / _MARK_EVERY))):
         at = panel.height * (high - mark) / (high - low)
-        parts.append(f'<path d="M0 {at:.1f}h{_WIDTH:g}" stroke="#eeeeee"/>')
+        parts.append(f'<path d="M0 {at:.1f}h{width:g}" stroke="#eeeeee"/>')
         parts.append(f'<text x="-6" y="{at + 4:.1f}" text-anchor="end">{mark:.6g}</text>')
-    for mark in _marks(begin, begin + span):
-        at = _WIDTH * (mark - begin) / span
+    for mark in _marks(begin, begin + span, _MARKS):
+        at = width * (mark - begin) / span
         below = f'y="{panel.height + 16:g}" text-anchor="middle"'
         parts.append(f'<text x="{at:.1f}" {below}>{mark:.6g} s</text>')
     for curve in panel.curves:
         points = [
-            (_WIDTH * (time - begin) / span, panel.height * (high - value) / (high - low))
-            for time, value in _thinned(curve)
+            (width * (time - begin) / span, panel.height * (high - value) / (high - low))
+            for time, value in _thinned(curve, 2.0 * width)  # two to a column can be seen
         ]
         parts.append(_path(points, curve))
     return parts
+
+
+def _needed(panel: Panel) -> Tuple[float, float]:
+    values = [value for curve in panel.curves for value in curve.values if math.isfinite(value)]
+    low, high = min(values, default=0.0), max(values, default=0.0)
+    margin = 0.05 * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def _path(points: List[Tuple[float, float]], curve: Curve) -> str:
@@ -104,12 +115,12 @@ def _path(points: List[Tuple[float, float]], curve: Curve) -> str:
     return f'<polyline points="{" ".join(places)}" fill="none" stroke="{curve.colour}"/>'
 
 
-def _thinned(curve: Curve) -> List[Tuple[float, float]]:
+def _thinned(curve: Curve, most: float) -> List[Tuple[float, float]]:
     """Return the points to draw; of many, from each stretch the least and the largest value."""
     points = [
         (time, value) for time, value in zip(curve.times, curve.values) if math.isfinite(value)
     ]
-    every = 2 * math.ceil(len(points) / _POINTS)
+    every = 2 * math.ceil(len(points) / most)
     if every <= 2:
         return points
     kept = []
@@ -120,9 +131,9 @@ def _thinned(curve: Curve) -> List[Tuple[float, float]]:
     return kept
 
 
-def _marks(low: float, high: float) -> List[float]:
-    """Return round values between two others."""
-    raw = (high - low) / _MARKS
+def _marks(low: float, high: float, count: int) -> List[float]:
+    """Return about so many round values between two others."""
+    raw = (high - low) / count
     unit = 10.0 ** math.floor(math.log10(raw))
     step = next(unit * factor for factor in (1.0, 2.0, 5.0, 10.0) if unit * factor >= raw)
     first, last = math.ceil(low / step), math.floor(high / step)

@@ -2,14 +2,15 @@
 
 import math
 from html import escape
-from typing import Callable, List, Sequence
+from typing import List, Sequence
 
-from pid_control.judging.record import Record, Row
+from pid_control.charts.chart import Curve, Panel, plot
+from pid_control.judging.record import Record
 
 #: Columns of panels; size of a panel's plots, of the room about them, and of the heading.
 _COLUMNS = 3
 _WIDTH, _SPEED_HEIGHT, _INPUT_HEIGHT = 260.0, 90.0, 40.0
-_LEFT, _RIGHT, _ABOVE, _GAP, _BELOW = 34.0, 16.0, 22.0, 8.0, 22.0
+_LEFT, _RIGHT, _ABOVE, _GAP, _BELOW = 34.0, 32.0, 22.0, 24.0, 22.0
 _HEADING = 34.0
 #: Colours that are told apart by those who see few.
 _SET_POINT, _SPEED, _INPUT, _WRONG = "#888888", "#0072b2", "#d55e00", "#b00020"
@@ -49,60 +50,18 @@ def _panel(record: Record, is_wrong: bool) -> List[str]:
     colour = _WRONG if is_wrong else "black"
     heading = f"{record.scenario.name}: {record.scenario.about}"
     parts = [f'<text y="{_ABOVE - 6}" fill="{colour}">{escape(heading)}</text>']
-    rows = _thinned(record.rows)
-    if not rows:
+    if not record.rows:
         return [*parts, f'<text y="{_ABOVE + 20}" fill="{_WRONG}">{escape(record.fate)}</text>']
-    speeds = [value for row in rows for value in (row.speed, row.set_point)] + [0.0]
-    low, high = min(speeds), max(speeds)
-    margin = 0.05 * (high - low) or 1.0
-    top = _ABOVE + _SPEED_HEIGHT + _GAP
-    duration = record.scenario.duration
-    parts += _axes(_ABOVE, _SPEED_HEIGHT, low - margin, high + margin, (low, high))
-    parts += _axes(top, _INPUT_HEIGHT, -_BEYOND, _BEYOND, (-1.0, 1.0))
-    upper = _curve(rows, duration, _ABOVE, _SPEED_HEIGHT, low - margin, high + margin)
-    lower = _curve(rows, duration, top, _INPUT_HEIGHT, -_BEYOND, _BEYOND)
-    parts.append(upper(lambda row: row.set_point, _SET_POINT))
-    parts.append(upper(lambda row: row.speed, _SPEED))
-    parts.append(lower(lambda row: max(-_BEYOND, min(_BEYOND, row.input)), _INPUT))
-    end = top + _INPUT_HEIGHT + 12
-    parts.append(f'<text y="{end}">0</text>')
-    parts.append(f'<text x="{_WIDTH}" y="{end}" text-anchor="end">{duration:g} s</text>')
+    times = [row.time for row in record.rows]
+    speeds = [
+        Curve("", _SET_POINT, times, [row.set_point for row in record.rows]),
+        Curve("", _SPEED, times, [row.speed for row in record.rows]),
+    ]
+    inputs = [max(-_BEYOND, min(_BEYOND, row.input)) for row in record.rows]
+    upper = Panel("", speeds, _SPEED_HEIGHT)
+    lower = Panel("", [Curve("", _INPUT, times, inputs)], _INPUT_HEIGHT, (-_BEYOND, _BEYOND))
+    for panel, top in ((upper, _ABOVE), (lower, _ABOVE + _SPEED_HEIGHT + _GAP)):
+        parts.append(f'<g transform="translate(0 {top:.0f})">')
+        parts += plot(panel, _WIDTH, 0.0, record.scenario.duration)
+        parts.append("</g>")
     return parts
-
-
-def _axes(top: float, height: float, low: float, high: float, marked: Sequence[float]) -> List[str]:
-    parts = [f'<rect y="{top}" width="{_WIDTH}" height="{height}" fill="none" stroke="#cccccc"/>']
-    for value in marked:
-        y = top + height * (high - value) / (high - low)
-        parts.append(f'<path d="M0 {y:.1f}h{_WIDTH}" stroke="#eeeeee"/>')
-        parts.append(f'<text x="-4" y="{y + 3:.1f}" text-anchor="end">{value:.3g}</text>')
-    return parts
-
-
-def _curve(
-    rows: Sequence[Row], duration: float, top: float, height: float, low: float, high: float
-) -> Callable[[Callable[[Row], float], str], str]:
-    """Return what draws one value of the rows in one colour."""
-
-    def draw(value: Callable[[Row], float], colour: str) -> str:
-        points = " ".join(
-            f"{_WIDTH * row.time / duration:.1f},"
-            f"{top + height * (high - value(row)) / (high - low):.1f}"
-            for row in rows
-        )
-        return f'<polyline points="{points}" fill="none" stroke="{colour}"/>'
-
-    return draw
-
-
-def _thinned(rows: Sequence[Row]) -> List[Row]:
-    """Leave out rows that nobody sees, but none in which something leaps."""
-    most = 2.0 * _WIDTH
-    every = max(1, math.ceil(len(rows) / most))
-    kept = []
-    for index, row in enumerate(rows):
-        before = rows[index - 1] if index else row
-        leaps = row.set_point != before.set_point or abs(row.input - before.input) > 0.05
-        if index % every == 0 or leaps or row is rows[-1]:
-            kept.append(row)
-    return kept

@@ -100,6 +100,16 @@ class Loop(unittest.TestCase):
         last = self.outputs.messages()[-1]
         self.assertEqual((last.output, last.status), (0.0, "Motor Not Turning"))
 
+    def test_motor_that_ends_says_no_more_after_its_last_output(self) -> None:
+        motor = self.start("system", system_node_rate=1e4)  # so often that one is due as it ends
+        publisher = rospy.Publisher(
+            self.space + "/motor_input", motor_input, queue_size=1, latch=True
+        )
+        publisher.publish(7.0, 0.0)
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Max Speed")
+        self.assertEqual(self.end(motor), 0)
+        self.assertEqual(self.outputs.messages()[-1].status, "Motor Not Turning")
+
     def test_dead_zone_and_what_is_not_finite(self) -> None:
         self.start("system")
         publisher = rospy.Publisher(

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
-from stepping import SteppedClock
+from stepping import STEPS_HZ, SteppedClock
 
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.laws.standstill import GIVEN_UP
@@ -29,6 +29,7 @@ from bot_controller_demo_msgs.msg import (
 )
 from bot_controller_demo_msgs.srv import SetGoal
 from nodekit import Names, Node
+from nodekit.testing.changing import change as change_parameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
@@ -282,7 +283,22 @@ class Robots(unittest.TestCase):
         self.assertEqual(self.odometry().twist.twist, Twist())
         self.assertEqual(self.phase(), GIVEN_UP)
 
+    def test_new_goal_has_all_the_time_for_its_progress(self) -> None:
+        self.addCleanup(change_parameters, "/lab/diff_drive", walls=[])
+        self.addCleanup(change_parameters, CONTROLLER, no_progress_timeout=10.0)
+        change_parameters("/lab/diff_drive", walls=[[0.2, -5.0, 0.2, 5.0]])
+        change_parameters(CONTROLLER, no_progress_timeout=3.0)
+        self.set_goal(2.0, 0.0, 0.0)
+        self.until(lambda: self.odometry().twist.twist.linear.x > 0.0, "it stays")
+        self.until(lambda: self.odometry().twist.twist == Twist(), "there is no wall")
+        for _ in range(2 * STEPS_HZ):
+            self.clock.step()
+        self.set_goal(-3.0, 0.0, 0.0)  # further away than the one before
+        self.until(lambda: self.odometry().pose.pose.position.x < 0.0, "it gave up", 20.0, PROGRESS)
+
     def test_old_odometry_stops_the_robot(self) -> None:
+        self.addCleanup(change_parameters, CONTROLLER, no_progress_timeout=10.0)
+        change_parameters(CONTROLLER, no_progress_timeout=1.0)
         self.set_goal(5.0, 0.0, 0.0)
         self.until(lambda: self.odometry().twist.twist.linear.x > 0.0, "it stays")
         simulator = self.graph.pid("/lab/diff_drive")
@@ -293,6 +309,8 @@ class Robots(unittest.TestCase):
             stopped = self.clock.heard(CMD_VEL)[-1].header.stamp.to_sec()
             self.assertGreaterEqual(stopped - before, 0.4)
             self.logged("/lab/odom is ", " s old: the robot is stopped")
+            for _ in range(STEPS_HZ):  # which is not held against it when it drives again
+                self.clock.step(*silent)
             broken = Odometry()
             broken.header.stamp = rospy.Time.from_sec(self.clock.now)
             broken.pose.pose.position.x = math.nan
@@ -315,6 +333,10 @@ class Robots(unittest.TestCase):
             "no warning",
             5.0,
         )
+        for _ in range(STEPS_HZ):
+            self.clock.step()
+        told = [line for line in self.log.messages() if "may circle its goal" in line.msg]
+        self.assertEqual(len(told), 1)
 
     def test_waypoints_are_gone_through_again_and_a_kill_stops_the_robot(self) -> None:
         commands = Ear("/way/cmd_vel", Twist)
@@ -408,6 +430,9 @@ class Robots(unittest.TestCase):
         node.subscribe("cmd_vel", Twist, stop)
         node.start()
         commands.publish(Velocity(0.1, 0.0))
+        self.assertEqual(heard, [0.1, 0.0])
+        commands.close()
+        commands.publish(Velocity(0.2, 0.0))  # as a timer may that is not stopped yet
         self.assertEqual(heard, [0.1, 0.0])
 
 

@@ -234,6 +234,26 @@ class Plots(PageTest):
         self.browser.find("#mask-end").click()
         self.assertFalse(verdict.is_displayed())
 
+    def test_a_hidden_trace_costs_nothing_and_comes_back_with_its_past(self) -> None:
+        wait_until(
+            lambda: abs(self.cell(SIGNAL, "max") - 2.0) < 0.01,
+            lambda: self.browser.text("#legend"),
+        )
+        shown = self.browser.find(f"[aria-label='show {SIGNAL}']")
+        shown.click()
+        wait_until(
+            lambda: math.isnan(self.cell(SIGNAL, "max")), lambda: self.browser.text("#legend")
+        )
+        self.assertFalse(math.isnan(self.cell(PROCESSED, "max")))
+        self.browser.keys(" ")  # paused, so that what is shown again was there before
+        picture = self.browser.picture()
+        self.browser.find(f"[aria-label='show {SIGNAL}']").click()
+        wait_until(
+            lambda: abs(self.cell(SIGNAL, "max") - 2.0) < 0.01
+            and self.browser.picture() != picture,
+            lambda: self.browser.text("#legend"),
+        )
+
     def test_says_where_a_level_is_that_is_not_in_view_and_brings_it_back(self) -> None:
         height = self.browser.find("#plot").size["height"]
         self.browser.choose("#window", "1")

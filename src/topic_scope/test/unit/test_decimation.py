@@ -158,6 +158,28 @@ def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
     assert again is not None and again["reset"]
 
 
+def test_nothing_is_read_or_sent_of_a_hidden_trace_and_all_of_it_when_it_is_shown_again() -> None:
+    samples = arrays([(1.5, -7.0)])
+    asked: list = []
+
+    def read(field: str, *_span: float) -> Samples:
+        asked.append(field)
+        return samples
+
+    view = LiveView(requests.View(1.0, 10, None))
+    view.select(["/a", "/b"])
+    view.hide(["/b", "/later"])
+    frames = [view.frame(EPOCH + 2.0 + 0.1 * index, read, _same) for index in range(3)]
+    assert [list(frame["traces"]) for frame in frames if frame] == [["/a"]] * 3
+    assert set(asked) == {"/a"} and view.shown == ["/a"]
+    view.hide(["/a", "/b"])
+    rest = view.frame(EPOCH + 2.3, read, _same)
+    assert rest is not None and rest["traces"] == {} and not rest["reset"]
+    view.hide(["/a"])
+    again = view.frame(EPOCH + 2.4, read, _same)
+    assert again is not None and again["reset"] and list(again["traces"]) == ["/b"]
+
+
 def test_a_span_that_ends_later_goes_on_until_then() -> None:
     view = LiveView(requests.View(1.0, 10, EPOCH + 2.0))
     frames = [

@@ -19,6 +19,7 @@ from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 CHECKS = {
     "select": requests.selection_of,
     "formula": computed.formula_text_of,
+    "hide": requests.hidden_of,
     "view": requests.view_of,
     "trigger": requests.trigger_of,
     "scaling": scaling_of,
@@ -49,6 +50,7 @@ GOOD = [
         ("/a/x", "/a/y"),
     ),
     ({"type": "select", "fields": []}, ()),
+    ({"type": "hide", "fields": ["/a/x"]}, ("/a/x",)),
     ({"type": "select", "fields": ["=/a/x+/b/y"]}, ("=/a/x + /b/y",)),
     (
         {"type": "formula", "text": "=a +", "traces": ["/a/x"]},

@@ -41,7 +41,7 @@ class ChartFeed:
         if self.request.kind == "time" or time.monotonic() < self._made_at + CHART_S:
             return None
         start, end = view.span(now)
-        made_of = (start, end, tuple(view.fields), now > end + LATE_S)
+        made_of = (start, end, tuple(view.shown), now > end + LATE_S)
         if made_of == self._made_of:
             return None
         self._made_at, self._made_of = time.monotonic(), made_of
@@ -57,7 +57,7 @@ def _spectra(
     span: Tuple[float, float],
 ) -> Dict[str, Any]:
     traces: Dict[str, Any] = {}
-    for name in view.fields:
+    for name in view.shown:
         samples = read(name, *span)
         found = spectrum(*samples, request.window, request.averages, longest_step(name))
         if found is not None:
@@ -82,7 +82,7 @@ def _xy(
     x = read(request.x, *span)
     longest = longest_step(request.x)
     traces = {}
-    for name in view.fields:
+    for name in view.shown:
         if name != request.x:
             points = thinned(paired(x, read(name, *span), longest))
             traces[name] = [as_json(row) for row in points]

@@ -29,7 +29,7 @@ def statistics_of(
     :param now: the time, s
     """
     span = wanted.span(now) or view.span(now)
-    traces = {name: _measured(recorder, read, name, span, wanted, now) for name in view.fields}
+    traces = {name: _measured(recorder, read, name, span, wanted, now) for name in view.shown}
     return {"type": "stats", "traces": traces}
 
 

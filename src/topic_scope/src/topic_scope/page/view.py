@@ -1,7 +1,18 @@
 """What one page sees: which bins it has, and which it needs next."""
 
 import math
-from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 import numpy
 
@@ -24,6 +35,7 @@ class LiveView:
 
     def __init__(self, view: View) -> None:
         self.fields: Sequence[str] = ()
+        self._hidden: FrozenSet[str] = frozenset()
         self._view = view
         #: First bin that the page does not have in full; None where it has none.
         self._open: Optional[int] = None
@@ -45,6 +57,17 @@ class LiveView:
         """Show other fields."""
         self.fields = fields
         self.restart()
+
+    def hide(self, fields: Collection[str]) -> None:
+        """Send nothing of some fields; what was hidden before and is not now is sent in full."""
+        if self._hidden.difference(fields) & set(self.fields):
+            self.restart()
+        self._hidden = frozenset(fields)
+
+    @property
+    def shown(self) -> List[str]:
+        """The fields that are not hidden."""
+        return [field for field in self.fields if field not in self._hidden]
 
     def restart(self) -> None:
         """Send all that is to be seen with the next frame."""
@@ -103,8 +126,9 @@ class LiveView:
         else:
             first = min(first, bin_of(changed, width))
         count = max(last - first + 1, 0)
-        longest, samples, ends = [longest_step(field) for field in self.fields], [], {}
-        for field, step in zip(self.fields, longest):
+        shown = self.shown
+        longest, samples, ends = [longest_step(field) for field in shown], [], {}
+        for field, step in zip(shown, longest):
             # A little more than the bins, whose edges are rounded otherwise.
             begin = (first - 0.5) * width - (step if math.isfinite(step) else 0.0)
             samples.append(read(field, begin, (last + 1.5) * width))
@@ -119,7 +143,7 @@ class LiveView:
             "bin": width,
             "reset": reset,
             "first": first,
-            "traces": {field: as_json(row) for field, row in zip(self.fields, found)},
+            "traces": {field: as_json(row) for field, row in zip(shown, found)},
             **({"lasts": ends} if ends else {}),
         }
 

@@ -78,6 +78,11 @@ def selection_of(request: Dict[str, Any]) -> Tuple[str, ...]:
     return fields_of(request.get("fields"))
 
 
+def hidden_of(request: Dict[str, Any]) -> Tuple[str, ...]:
+    """Return the names of the fields of which nothing is to be sent for now."""
+    return fields_of(request.get("fields"))
+
+
 class View(NamedTuple):
     """Show this span of time.
 

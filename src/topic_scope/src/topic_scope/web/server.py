@@ -140,6 +140,7 @@ class Server:
         return {
             "select": Handler(requests.selection_of, self._choose_fields),
             "formula": Handler(computed.formula_text_of, self._check_formula),
+            "hide": Handler(requests.hidden_of, lambda page, fields: page.view.hide(fields)),
             "view": Handler(requests.view_of, self._show_view),
             "trigger": Handler(requests.trigger_of, self._set_trigger),
             "scaling": Handler(scaling_of, Page.scale),

@@ -28,6 +28,7 @@ export class Requests {
       this.picked = this.picked || !this.greeting;
       this.sendSelect();
     });
+    state.on(["fields", "hidden"], () => this.sendHidden());
     state.on(["window", "end"], () => this.sendViewSoon());
     state.on(["fields", "traces", "available"], () => this.sendScaling());
     state.on(["trigger"], () => this.sendTrigger());
@@ -56,6 +57,7 @@ export class Requests {
     if (fresh && setup) this.setup.restore(JSON.stringify(setup));
     if (fresh || !this.picked) this.setup.rememberGiven();
     this.sendSelect();
+    this.sendHidden();
     this.sendScaling();
     this.sendView();
     this.sendTrigger();
@@ -78,6 +80,12 @@ export class Requests {
 
   sendSelect() {
     if (this.picked) this.send({ type: "select", fields: this.state.values.fields });
+  }
+
+  sendHidden() {
+    const { fields, hidden } = this.state.values;
+    const message = { type: "hide", fields: fields.filter((field) => hidden.has(field)) };
+    this.send(message, !message.fields.length);
   }
 
   sendScaling() {

@@ -48,10 +48,15 @@ def signals() -> List[Signal]:
     ]
 
 
+def _scale(random: numpy.random.RandomState) -> Tuple[float, float]:
+    """Return how high a signal is, and how far its middle is off, in heights."""
+    return float(10.0 ** random.uniform(-3.0, 3.0)), float(random.uniform(-3.0, 3.0))
+
+
 def _scaled(random: numpy.random.RandomState, values: numpy.ndarray) -> numpy.ndarray:
     """Return values from 0 to 1 in another unit, from somewhere else on."""
-    height = 10.0 ** random.uniform(-3.0, 3.0)
-    return height * (values + random.uniform(-3.0, 3.0))
+    height, middle = _scale(random)
+    return height * (values + middle)
 
 
 def _noise(random: numpy.random.RandomState) -> float:
@@ -75,8 +80,8 @@ def _sine_at(
     random: numpy.random.RandomState, times: numpy.ndarray, hertz: float, sigma: float
 ) -> "Tuple[numpy.ndarray, Dict[str, float]]":
     """Return a sine, and what is true of it."""
-    angle, middle = random.uniform(-math.pi, math.pi), random.uniform(-3.0, 3.0)
-    height = 10.0 ** random.uniform(-3.0, 3.0)
+    angle = random.uniform(-math.pi, math.pi)
+    height, middle = _scale(random)
     turns = 2.0 * math.pi * hertz * (times - EPOCH) + angle
     noise = sigma * random.standard_normal(len(times))
     values = height * (middle + 0.5 * numpy.sin(turns) + noise)
@@ -86,6 +91,8 @@ def _sine_at(
         "duty": 50.0,
         "phase": math.degrees(angle),
         "amplitude": 0.5 * height,
+        "cycle_mean": height * middle,
+        "cycle_rms": height * math.sqrt(middle**2 + 0.125 + sigma**2),
     }
     return values, truth
 
@@ -102,8 +109,17 @@ def _square(random: numpy.random.RandomState) -> Signal:
     times, part = _even(random, hertz, 12.0), random.uniform(0.2, 0.8)
     values = (numpy.mod((times - EPOCH) * hertz, 1.0) < part).astype(float)
     values += sigma * random.standard_normal(len(times))
-    truth = {"frequency": hertz, "rise": 0.0, "overshoot": 0.0, "duty": 100.0 * part}
-    return Signal("square", times, _scaled(random, values), math.inf, truth, sigma)
+    height, middle = _scale(random)
+    square = part * (1.0 + middle) ** 2 + (1.0 - part) * middle**2 + sigma**2
+    truth = {
+        "frequency": hertz,
+        "rise": 0.0,
+        "overshoot": 0.0,
+        "duty": 100.0 * part,
+        "cycle_mean": height * (part + middle),
+        "cycle_rms": height * math.sqrt(square),
+    }
+    return Signal("square", times, height * (values + middle), math.inf, truth, sigma)
 
 
 def second_order(times: numpy.ndarray, damping: float, omega: float) -> numpy.ndarray:

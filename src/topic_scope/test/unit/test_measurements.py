@@ -13,9 +13,6 @@ from topic_scope.analysis.measurements import figures, phase
 EPOCH = 1.7e9
 TIMES = numpy.arange(-0.5, 10.0, 0.002)
 
-#: Names of what is measured of steps and waves.
-SHAPES = ("rise", "overshoot", "settling", "duty")
-
 scales = st.floats(1e-3, 1e6) | st.floats(-1e6, -1e-3)
 
 

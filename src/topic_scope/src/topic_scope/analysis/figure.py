@@ -16,6 +16,12 @@ class Figure(NamedTuple):
     uncertainty: float = 0.0
     reason: str = ""
 
+    def times(self, factor: float) -> "Figure":
+        """Return it in another unit."""
+        if self.value is None:
+            return self
+        return measured(factor * self.value, factor * self.uncertainty)
+
 
 def unmeasurable(reason: str) -> Figure:
     """Return the figure of what cannot be measured.

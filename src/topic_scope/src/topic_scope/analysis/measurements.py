@@ -16,7 +16,8 @@ from topic_scope.analysis.periods import STANDS, frequency
 from topic_scope.analysis.ring import Samples
 
 #: Names of what is measured of steps and waves.
-SHAPES = ("rise", "overshoot", "settling", "duty")
+SHAPES = ("rise", "overshoot", "settling", "duty", "cycle_mean", "cycle_rms")
+_NO_CYCLES = unmeasurable("a step has no periods")
 #: A trace has a phase if the sine is this part of its power at least.
 _SINE = 0.5
 
@@ -31,11 +32,16 @@ def figures(
     :param longest: a gap is longer than this, s
     :param shapes: whether the frequency is not all that is wanted
     :returns: frequency in Hz, and of the longest stretch that has no gap rise time (rise) and
-        settling time (settling) in s, overshoot and duty in %
+        settling time (settling) in s, overshoot and duty in %, mean (cycle_mean) and RMS
+        (cycle_rms) over whole periods
     """
+    largest = float(numpy.abs(values[numpy.isfinite(values)]).max(initial=0.0))
     times, values = _scaled(times, values)
     hertz = frequency(times, values, longest)
     found = _shapes(times, values, longest, hertz) if shapes else {}
+    for name in ("cycle_mean", "cycle_rms"):
+        if name in found:
+            found[name] = found[name].times(largest)
     return {"frequency": hertz, **found}
 
 
@@ -79,16 +85,21 @@ def _shapes(
             "overshoot": steps.overshoot(step),
             "settling": steps.settling(step),
             "duty": unmeasurable("a step has no duty cycle"),
+            "cycle_mean": _NO_CYCLES,
+            "cycle_rms": _NO_CYCLES,
         }
     wave = waves.wave_of(times, values, hertz) if hertz.value is not None else None
     if wave is None:
         why = hertz.reason or "there is not one whole period without a gap"
         return dict.fromkeys(SHAPES, unmeasurable(f"no step: {step}; no wave: {why}"))
+    mean, rms = waves.cycle_figures(times, values, wave, hertz)
     return {
         "rise": waves.rise(wave),
         "overshoot": waves.overshoot(wave),
         "settling": unmeasurable("a wave does not settle"),
         "duty": waves.duty(wave),
+        "cycle_mean": mean,
+        "cycle_rms": rms,
     }
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.analysis.figure import Figure, between, unmeasurable
+from topic_scope.analysis.figure import Figure, between, measured, unmeasurable
 from topic_scope.analysis.steps import NOISE, overshoot_of, rise_of
 
 #: Samples are averaged over this part of a period at most.
@@ -112,6 +112,39 @@ def duty(wave: Wave) -> Figure:
     if aside > _SHARP:
         return unmeasurable("there are too few samples in a period")
     return between(100.0 * parts[0], 100.0 * parts[1], 100.0 * aside)
+
+
+def cycle_figures(
+    times: numpy.ndarray, values: numpy.ndarray, wave: Wave, frequency: Figure
+) -> Tuple[Figure, Figure]:
+    """Return mean and RMS over whole periods, the latest ones.
+
+    :param times: ascending, s, without a gap
+    :param values: what the wave is made of
+    :param wave: the wave
+    :param frequency: how often it repeats itself, Hz
+    """
+    assert frequency.value is not None
+    whole = math.floor((times[-1] - times[0]) / wave.period + 1e-6) * wave.period
+    begin = max(float(times[-1]) - whole, float(times[0]))
+    inside = times > begin
+    at = numpy.concatenate([[begin], times[inside]])
+    there = numpy.concatenate([[numpy.interp(begin, times, values)], values[inside]])
+    mean = _integral(at, there) / whole
+    rms = math.sqrt(_integral(at, numpy.square(there)) / whole)
+    # Edges may be anywhere between two samples; the rest is from ends that are not quite whole.
+    step = float(numpy.diff(at).max())
+    height = wave.levels[1] - wave.levels[0]
+    sharp = min(float(numpy.abs(numpy.diff(there)).max()) / height, 1.0)
+    ends = step / whole + frequency.uncertainty / frequency.value
+    doubt = height * (sharp * step / wave.period + ends) + wave.doubt
+    largest = float(numpy.abs(there).max())
+    return measured(mean, doubt), measured(rms, doubt * largest / rms)
+
+
+def _integral(times: numpy.ndarray, values: numpy.ndarray) -> float:
+    """Return the integral of the lines between samples."""
+    return float((numpy.diff(times) * (values[1:] + values[:-1])).sum()) / 2.0
 
 
 def _rounded(values: numpy.ndarray, width: int, turn: float = 0.0) -> numpy.ndarray:

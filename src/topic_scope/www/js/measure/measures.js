@@ -18,14 +18,16 @@ export const FIGURES = [
   ["overshoot", "over, %", "overshoot, in % of the step"],
   ["settling", "settled, s", "settling time, to within 2 % of the step"],
   ["duty", "duty, %", "duty cycle, above the middle of the levels"],
+  ["cycle_mean", "cycle mean", "mean over whole periods"],
+  ["cycle_rms", "cycle RMS", "root mean square over whole periods"],
   ["phase", "phase, °", "phase, relative to the trace chosen below"],
   ["latency", "latency, s", "latency: from the stamp to reception, median"],
   ["latency_max", "latency max, s", "greatest latency"],
 ];
 /** Those that are written with the digits that the spread of the trace needs. */
-export const VALUES = ["value", "min", "max", "mean", "rms"];
+export const VALUES = ["value", "min", "max", "mean", "rms", "cycle_mean", "cycle_rms"];
 
-const SHAPES = ["rise", "overshoot", "settling", "duty"];
+const SHAPES = ["rise", "overshoot", "settling", "duty", "cycle_mean", "cycle_rms"];
 const LATENCIES = ["latency", "latency_max"];
 const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 

@@ -1,19 +1,22 @@
 """Print what is observed of rclpy's managed nodes, in the cases of ``transitions``, as JSON."""
 
+import contextlib
 import itertools
 import json
 import os
 import threading
 import time
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import rclpy
 import transitions
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 
 from lifecycle_msgs import msg, srv
 
+RCLError = rclpy_implementation.RCLError
 #: Longest wait for an answer, s.
 LIMIT = 10.0
 #: How long nothing has to come until all has come, s.
@@ -60,13 +63,14 @@ class Asking:
         self.executor.add_node(self.node)
         threading.Thread(target=self.executor.spin, daemon=True).start()
 
-    def call(self, client: Any, request: Any) -> Any:
+    def call(self, client: Any, request: Any, done: Optional[threading.Event] = None) -> Any:
+        """Return the response, None where there is none but something has set ``done``."""
         future = client.call_async(request)
-        done = threading.Event()
+        done = done or threading.Event()
         future.add_done_callback(lambda _: done.set())
         if not done.wait(LIMIT):
             raise TimeoutError(client.srv_name)
-        return future.result()
+        return future.result() if future.done() else None
 
     def subject(self, plan: Dict[str, str]) -> transitions.Subject:
         """Make a managed node, and clients that ask it."""
@@ -74,7 +78,16 @@ class Asking:
         node = Planned(name, plan)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        threading.Thread(target=executor.spin, daemon=True).start()
+        raised = threading.Event()
+
+        def spin() -> None:
+            while True:
+                with contextlib.suppress(RCLError):
+                    executor.spin()
+                    return
+                raised.set()
+
+        threading.Thread(target=spin, daemon=True).start()
         events: List[Any] = []
         topic = f"/{name}/transition_event"
 
@@ -101,7 +114,10 @@ class Asking:
         def change(number: int, label: str) -> bool:
             request = srv.ChangeState.Request()
             request.transition.id, request.transition.label = number, label
-            return bool(self.call(clients["change_state"], request).success)
+            # Of what is not possible Jazzy's raises an exception, and answers nothing.
+            raised.clear()
+            answer = self.call(clients["change_state"], request, raised)
+            return answer is not None and bool(answer.success)
 
         def state() -> List[Any]:
             answer = self.call(clients["get_state"], srv.GetState.Request())

@@ -241,9 +241,27 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(
             line.msg, "/cmd_vel: ignored a command of nan m/s and 0.0 rad/s: must be finite"
         )
+        for _ in range(3):
+            self.send(math.inf, 0.0)
         self.advance(1.0)
         self.assertEqual(self.at(), Pose())
-        self.drive(0.1, 0.0)
+        self.drive(0.1, 0.0)  # by which time those of before have come, too
+        told = [line for line in self.log.messages() if "must be finite" in line.msg]
+        self.assertEqual(len(told), 1)
+
+    def test_transforms_are_left_to_others_where_that_is_wanted(self) -> None:
+        transforms = Ear("/tf", TFMessage)
+        self.addCleanup(transforms.close)
+        for robot in ROBOTS:
+            self.wait_for_ear(robot, "/tf")
+        self.addCleanup(change, "/diff_drive", publish_tf=True)
+        change("/diff_drive", publish_tf=False)
+        transforms.forget()
+        for _ in range(2):
+            self.advance(STEP)
+        transforms.wait_for(lambda heard: heard.transforms[0].header.frame_id == "robot3/odom")
+        frames = {heard.transforms[0].header.frame_id for heard in transforms.messages()}
+        self.assertNotIn("odom", frames)
 
     def test_who_sends_the_other_type_is_told_and_moves_nothing(self) -> None:
         for robot, sent, expected in (("", TwistStamped, Twist), ("/lab", Twist, TwistStamped)):

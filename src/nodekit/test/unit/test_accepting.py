@@ -213,6 +213,17 @@ def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings)
     assert warnings == []
 
 
+def test_more_than_the_queue_of_rospy_holds_are_connected_at_once(monkeypatch, served, warnings):
+    served.ask()
+    served.wait_for("/n")  # it accepts
+    monkeypatch.setattr(accepting, "MOST_WAITING", 3)
+    port = served.server.get_address()[1]
+    # All but three stay in the queue. Who finds it full tries again after 1 s.
+    peers = [socket.create_connection(("localhost", port), 0.9) for _ in range(30)]
+    for peer in peers:
+        peer.close()
+
+
 def test_too_long_a_header_is_refused_before_it_is_read(served, warnings):
     peer = served.connect()
     peer.sendall(struct.pack("<I", 2**32 - 1))

@@ -10,6 +10,8 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Type
 
 #: What logs, besides rospy's "log…": its arguments are for people to read.
 LOGGING = {"debug", "info", "warning", "error", "exception", "critical"}
+#: What nobody sees the lack of, by the end of its name: without a pause a loop is busier.
+UNSEEN = ("debug", "sleep")
 #: Functions that make what people read.
 FOR_READERS = {"__repr__", "__str__"}
 
@@ -156,7 +158,7 @@ def may_be_dropped(node: ast.AST, function: str) -> bool:
     :param function: the name of the function that it is in
     """
     if isinstance(node, ast.Expr):
-        return isinstance(node.value, ast.Call) and not called(node.value).endswith("debug")
+        return isinstance(node.value, ast.Call) and not called(node.value).endswith(UNSEEN)
     if isinstance(node, ast.Return):
         return node.value is None
     if isinstance(node, ast.Raise):

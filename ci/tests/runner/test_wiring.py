@@ -78,6 +78,7 @@ def test_one_thing_is_changed_at_a_time(body: str, expected: List[str]) -> None:
         "c: Callable[[Literal[1]], None] = a",
         "c = f'{a + 1}'",
         "c = 0.5",
+        "time.sleep(0.5)",
         "log.debug('%d', a + 1)",
         "raise NotImplementedError",
         "c = a\nreturn c",

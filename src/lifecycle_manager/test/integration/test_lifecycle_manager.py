@@ -5,6 +5,7 @@ import itertools
 import os
 import signal
 import threading
+import time
 import unittest
 from typing import Any, Callable, Dict, List
 
@@ -138,7 +139,11 @@ class Here(Managing):
     def test_commands(self) -> None:
         """All are configured in order, then activated; down in reverse."""
         self.drivers(*ABC)
+        ear = Ear("/diagnostics", DiagnosticArray)
+        self.addCleanup(ear.close)
         self.manager()
+        ear.wait_for(lambda message: True)
+        began, before = time.monotonic(), ear.count()
         on, off = UP, DEACTIVATED
         for command, success, text, expected in (
             ("PAUSE", False, "PAUSE is refused while all are to be unconfigured", []),
@@ -162,6 +167,8 @@ class Here(Managing):
                 self.assertIn(text, answer.message)
                 self.assertEqual([each.replace(" shutdown", "") for each in self.diary], expected)
                 self.assertEqual(self.is_active().success, self.states() == ["active"] * 3)
+        # Each change was reported, not only what there was once a second.
+        self.assertGreater(ear.count() - before, time.monotonic() - began + 2.0)
         answer = self.command(7)
         self.assertFalse(answer.success)
         self.assertIn("refused 7: must be one of 0 STARTUP, 1 PAUSE", answer.message)
@@ -389,6 +396,7 @@ class Elsewhere(Managing):
         # Stopped, and continued: it was active all the time.
         self.set_parameters(heartbeat_timeout=0.8)
         manager.wait_for_log("heartbeat_timeout", "0.8")
+        self.assertEqual(len(manager.logged("all are active")), 2)  # once each time
         self.stop(nodes["c"])
         self.wait_until_told("c is lost: no heartbeat for 0.8 s")
         self.set_parameters()

@@ -639,6 +639,7 @@ class Page(PageTest):
         self.browser.find("#level-cursors").click()
         self.browser.resize(412, HEIGHT, 2.625)
         wait_until(lambda: self.box()[2] < 412, self.box)
+        self.browser.find("#show-controls").click()
         self.browser.run(
             "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
             "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"

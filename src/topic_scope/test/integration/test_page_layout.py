@@ -7,6 +7,7 @@ import rospy
 from browsing.page_test import PROCESSED, SIGNAL, BrowserTest
 from browsing.waiting import wait_until
 from nav_msgs.msg import Odometry
+from selenium.webdriver.common.keys import Keys
 from wire.robot import Robot
 
 from nodekit.testing.running import rosrun
@@ -35,6 +36,13 @@ return [...document.querySelectorAll(".goal-numbers label")].map((label) => {
   range.selectNodeContents(label.firstChild);
   return { room: label.clientWidth, needed: range.getBoundingClientRect().width,
     lines: range.getClientRects().length }; })
+"""
+#: How large is what can be pressed: of a control in a label, that.
+_TARGETS = """
+return [...document.querySelectorAll("button, select, input, a[href], summary, .handle")]
+  .filter((one) => one.checkVisibility())
+  .map((one) => { const { width, height } = (one.closest("label") ?? one).getBoundingClientRect();
+    return { width, height, what: one.outerHTML.slice(0, 90) }; })
 """
 
 Box = Dict[str, Any]
@@ -92,9 +100,9 @@ class Layout(BrowserTest):
             for field in (SIGNAL, PROCESSED):
                 row = f"#legend tr[data-field='{field}'] "
                 cells, buttons = self.boxes(row + "[data-cell]"), self.boxes(row + "td:last-child")
-                self.assertEqual([len(cells), len(buttons)], [10, 1])
+                self.assertEqual([len(cells), len(buttons)], [10, 0 if size == PHONE else 1])
                 for cell in cells:
-                    self.assertFalse(overlap(cell, buttons[0]), (size, cell))
+                    self.assertFalse(any(overlap(cell, one) for one in buttons), (size, cell))
                     self.assertTrue(0 <= cell["left"] and cell["right"] <= size[0], (size, cell))
 
     def test_names_are_broken_between_their_parts_alone(self) -> None:
@@ -144,6 +152,48 @@ class Layout(BrowserTest):
             self.assertEqual([label["lines"] for label in labels], [1, 1, 1], size)
             for label in labels:
                 self.assertGreaterEqual(label["room"], label["needed"], (size, label))
+
+    def test_on_a_phone_the_plot_is_first_and_all_is_as_large_as_a_finger(self) -> None:
+        browser = self.browser
+        self.resize(*PHONE)
+        browser.driver.get("about:blank")
+        browser.open(self.scope.url)
+        browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+        self.fits_a_phone("folded")
+        (stage,) = self.boxes("#stage")
+        self.assertLess(stage["top"], 60)
+        self.assertGreater(stage["bottom"] - stage["top"], 0.45 * PHONE[1])
+        folded = "#trigger, #csv, #show-setup, #theme, #kind, #panels, #legend .choice"
+        self.assertEqual(self.boxes(folded), [])
+        browser.find("#show-controls").click()
+        self.addCleanup(browser.run, "document.querySelector('#show-controls').click()")
+        self.assertEqual(browser.find("#show-controls").get_attribute("aria-expanded"), "true")
+        self.assertEqual(len(self.boxes(folded)), 5 + 3 * 2)  # all but the panels
+        self.show_cursors()
+        browser.find("#show-panels").click()
+        browser.wait_for("#panels .parameter")
+        self.fits_a_phone("unfolded")
+        for opened in ("a", "m", "x", "s", "?"):
+            browser.keys(opened)
+            browser.wait_for("dialog[open]")
+            self.fits_a_phone(opened)
+            browser.keys(Keys.ESCAPE)
+        self.addCleanup(browser.run, "document.querySelector('#show-scope').click()")
+        for view in "gr":
+            browser.keys(view)
+            self.fits_a_phone(view)
+            browser.keys(view)
+
+    def fits_a_phone(self, what: str) -> None:
+        """Check that the page is no longer than the screen, and what can be pressed on it."""
+        size = "const { scrollWidth, scrollHeight } = document.documentElement;"
+        shown = self.browser.run(size + "return [scrollWidth, scrollHeight]")
+        self.assertEqual(shown[0], PHONE[0], what)
+        self.assertLess(shown[1], 1.2 * PHONE[1], what)
+        targets = self.browser.run(_TARGETS)
+        self.assertGreater(len(targets), 5)
+        small = [one for one in targets if min(one["width"], one["height"]) < 39.5]
+        self.assertEqual(small, [], what)
 
     def test_graph_and_robots_have_nothing_of_the_scope_on_them(self) -> None:
         own = "#kind, #show-panels, #foot-frames, #foot-view"

@@ -60,7 +60,7 @@ export class Legend {
     const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
     byId("legend-head").replaceChildren(
       head("", ""), head("", ""), head("trace", "name"),
-      ...["plot", "axis", "timestamp"].map((text) => head(text, "")),
+      ...["plot", "axis", "timestamp"].map((text) => head(text, "choice")),
       ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
     );
     const before = this.rows;
@@ -139,7 +139,7 @@ export class Legend {
     const choice = (control) => make("td", { class: "choice" }, control);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
-      make("td", {}, shown), make("td", {}, colour), name,
+      make("td", {}, make("label", { class: "tick" }, shown)), make("td", {}, colour), name,
       choice(plotChoice(state, field)), choice(axis), choice(timestamp.element),
       ...cells.values(), make("td", {}, more, remove),
     );

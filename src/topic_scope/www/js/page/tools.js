@@ -6,6 +6,7 @@ import { colourOf, dashOf } from "../state/colours.js";
 import { labelOf } from "../state/traces.js";
 import { picture } from "../measure/picture.js";
 
+const NARROW = "(max-width: 860px), (max-height: 500px)"; // as in phone.css
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 
 const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
@@ -61,12 +62,19 @@ export function startTools(state, view, plot, sweep, open, chart) {
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);
   select.addEventListener("change", () => view.choose(Number(select.value)));
 
+  const controls = byId("show-controls");
+  controls.addEventListener("click", () => {
+    const isUnfolded = document.body.classList.toggle("unfolded");
+    controls.setAttribute("aria-expanded", isUnfolded);
+  });
+
   const panels = byId("show-panels");
   panels.addEventListener("click", () => state.set({ panels: !state.values.panels }));
   state.on(["panels"], ({ panels: shown }) => {
     byId("scope-view").classList.toggle("wide", !shown);
     setPressed(panels, shown);
   });
+  if (matchMedia(NARROW).matches) state.set({ panels: false }); // at first, the room is for the plot
 
   const csv = byId("csv");
   const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };

@@ -224,10 +224,11 @@ class Panels(PageTest):
         """Open the page a second time, and look at that for a while."""
         driver = self.browser.driver
         first = driver.current_window_handle
-        driver.execute_script("window.open(arguments[0])", self.scope.url)
+        driver.execute_script("window.open('about:blank')")
         second = next(handle for handle in driver.window_handles if handle != first)
         driver.switch_to.window(second)
-        self.browser.wait_connected()
+        self.browser.resize(WIDTH, HEIGHT)
+        self.browser.open(self.scope.url)
         self.browser.wait_for(_row("frequency"))
         yield
         self.assertEqual(self.browser.errors(), [])

@@ -79,6 +79,13 @@ class Guards(ScopeTest):
         ):
             self.assertEqual(fetch(f"{self.scope.url}/data.csv?{query}")[0], 400, query)
 
+    def test_what_is_not_a_name_has_an_empty_column_in_an_export(self) -> None:
+        for name in ("../x", "a" * 400, "/a/x.nonsense", "/a b"):
+            query = urllib.parse.urlencode([("field", FIELDS[0]), ("field", name)])
+            status, text = fetch(f"{self.scope.url}/data.csv?{query}")
+            self.assertEqual(status, 200, name)
+            self.assertEqual(text.splitlines()[0], f"time,received,{FIELDS[0]},{name}")
+
     def test_garbage_is_answered_and_the_page_stays(self) -> None:
         page = self.page()
         for text in (

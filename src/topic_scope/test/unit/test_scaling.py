@@ -96,7 +96,6 @@ def test_a_request_is_read() -> None:
     [
         None,
         [],
-        {"no name": {}},
         {"/a:b": {}},
         {"/a": None},
         {"/a": {"gain": "2"}},

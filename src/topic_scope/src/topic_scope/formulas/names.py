@@ -23,10 +23,12 @@ def is_formula(text: str) -> bool:
 
 @lru_cache(maxsize=256)
 def formula_of(name: str) -> Optional[Formula]:
-    """Return how a trace is computed; None where it is a field.
+    """Return how a trace is computed; None where it is a field, or no name at all.
 
-    :param name: one that :func:`expand` has returned
+    :param name: one that :func:`expand` has returned, or refused
     """
+    if problem_of(name):
+        return None
     if is_formula(name):
         return read_formula(name.lstrip()[1:])
     first, minus, second = name.partition(_BETWEEN)
@@ -47,6 +49,16 @@ def expand(name: str) -> List[str]:
     :raises FieldError: if it is not a name, or a field of a formula stands for several
     """
     return expand_with(name, fields.expand)
+
+
+@lru_cache(maxsize=256)
+def problem_of(name: str) -> Optional[str]:
+    """Return why a text cannot be the name of a trace, in words; None where it can."""
+    try:
+        expand(name)
+    except FieldError as error:
+        return str(error)
+    return None
 
 
 def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:

@@ -46,16 +46,19 @@ def check_count(count: int) -> None:
 def field_names(name: Any, kind: str) -> List[str]:
     """Return the fields that a name stands for.
 
+    What is not a name stays as it is: so it has a row of its own that says why there is nothing,
+    and the others are shown.
+
     :param name: as it came
     :param kind: what it is needed for
-    :raises RequestError: if it is not a name of a field
+    :raises RequestError: if it is not a text
     """
     if not isinstance(name, str):
         raise RequestError(f"{kind}: the name of a field must be a text")
     try:
         return expand(name)
-    except FieldError as error:
-        raise RequestError(f"{kind}: {error}") from None
+    except FieldError:
+        return [name]
 
 
 def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
@@ -69,7 +72,7 @@ def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
     return fields[0]
 
 
-def time_of(text: str) -> float:
+def time_of(text: Any) -> float:
     """Read a time.
 
     :param text: s since the epoch
@@ -77,7 +80,7 @@ def time_of(text: str) -> float:
     """
     try:
         time = float(text)
-    except ValueError:
+    except (TypeError, ValueError):
         time = math.nan
     if not TIMES[0] <= time <= TIMES[1]:
         raise RequestError("a time must be a number of seconds since the epoch")

@@ -8,7 +8,7 @@ from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional,
 import numpy
 
 from topic_scope.analysis.ring import Samples
-from topic_scope.formulas.names import expand_with, formula_of, terms
+from topic_scope.formulas.names import expand_with, formula_of, problem_of, terms
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
@@ -113,8 +113,11 @@ class Recorder:
 
         :param name: of a field, of a part of a message or of a topic, or of what is computed
         :returns: the name itself, as long as its topic is not known
-        :raises FieldError: if its topic has no such field
+        :raises FieldError: if it is not a name, or its topic has no such field
         """
+        problem = problem_of(name)
+        if problem:
+            raise fields.FieldError(problem)
         return expand_with(name, self._expand_term)
 
     def _expand_term(self, name: str) -> List[str]:
@@ -134,7 +137,7 @@ class Recorder:
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.
 
-        :param names: names that :meth:`expand` has returned
+        :param names: names that :meth:`expand` has returned, or refused: of these there is nothing
         :param now: the time, s
         """
         wanted = {part for name in names for part in terms(name)}
@@ -181,8 +184,8 @@ class Recorder:
     def _record(self, name: str) -> None:
         bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
-        if place is None or not (place[1] or function):
-            return  # its topic is not there yet
+        if problem_of(name) or place is None or not (place[1] or function):
+            return  # it is not a name, or its topic is not there yet
         stream = self._streams.setdefault((place[0], timestamp), Stream(place[0], timestamp))
         self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
         if len(stream.traces) == 1 and place[0] in self._latest:
@@ -248,7 +251,7 @@ class Recorder:
     def problem(self, name: str) -> Optional[str]:
         """Return why there is nothing of a field, in words; None where nothing is known."""
         if formula_of(name) is None:
-            return self._problem_of_term(name)
+            return problem_of(name) or self._problem_of_term(name)
         told = [(part, self._problem_of_term(part)) for part in terms(name)]
         return next((f"{part}: {text}" for part, text in told if text), None)
 

@@ -16,9 +16,9 @@ import tornado.web
 import tornado.websocket
 
 from topic_scope.page.page import Page
-from topic_scope.protocol.checks import RequestError, fields_of, time_of
+from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.options import Options
-from topic_scope.protocol.requests import LONGEST
+from topic_scope.protocol.requests import LONGEST, export_of
 from topic_scope.web import access
 
 #: Where Debian installs dygraphs.
@@ -106,18 +106,17 @@ class Data(tornado.web.RequestHandler):
 
     async def get(self) -> None:
         """Send all samples of some fields in a time span."""
+        query: Dict[str, Any] = {
+            name: self.get_argument(name) for name in ("start", "end") if self.get_arguments(name)
+        }
         try:
-            names = fields_of(self.get_arguments("field"))
-            start, end = (
-                time_of(self.get_argument(name, default))
-                for name, default in (("start", "0"), ("end", "1e11"))
-            )
+            wanted = export_of({"fields": self.get_arguments("field"), **query})
         except RequestError as error:
             raise tornado.web.HTTPError(400, str(error)) from None
         self.set_header("Content-Type", "text/csv; charset=utf-8")
         self.set_header("Content-Disposition", 'attachment; filename="scope.csv"')
         try:
-            async for text in self._scope.export(names, start, end):
+            async for text in self._scope.export(*wanted):
                 self.write(text)
                 await self.flush()
         except tornado.iostream.StreamClosedError:

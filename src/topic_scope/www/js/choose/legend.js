@@ -9,7 +9,6 @@ import { plotChoice, startDrag } from "./plot_choice.js";
 import { timestampChoice } from "./timestamp_source.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
-const CURSORS_EVERY_MS = 120;
 
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
@@ -41,7 +40,6 @@ export class Legend {
     this.body = byId("legend");
     this.table = this.body.parentElement;
     this.room = this.table.parentElement;
-    this.cursorsShown = 0;
     this.more = make("th", { scope: "col" }, byId("show-measures"));
     state.on(["fields", "hidden", "right", "colours", "traces", "theme", "measures"], () => this.build());
     state.on(["cursors"], () => {
@@ -172,9 +170,7 @@ export class Legend {
   }
 
   showCursors() {
-    const now = performance.now();
-    if (!this.withCursors || now - this.cursorsShown < CURSORS_EVERY_MS) return;
-    this.cursorsShown = now;
+    if (!this.withCursors) return;
     for (const [field, { cells }] of this.rows) {
       const values = this.cursors.valuesOf(field) || {};
       for (const [key] of AT_CURSORS) {

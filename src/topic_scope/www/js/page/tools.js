@@ -7,6 +7,7 @@ import { labelOf } from "../state/traces.js";
 import { picture } from "../measure/picture.js";
 
 const NARROW = "(max-width: 860px), (max-height: 500px)"; // as in phone.css
+const ADDRESS_MS = 500;
 const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 
 const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
@@ -79,6 +80,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   const csv = byId("csv");
   const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };
   for (const before of ["pointerdown", "focus", "keydown", "click"]) csv.addEventListener(before, address);
+  setInterval(address, ADDRESS_MS); // whoever copies it need not have pressed it
 
   function showWindows({ window, history }) {
     const lengths = WINDOWS.filter((length) => length <= history);

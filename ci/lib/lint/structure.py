@@ -254,6 +254,7 @@ PURE = (
     "topic_scope.protocol.computed",
     "topic_scope.protocol.requests",
     "topic_scope.protocol.scaling",
+    "topic_scope.page.over_time",
     "topic_scope.page.trigger",
     "topic_scope.page.view",
     "topic_scope.controls.panels",

@@ -70,6 +70,39 @@ class Plots(PageTest):
         self.wait_certainty("frequency", "not measurable: there are not two periods of it")
         self.wait_certainty("min", "")
 
+    def test_counts_how_figures_vary_until_it_counts_anew(self) -> None:
+        self.browser.keys("m")
+        self.browser.wait_for("#measures-over-time").click()
+        self.browser.find("[data-figure=cycle_rms]").click()
+        self.browser.keys(Keys.ESCAPE)
+
+        def varied(figure: str, column: str) -> float:
+            row = f"#over-time [data-row='{SIGNAL} {figure}'] [data-cell={column}]"
+            text = self.browser.text(row)
+            return float(text.replace("−", "-")) if text else math.nan
+
+        # Of a sine of the amplitude 2.
+        wait_until(
+            lambda: varied("cycle_rms", "count") > 8
+            and abs(varied("cycle_rms", "mean") - math.sqrt(2.0)) < 0.01
+            and varied("cycle_rms", "sigma") < 0.01
+            and varied("max", "min") <= varied("max", "mean") <= varied("max", "max") <= 2.0,
+            lambda: self.browser.text("#over-time"),
+        )
+        self.browser.driver.refresh()  # it is in the address
+        wait_until(
+            lambda: varied("cycle_rms", "count") > 3, lambda: self.browser.text("#over-time")
+        )
+        before = varied("rate", "count")
+        self.browser.find("#over-time-anew").click()
+        wait_until(
+            lambda: varied("rate", "count") < before, lambda: self.browser.text("#over-time")
+        )
+        self.browser.keys("m")
+        self.browser.wait_for("#measures-over-time").click()
+        self.browser.keys(Keys.ESCAPE)
+        self.assertFalse(self.browser.find("#over-time").is_displayed())
+
     def wait_certainty(self, figure: str, wanted: str) -> None:
         """Wait until the table says how sure a figure of the signal is, or why there is none."""
         cell = f"#legend tr[data-field='{SIGNAL}'] [data-cell={figure}]"

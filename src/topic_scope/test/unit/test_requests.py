@@ -80,6 +80,7 @@ GOOD = [
     ),
     ({"type": "measure"}, Measure()),
     ({"type": "measure", "latency": True}, Measure(latency=True)),
+    ({"type": "measure", "over_time": 3}, Measure(over_time=3)),
     (
         {"type": "measure", "shapes": True, "against": "/a/x", "start": -2, "end": -1.5},
         Measure(True, "/a/x", -2.0, -1.5),

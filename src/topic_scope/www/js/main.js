@@ -21,6 +21,7 @@ import { Hover } from "./measure/hover.js";
 import { LevelCursors } from "./measure/level_cursors.js";
 import { startMask } from "./measure/mask.js";
 import { startMeasures } from "./measure/measures.js";
+import { startOverTime } from "./measure/over_time.js";
 import { Trigger } from "./measure/trigger.js";
 import { plotTopic, startChooser } from "./choose/chooser.js";
 import { Legend } from "./choose/legend.js";
@@ -55,6 +56,7 @@ new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads
 const graph = new Graph(state, (topic) => plotTopic(state, open.chooser, topic));
 const screen = startScreen(state, sweep, plot);
 const describe = startAlternative(state);
+const showOverTime = startOverTime(state);
 
 const connection = new Connection(
   `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`,
@@ -88,6 +90,7 @@ const handlers = {
   xy: (message) => charts.onXy(message),
   stats: ({ traces }) => {
     legend.showStats(traces);
+    showOverTime(traces);
     describe(traces);
   },
   trigger: (message) => {

@@ -6,6 +6,7 @@ from typing import Any, Deque, Dict, List, Optional, Tuple
 from topic_scope.masks.mask import MaskCheck
 from topic_scope.page.charts import ChartFeed
 from topic_scope.page.measuring import statistics_of
+from topic_scope.page.over_time import OverTime
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import LiveView, default_view
 from topic_scope.protocol.requests import Chart, Measure, Trigger
@@ -35,6 +36,7 @@ class Page:
         self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
         self.chart = ChartFeed(Chart())
         self.measure = Measure()
+        self._over_time = OverTime()
         self.scaling = Scaling()
         self.mask: Optional[MaskCheck] = None
         self._rests_until = 0.0
@@ -93,7 +95,10 @@ class Page:
         """
         samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
         if measures:
-            self.put(statistics_of(recorder, samples, self.view, self.measure, now))
+            told = statistics_of(recorder, samples, self.view, self.measure, now)
+            span = self.measure.span(now) or self.view.span(now)
+            self._over_time.count(self.measure.over_time, span, told["traces"])
+            self.put(told)
             if self.mask is not None:
                 self.put(_verdict_message(self.mask, recorder))
         chart = self.chart.update(now, samples, longest, self.view)

@@ -186,6 +186,8 @@ class Measure(NamedTuple):
     :param end: its end, s from the reference on
     :param reference: s since the epoch; None to go with the time
     :param latency: whether the times from stamps to reception are wanted
+    :param over_time: number of the request to count how figures vary; another one begins anew, 0
+        ends it
     """
 
     shapes: bool = False
@@ -194,6 +196,7 @@ class Measure(NamedTuple):
     end: Optional[float] = None
     reference: Optional[float] = None
     latency: bool = False
+    over_time: int = 0
 
     def span(self, now: float) -> Optional[Tuple[float, float]]:
         """Return begin and end, s; None for what is visible."""
@@ -212,7 +215,10 @@ def measure_of(request: Dict[str, Any]) -> Measure:
     )
     against = field_in(request, "measure", "against") if request.get("against") else ""
     latency = "latency" in request and flag_of(request, "measure", "latency")
-    return Measure(shapes, against, start, end, reference, latency)
+    over_time = 0
+    if "over_time" in request:
+        over_time = int(number_of(request, "measure", "over_time", 0, _LARGEST_NUMBER))
+    return Measure(shapes, against, start, end, reference, latency, over_time)
 
 
 class Chart(NamedTuple):

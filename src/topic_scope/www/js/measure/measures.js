@@ -60,6 +60,7 @@ export function wantedMeasures({ measures, cursors, fields }, reference) {
   return {
     type: "measure",
     shapes: SHAPES.some((key) => figures.includes(key)),
+    over_time: measures.overTime || 0,
     latency: LATENCIES.some((key) => figures.includes(key)),
     against: figures.includes("phase") ? (fields.includes(against) && against) || fields[0] || "" : "",
     ...span,
@@ -78,6 +79,7 @@ export function startMeasures(state, sweep, plot, requests) {
   const rows = byId("measures-figures");
   const against = byId("measures-against");
   const between = byId("measures-between");
+  const overTime = byId("measures-over-time");
   const change = (changes) => state.change("measures", changes);
 
   function row([key, , text]) {
@@ -98,6 +100,7 @@ export function startMeasures(state, sweep, plot, requests) {
     against.replaceChildren(...options(fields));
     against.value = fields.includes(measures.against) ? measures.against : fields[0] || "";
     between.checked = measures.between;
+    overTime.checked = Boolean(measures.overTime);
   }
 
   let timer = null;
@@ -113,6 +116,9 @@ export function startMeasures(state, sweep, plot, requests) {
 
   against.addEventListener("change", () => change({ against: against.value }));
   between.addEventListener("change", () => change({ between: between.checked }));
+  const countAnew = () => change({ overTime: (state.values.measures.overTime || 0) + 1 });
+  overTime.addEventListener("change", () => (overTime.checked ? countAnew() : change({ overTime: 0 })));
+  byId("over-time-anew").addEventListener("click", countAnew);
   plot.onDrawn(sendSoon);
   state.on(["measures", "cursors"], sendSoon);
   return () => {

@@ -120,7 +120,8 @@ export class Requests {
 
   /** @param {Object} message what is to be measured */
   sendMeasure(message) {
-    this.send(message, !message.shapes && !message.against && message.start === null);
+    const { shapes, latency, against, start, over_time: overTime } = message;
+    this.send(message, !shapes && !latency && !against && start === null && !overTime);
   }
 
   /** Have the server send what the graph or the robots need while they are shown. */

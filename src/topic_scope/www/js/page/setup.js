@@ -47,8 +47,8 @@ const PARTS = {
   },
   chart: { ok: isChart },
   measures: {
-    ok: ({ figures, against, between }) =>
-      isList(figures) && isText(against) && typeof between === "boolean",
+    ok: ({ figures, against, between, overTime = 0 }) =>
+      isList(figures) && isText(against) && typeof between === "boolean" && Number.isInteger(overTime),
   },
   panels: { ok: (value) => typeof value === "boolean" },
   view: { ok: (value) => VIEWS.includes(value) },

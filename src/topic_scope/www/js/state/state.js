@@ -40,9 +40,10 @@ const INITIAL = {
   // What is plotted: over time; spectrum; xy, over the trace x, "" for the first one.
   chart: { kind: "time", x: "", window: "hann", scale: "dB", averages: 1, equal: false },
   // Which figures the table has; what phases are against, "" for the first trace; whether they are
-  // of what is between the cursors.
+  // of what is between the cursors; the number of the count of how they vary, 0 for none.
   measures: {
     figures: ["rate", "value", "min", "max", "mean", "rms", "frequency"], against: "", between: false,
+    overTime: 0,
   },
   readonly: false,
   isBag: false, // whether a bag is shown, in place of a graph

@@ -1,0 +1,49 @@
+"""How figures vary over time is counted once for each span that they are of."""
+
+import math
+import statistics
+from typing import Any, Dict, List
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topic_scope.page.over_time import OverTime, Variation
+
+numbers = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=50)
+
+
+@given(numbers, st.sampled_from([0.0, 1e9]))
+def test_a_variation_is_that_of_all_numbers(values: List[float], middle: float) -> None:
+    variation, values = Variation(), [middle + value for value in values]
+    for value in values:
+        variation.add(value)
+    sigma = pytest.approx(statistics.pstdev(values), rel=1e-6, abs=1e-6)
+    assert variation.summary == {
+        "mean": pytest.approx(statistics.fmean(values), rel=1e-12, abs=1e-9),
+        "sigma": sigma,
+        "min": min(values),
+        "max": max(values),
+        "count": len(values),
+    }
+
+
+def counted(over: OverTime, number: int, end: float, **told: Any) -> Dict[str, Any]:
+    traces = {"/a": dict(told)}
+    over.count(number, (end - 1.0, end), traces)
+    found: Dict[str, Any] = traces["/a"].get("over_time", {})
+    return found
+
+
+def test_each_span_counts_once_until_another_request_begins_anew() -> None:
+    over = OverTime()
+    assert counted(over, 0, 1.0, mean=1.0) == {}
+    assert counted(over, 1, 1.0, mean=1.0, problem=None, topic="/a", nan=0.5) == {
+        "mean": {"mean": 1.0, "sigma": 0.0, "min": 1.0, "max": 1.0, "count": 1}
+    }
+    assert counted(over, 1, 1.0, mean=7.0)["mean"]["count"] == 1  # the page stands still
+    found = counted(over, 1, 1.25, mean=3.0, frequency=None)
+    assert found == {"mean": {"mean": 2.0, "sigma": 1.0, "min": 1.0, "max": 3.0, "count": 2}}
+    assert counted(over, 1, 1.5, mean=math.nan, rise=0.1)["rise"]["count"] == 1
+    assert counted(over, 2, 1.5, mean=5.0)["mean"]["count"] == 1
+    assert counted(over, 0, 1.75, mean=5.0) == {}

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Judge whether a trace keeps within limits around another one: see topic_scope.nodes.mask."""
+"""Judge whether a trace keeps within limits around another one: see topic_scope.commands.mask."""
 
 from nodekit.entry_point import main
 
 if __name__ == "__main__":
-    main("topic_scope.nodes.mask")
+    main("topic_scope.commands.mask")

@@ -8,7 +8,6 @@ import json
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.analysis.spectrum import WINDOWS
-from topic_scope.formulas.names import problem_of
 from topic_scope.protocol.checks import (
     TIMES,
     RequestError,
@@ -17,7 +16,6 @@ from topic_scope.protocol.checks import (
     flag_of,
     name_of,
     number_of,
-    time_of,
     word_of,
 )
 
@@ -83,29 +81,6 @@ def selection_of(request: Dict[str, Any]) -> Tuple[str, ...]:
 def hidden_of(request: Dict[str, Any]) -> Tuple[str, ...]:
     """Return the names of the fields of which nothing is to be sent for now."""
     return fields_of(request.get("fields"))
-
-
-class Export(NamedTuple):
-    """Write these samples to a CSV file.
-
-    :param fields: names of the fields
-    :param start: start of the time span, s since the epoch
-    :param end: its end, s
-    """
-
-    fields: Tuple[str, ...]
-    start: float
-    end: float
-
-
-def export_of(request: Dict[str, Any]) -> Export:
-    """Return which samples are to be written: times are texts, as they come in an address."""
-    fields = fields_of(request.get("fields"))
-    problems = [problem_of(name) for name in fields]
-    if problems and all(problems):  # else what is not a name has a column with nothing in it
-        raise RequestError(f"fields: {problems[0]}")
-    start, end = time_of(request.get("start", "0")), time_of(request.get("end", "1e11"))
-    return Export(fields, start, end)
 
 
 class View(NamedTuple):

@@ -17,8 +17,9 @@ import tornado.websocket
 
 from topic_scope.page.page import Page
 from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.export import export_of
 from topic_scope.protocol.options import Options
-from topic_scope.protocol.requests import LONGEST, export_of
+from topic_scope.protocol.requests import LONGEST
 from topic_scope.web import access
 
 #: Where Debian installs dygraphs.

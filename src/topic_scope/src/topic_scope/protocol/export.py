@@ -1,0 +1,33 @@
+"""The request for a CSV file, which is an address that can be copied."""
+
+from typing import Any, Dict, NamedTuple, Tuple
+
+from topic_scope.formulas.names import problem_of
+from topic_scope.protocol.checks import RequestError, fields_of, time_of
+
+
+class Export(NamedTuple):
+    """Write these samples to a CSV file.
+
+    :param fields: names of the fields
+    :param start: start of the time span, s since the epoch
+    :param end: its end, s
+    """
+
+    fields: Tuple[str, ...]
+    start: float
+    end: float
+
+
+def export_of(request: Dict[str, Any]) -> Export:
+    """Return which samples are to be written.
+
+    :param request: ``fields``, and optionally ``start`` and ``end``, texts as in an address
+    :raises RequestError: if a time is none, or no field has a name that can be one
+    """
+    fields = fields_of(request.get("fields"))
+    problems = [problem_of(name) for name in fields]
+    if problems and all(problems):  # else what is not a name has a column with nothing in it
+        raise RequestError(f"fields: {problems[0]}")
+    start, end = time_of(request.get("start", "0")), time_of(request.get("end", "1e11"))
+    return Export(fields, start, end)

@@ -154,6 +154,7 @@ ROOMS: Dict[str, List[str]] = {
         "graph",
         "controls",
         "robots",
+        "commands",
         "web",
         "nodes",
     ],

@@ -144,6 +144,8 @@ def cpu_seconds(results: List[StepResult]) -> float:
 def main(names: List[str]) -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    # A shell that starts this in the background has it ignored, and so would all that is tested.
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
     began = time.monotonic()
     directory = pathlib.Path(tempfile.mkdtemp(prefix="ci-test-"))
     try:

@@ -1,0 +1,1 @@
+"""The command ``rosrun topic_scope mask.py``."""

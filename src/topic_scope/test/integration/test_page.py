@@ -207,7 +207,7 @@ class Page(PageTest):
                 lambda: abs(self.cell(field, "max") - most) < 0.05,
                 lambda: self.browser.text("#legend"),
             )
-        self.wait_moving()
+        wait_until(self.samples, lambda: "the file has no samples yet")
         self.assertEqual(len(self.samples()[0][1]), 4)
 
     def test_the_link_to_the_samples_can_be_copied(self) -> None:

@@ -278,7 +278,9 @@ class Plots(PageTest):
             lambda: math.isnan(self.cell(SIGNAL, "max")), lambda: self.browser.text("#legend")
         )
         self.assertFalse(math.isnan(self.cell(PROCESSED, "max")))
-        self.browser.keys(" ")  # paused, so that what is shown again was there before
+        # Paused, so that what comes back was there before. Not by a key: the tick has the focus.
+        self.browser.find("#run").click()
+        wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it runs on")
         picture = self.browser.picture()
         self.browser.find(f"[aria-label='show {SIGNAL}']").click()
         wait_until(
@@ -510,7 +512,10 @@ class Plots(PageTest):
 
         def upright() -> List[bool]:
             """Return of each part of the line whether it goes along an axis."""
-            [(_, _, points)] = [line for line in self.strokes() if len(line[2]) > 9]
+            lines = [points for _, _, points in self.strokes() if len(points) > 9]
+            if len(lines) != 1:  # what is not shown any more may still be drawn
+                return []
+            (points,) = lines
             return [
                 abs(x - before[0]) < 1e-6 or abs(y - before[1]) < 1e-6
                 for before, (x, y, is_drawn) in zip(points, points[1:])

@@ -21,6 +21,8 @@ from steps import Runner, Step, StepResult
 LONGER, ON_TOP_S = 3.0, 30.0
 #: How much of a reason is kept, characters; and of what a test without failures writes, words.
 MOST_SHOWN, LAST_WORDS = 200, 20
+#: Has a rostest end with the first test that fails; see nodekit.testing.running.
+FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
 #: Its tests need ROS 2, which ci/ros2 brings.
 BRIDGE = "ros2_bridge"
 
@@ -137,7 +139,7 @@ class Judge:
 
     def _run(self, step: Step, compiled: pathlib.Path) -> StepResult:
         """Run a test to its end, or, at Ctrl-C, end it."""
-        os.environ["PYTHONPYCACHEPREFIX"] = str(compiled)
+        os.environ.update({"PYTHONPYCACHEPREFIX": str(compiled), FAIL_FAST: "1"})
         directory = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
         running = self._pool.submit(self._runner.run, step, directory / "run")
         try:

@@ -21,6 +21,8 @@ from nearest import UnitTests
 from steps import Step
 from verdicts import Verdicts
 
+from nodekit.testing import running
+
 
 def changes_in(body: str, head: str = "def f(self, a, b):") -> List[str]:
     """Return what becomes of the lines of a function's body."""
@@ -179,7 +181,8 @@ def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.P
     monkeypatch.setattr(mutants, "COPY", tmp_path / "copy")
     monkeypatch.setattr(UnitTests, "of", lambda *_: [])
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "copy" / "src" / "p" / "src"))
-    monkeypatch.setenv("PYTHONPYCACHEPREFIX", "")  # is set by what is tested
+    for name in ("PYTHONPYCACHEPREFIX", running.FAIL_FAST):  # are set by what is tested
+        monkeypatch.setenv(name, "")
     module = tmp_path / "copy" / "src" / MODULE
     module.parent.mkdir(parents=True)
     module.write_text(TEXT)
@@ -241,6 +244,15 @@ def test_what_is_known_of_a_test_holds_until_it_changes(
         judge.close()
         # One that fails is run twice, and again by the next judge.
         assert seen.read_text() == expected
+
+
+def test_a_rostest_ends_with_the_first_test_that_fails(
+    copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    offer(monkeypatch, it=f"import os, p.a; assert os.environ[{running.FAIL_FAST!r}]")
+    judge = Judge(tmp_path)
+    assert judge.tests_of(MODULE) and not judge.left_out()
+    judge.close()
 
 
 def test_a_mutant_that_runs_in_circles_is_killed_by_the_time(

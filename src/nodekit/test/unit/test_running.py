@@ -2,7 +2,7 @@
 
 import io
 import unittest
-from typing import List, Type
+from typing import Any, List, Type
 from xml.etree import ElementTree
 
 import pytest
@@ -31,12 +31,31 @@ class Within(unittest.TestCase):
             pass
 
 
+class Twice(unittest.TestCase):
+    __test__ = False  # but below
+
+    def test_first(self) -> None:
+        self.fail("no first")
+
+    def test_second(self) -> None:
+        raise OSError("no second")
+
+
 class Well(unittest.TestCase):
     __test__ = False  # but below
 
     def test_that_passes(self) -> None:
         with self.subTest("first"):
             pass
+
+
+def results_of(case: Type[unittest.TestCase], monkeypatch: "pytest.MonkeyPatch") -> List[Any]:
+    """Run the tests of a class, and return what the results say of each."""
+    results = io.StringIO()
+    monkeypatch.setattr(running.xmlrunner, "_XMLTestResult", running.Result)
+    suite = unittest.TestLoader().loadTestsFromTestCase(case)
+    running.xmlrunner.XMLTestRunner(results).run(suite)
+    return ElementTree.fromstring(results.getvalue()).findall("testcase")
 
 
 @pytest.mark.parametrize(
@@ -53,11 +72,17 @@ def test_results_tell_what_failed(
     said: str,
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    results = io.StringIO()
-    monkeypatch.setattr(running.xmlrunner, "_XMLTestResult", running.Result)
-    suite = unittest.TestLoader().loadTestsFromTestCase(case)
-    running.xmlrunner.XMLTestRunner(results).run(suite)
-    cases = ElementTree.fromstring(results.getvalue()).findall("testcase")
+    cases = results_of(case, monkeypatch)
     assert [each.get("name") for each in cases] == names
     (told,) = [each.findtext("error") or "" for each in cases]
     assert said in told and bool(told) == bool(said)
+
+
+@pytest.mark.parametrize(
+    "value, names", [("", ["test_first", "test_second"]), ("1", ["test_first"])]
+)
+def test_a_run_ends_with_the_first_failure_where_that_is_enough(
+    value: str, names: List[str], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setenv(running.FAIL_FAST, value)
+    assert [each.get("name") for each in results_of(Twice, monkeypatch)] == names

@@ -1,5 +1,6 @@
 """Run the tests of a file under rostest, and tell of all that fails."""
 
+import os
 import unittest
 from typing import Any, Type
 
@@ -7,8 +8,17 @@ import rostest
 from rosunit import xmlrunner
 
 
+#: Where this variable of the environment is set, a run ends with the first test that fails, as
+#: where it is enough to know that one does: what follows would often wait for the same in vain.
+FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
+
+
 class Result(xmlrunner._XMLTestResult):
     """What has come out; rosunit's own only counts what fails in a subTest or in setUpClass."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.failfast = bool(os.environ.get(FAIL_FAST))
 
     def addSubTest(self, test: unittest.TestCase, subtest: Any, error: Any) -> None:
         super().addSubTest(test, subtest, error)

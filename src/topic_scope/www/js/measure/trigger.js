@@ -2,6 +2,7 @@
 
 import { byId, make, options, setText } from "../base/dom.js";
 import { figure, readNumber, rounded, typed } from "../base/numbers.js";
+import { KEPT } from "../state/persistence.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { Handle } from "../plot/handle.js";
 
@@ -58,6 +59,7 @@ export class Trigger {
   startDialog() {
     const fill = () => {
       for (const [id, name, scale] of MORE) byId(id).value = typed(this.state.values.trigger[name] * scale);
+      byId("trigger-persistence").value = String(this.state.values.persistence);
     };
     for (const [id, name, scale, most] of MORE) {
       byId(id).addEventListener("change", () => {
@@ -66,6 +68,9 @@ export class Trigger {
         fill();
       });
     }
+    const kept = byId("trigger-persistence");
+    kept.append(...options(KEPT.map((count) => [count, count ? `${count} sweeps` : "off"])));
+    kept.addEventListener("change", () => this.state.set({ persistence: Number(kept.value) }));
     byId("trigger-half").addEventListener("click", () => this.halve());
     byId("show-trigger").addEventListener("click", () => {
       fill();

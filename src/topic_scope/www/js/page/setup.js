@@ -2,6 +2,7 @@
 
 import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
+import { KEPT } from "../state/persistence.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
 import { isChart } from "../plot/charts.js";
@@ -35,6 +36,7 @@ const PARTS = {
       hysteresis >= 0 && holdoff >= 0 && position >= 0 && position <= 1,
     write: ({ number, ...others }) => others,
   },
+  persistence: { ok: (value) => KEPT.includes(value) },
   axes: {
     ok: ({ x, ...others }) => isText(x.title) && [undefined, false, true].includes(x.clock) &&
       others.y && others.y2 && Object.entries(others).every(([name, { title, low, high }]) =>

@@ -5,6 +5,7 @@ import { make, themeColour } from "../base/dom.js";
 import { AutoRange, ticks } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
+import { drawEarlier, widened } from "./earlier.js";
 
 /* global Dygraph */
 
@@ -61,6 +62,7 @@ export class Plot {
       legend: "never",
       rightGap: RIGHT_GAP,
       strokeWidth: 1.5,
+      underlayCallback: (context, area, graph) => this.drawBehind(context, area, graph),
       pointSize: 2,
       xLabelHeight: 20,
       yLabelWidth: 20,
@@ -105,7 +107,8 @@ export class Plot {
 
   /**
    * Find how the vertical axes go, before drawing.
-   * @param {{buffer: import("../state/buffer.js").TraceBuffer, reference: number, from: number,
+   * @param {{buffer: import("../state/buffer.js").TraceBuffer,
+   *   earlier: Map<string, import("../state/persistence.js").Line>[], reference: number, from: number,
    *   to: number}} shown
    */
   prepare(shown) {
@@ -182,6 +185,18 @@ export class Plot {
     }
   }
 
+  /** Draw what is behind the traces. */
+  drawBehind(context, area, graph) {
+    const { earlier = [] } = this.shown || {};
+    if (!earlier.length) return;
+    const axis = (field) => (this.state.values.right.has(field) ? 1 : 0);
+    drawEarlier(context, area, earlier, this.fields, {
+      colourOf: this.colourOf,
+      across: (time) => graph.toDomXCoord(time),
+      up: (field, value) => graph.toDomYCoord(value, axis(field)),
+    });
+  }
+
   series(fields, buffer) {
     const series = {};
     const most = this.area.w / SPARSE_PIXELS;
@@ -222,8 +237,8 @@ export class Plot {
 
   rangeFor(axis, fields) {
     const { low, high } = axisOf(this.state.values, axisName(axis, this.number));
-    const { buffer, from, to } = this.shown;
-    const extent = buffer.extent(fields, from, to);
+    const { buffer, earlier = [], reference, from, to } = this.shown;
+    const extent = widened(buffer.extent(fields, from, to), earlier, fields, from - reference, to - reference);
     const range = this.auto[axis].update(extent[0], extent[1], performance.now() / 1000);
     const chosen = [low ?? range[0], high ?? range[1]];
     return chosen[0] < chosen[1] ? chosen : range;

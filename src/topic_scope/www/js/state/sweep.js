@@ -1,6 +1,7 @@
 /** What the screen shows: the running trace, a paused stretch, or one held by the trigger. */
 
 import { TraceBuffer } from "./buffer.js";
+import { Persistence } from "./persistence.js";
 import { scalingOf } from "./traces.js";
 
 const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only when a frame says so
@@ -17,6 +18,7 @@ export class Sweep {
     this.state = state;
     this.live = new TraceBuffer();
     this.held = null; // {buffer, time} of the last complete sweep of the trigger
+    this.persistence = new Persistence(state);
     this.pending = []; // times of crossings whose sweeps are not complete
     this.armed = "";
     this.ahead = 0; // of the server's clock over this page's, s
@@ -37,6 +39,7 @@ export class Sweep {
   /** Forget what the trigger holds. */
   release() {
     this.held = null;
+    this.persistence.forget();
     this.pending = [];
   }
 
@@ -50,6 +53,7 @@ export class Sweep {
     if (!this.pending.length || frame.now < this.pending[0] + window * after(trigger)) return;
     const time = this.pending.shift();
     if (end !== null) return;
+    if (this.held) this.persistence.keep(this.held, window * (after(trigger) - 1), window * after(trigger));
     this.held = { buffer: this.live.copy(), time };
     if (trigger.mode === "single") this.state.set({ end: time + window * after(trigger), reference: time });
   }
@@ -58,7 +62,8 @@ export class Sweep {
    * @param {{state: string, time: number}} message
    */
   onTrigger(message) {
-    if (message.state === "armed" && this.state.values.trigger.mode === "auto") this.held = null;
+    const { trigger, end } = this.state.values;
+    if (message.state === "armed" && trigger.mode === "auto" && end === null) this.held = null;
     if (message.state === "triggered") this.pending = [...this.pending.slice(-1), message.time];
   }
 
@@ -68,20 +73,23 @@ export class Sweep {
   }
 
   /**
-   * What is to be drawn: bins, what times count from, and both edges, since the epoch, s.
-   * @returns {{buffer: TraceBuffer, reference: number, from: number, to: number}}
+   * What is to be drawn: bins, earlier sweeps, what times count from, and both edges, since the
+   * epoch, s.
+   * @returns {{buffer: TraceBuffer, earlier: Map<string, import("./persistence.js").Line>[],
+   *   reference: number, from: number, to: number}}
    */
   get shown() {
     const { window, end, reference } = this.state.values;
+    const earlier = this.held ? this.persistence.sweeps : [];
     if (end !== null) {
-      return { buffer: this.live, reference: reference ?? end, from: end - window, to: end };
+      return { buffer: this.live, earlier, reference: reference ?? end, from: end - window, to: end };
     }
     if (this.held) {
       const { buffer, time } = this.held;
       const to = time + window * after(this.state.values.trigger);
-      return { buffer, reference: time, from: to - window, to };
+      return { buffer, earlier, reference: time, from: to - window, to };
     }
     const { now } = this.live;
-    return { buffer: this.live, reference: now, from: now - window, to: now };
+    return { buffer: this.live, earlier, reference: now, from: now - window, to: now };
   }
 }

@@ -15,7 +15,6 @@ from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
-from pid_control.identification.model_file import model_in
 from pid_control.msg import motor_input, motor_output
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts")
@@ -68,29 +67,6 @@ class Identify(unittest.TestCase):
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         self.assertEqual(self.inputs.messages()[-1].input, 0.0)
-
-    def test_running_motor_tells_what_it_is_like(self) -> None:
-        """Course 003-pid-6."""
-        self.start_motor("_system_dead_time:=0.02", "_system_max_speed:=9.0")
-        model, picture = self.file("model.yaml"), self.file("fit.svg")
-        command = self.start(
-            "identify", "--seconds", "4", "--model", model, "--picture", picture, "--least", "-0.5"
-        )
-        self.assertEqual(command.wait(), 0, command.logged())
-        self.assert_stopped()
-        self.assertGreaterEqual(min(message.input for message in self.inputs.messages()), -0.5)
-        self.assertEqual(max(message.input for message in self.inputs.messages()), 1.0)
-        with open(model) as file:
-            found = model_in(file.read())
-        # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean.
-        self.assertAlmostEqual(found.gain, 13.1, delta=0.4)
-        self.assertAlmostEqual(found.time_constant, 0.04, delta=0.004)
-        self.assertAlmostEqual(found.dead_time, 0.021, delta=0.005)
-        self.assertAlmostEqual(found.dead_zone, 0.05, delta=0.01)
-        self.assertAlmostEqual(found.limit, 9.0, delta=0.05)
-        self.assertTrue(command.logged("63.2 % reading"))
-        with open(picture) as file:
-            self.assertIn("</svg>", file.read())
 
     def test_model_that_was_found_moves_as_the_motor_and_its_gains_control_it(self) -> None:
         """Course 003-pid-7, 003-pid-8."""

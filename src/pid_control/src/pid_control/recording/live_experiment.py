@@ -1,13 +1,13 @@
 """A record of a running plant: drives its input, and stops it at the end."""
 
-from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Tuple
 
 import roslib.message
 import rospy
 
 from nodekit import Node, give_up
 from nodekit.master import MasterClient
-from pid_control.identification.excitation import excitation
+from pid_control.identification.excitation import Progress, excitation
 from pid_control.identification.record import CannotTell, Record, record_of
 from pid_control.recording.fields import Field, FieldError, field_of, number_in, put_number
 from pid_control.recording.samples import Samples, stamp_of
@@ -70,11 +70,10 @@ class LiveExperiment:
             raise CannotDrive(f"{', '.join(others)} drives {self._input.topic}: end that first")
         self._message = input_class()
         put_number(self._message, self._input, 0.0)
-        self._changes = excitation(drive.least, drive.largest, drive.seconds)
+        changes = excitation(drive.least, drive.largest, drive.seconds)
+        self._progress = Progress(changes, drive.seconds)
         self._heard, self._sent = Samples(), Samples()
         self._heard_at, self._has_ended = rospy.get_time(), False
-        #: When the first input was sent, in the timer's time, s.
-        self._began: Optional[float] = None
         self._group = node.default_group
         self._publisher = node.publisher(self._input.topic, input_class)
         node.subscribe(self._output.topic, output_class, self._on_output)
@@ -88,18 +87,17 @@ class LiveExperiment:
         except FieldError as error:
             self._give_up(str(error))
             return
-        self._heard.add(rospy.get_time(), stamp_of(message), value)
+        now = rospy.get_time()
+        if now > 0.0:  # or /clock has not come yet
+            self._heard.add(now, stamp_of(message), value)
 
     def _send(self, elapsed: float) -> None:
         if self._has_ended or not self._heard.values:
             return
-        if self._began is None:
-            self._began = elapsed
-        time = elapsed - self._began
-        if time > self._drive.seconds:
+        value = self._progress.input_at(elapsed)
+        if value is None:
             self._finish()
             return
-        value = [change.value for change in self._changes if change.time <= time][-1]
         self._publish(value)
 
     def _publish(self, value: float) -> None:

@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""A running motor is identified while the clock waits for it: no machine is too slow for that."""
+
+import os
+import tempfile
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospkg
+import rospy
+from rosgraph_msgs.msg import Clock
+
+from nodekit.testing.graph import Graph
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
+from pid_control.identification.model_file import model_in
+from pid_control.msg import motor_input, motor_output
+
+IDENTIFY = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts", "identify")
+PERIOD_S = 0.005
+
+
+class IdentifyMotor(unittest.TestCase):
+    """The motor of the launch file: dead time 0.02 s, greatest speed 9."""
+
+    def setUp(self) -> None:
+        self.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self.inputs = Ear("motor_input", motor_input)
+        self.outputs = Ear("motor_output", motor_output)
+        self.time = 1.0
+        graph = Graph()
+        graph.wait_until_heard(rospy.get_name(), "/clock", "/system")
+        graph.wait_until_heard("/system", "/motor_output", rospy.get_name())
+        self.motor = ServerProxy(rosgraph.Master("/test").lookupNode("/system"))
+
+    def received(self) -> int:
+        """Return how many inputs the motor has got."""
+        subscriptions = self.motor.getBusStats("/test")[2][1]
+        return sum(
+            link[2] for name, links in subscriptions if name == "/motor_input" for link in links
+        )
+
+    def step(self) -> None:
+        """Move the clock, and wait until the motor has published."""
+        before = self.outputs.count()
+        self.time += PERIOD_S
+        self.clock.publish(Clock(rospy.Time.from_sec(self.time)))
+        wait_until(lambda: self.outputs.count() > before, lambda: f"no output at {self.time}")
+
+    def drive(self, command: Process) -> None:
+        """Move the clock until the command has ended; it goes on when the motor has the input."""
+        graph = Graph()
+        graph.wait_until_heard(rospy.get_name(), "/clock", "/identify")
+        graph.wait_until_heard("/identify", "/motor_input", rospy.get_name())
+        graph.wait_until_heard("/identify", "/motor_input", "/system")
+        graph.wait_until_heard("/system", "/motor_output", "/identify")
+        while command.popen.poll() is None:
+            sent = self.inputs.count()
+            self.step()
+            if not sent:
+                continue  # it begins when it hears the motor
+            wait_until(
+                lambda: self.inputs.count() > sent or command.popen.poll() is not None,
+                lambda: f"no input at {self.time}: {command.logged()}",
+            )
+            wait_until(
+                lambda: self.received() >= self.inputs.count() or command.popen.poll() is not None,
+                lambda: f"{self.inputs.count()} inputs, of which the motor has {self.received()}",
+            )
+
+    def test_running_motor_tells_what_it_is_like(self) -> None:
+        """Course 003-pid-6."""
+        with tempfile.TemporaryDirectory() as folder:
+            model, picture = os.path.join(folder, "model.yaml"), os.path.join(folder, "fit.svg")
+            arguments = [
+                "--seconds",
+                "4",
+                "--least",
+                "-0.5",
+                "--model",
+                model,
+                "--picture",
+                picture,
+            ]
+            self.step()
+            command = Process(IDENTIFY, arguments)
+            self.addCleanup(command.end)
+            self.drive(command)
+            self.assertEqual(command.wait(), 0, command.logged())
+            with open(model) as file:
+                found = model_in(file.read())
+            with open(picture) as file:
+                self.assertIn("</svg>", file.read())
+        given = [message.input for message in self.inputs.messages()]
+        self.assertEqual((min(given), max(given), given[-1]), (-0.5, 1.0, 0.0))
+        self.assertAlmostEqual(found.gain, 13.1, delta=0.1)
+        self.assertAlmostEqual(found.time_constant, 0.04, delta=0.001)
+        # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean. Where an
+        # output was heard before /clock, all stand a period too early.
+        self.assertLess(found.dead_time, 0.022)
+        self.assertGreater(found.dead_time, 0.019 - PERIOD_S)
+        self.assertAlmostEqual(found.dead_zone, 0.05, delta=0.01)
+        self.assertAlmostEqual(found.limit, 9.0, delta=0.05)
+        self.assertTrue(command.logged("63.2 % reading"))
+        for _ in range(200):  # until it stands, at most 1 s of its own
+            self.step()
+        self.assertEqual(self.outputs.messages()[-1].status, "Motor Not Turning")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_identify_motor")
+    rosrun("pid_control", "identify_motor", IdentifyMotor)

@@ -12,9 +12,10 @@ import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, List, Tuple
-from urllib.parse import quote, unquote
+from urllib.parse import parse_qs, quote, unquote, urlparse
 from urllib.request import urlopen
 
+import numpy
 import rosbag
 import rospy
 from browsing.browser import HEIGHT, WIDTH
@@ -30,6 +31,25 @@ from wire.client import Client
 from basic_comms.msg import signal_msg
 from nodekit.testing.processes import free_port
 from nodekit.testing.running import rosrun
+
+
+#: How much of a colour there is in each pixel of the plot, 0 to 1, by rows.
+_INK = """
+const box = document.querySelector("#overlay").getBoundingClientRect();
+const [red, green, blue] = arguments[0].match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+const [width, height] = [Math.round(box.width), Math.round(box.height)];
+const copy = new OffscreenCanvas(width, height).getContext("2d");
+for (const canvas of document.querySelectorAll("#plot canvas")) {
+  const { left, top } = canvas.getBoundingClientRect();
+  copy.drawImage(canvas, left - box.left, top - box.top);
+}
+const { data } = copy.getImageData(0, 0, width, height);
+return Array.from({ length: height }, (_, row) => Array.from({ length: width }, (_, column) => {
+  const index = 4 * (row * width + column);
+  const near = (part, wanted) => Math.abs(data[index + part] - wanted) < 48;
+  return near(0, red) && near(1, green) && near(2, blue) ? data[index + 3] / 255 : 0;
+}));
+"""
 
 
 class Page(PageTest):
@@ -311,6 +331,34 @@ class Page(PageTest):
         trigger = [self.browser.value(f"#trigger-{part}") for part in ("mode", "field")]
         self.assertEqual(trigger, ["auto", renamed])
         self.assertTrue(self.browser.find(".level-cursor").is_displayed())
+
+    def test_what_is_drawn_is_the_curve_through_the_samples(self) -> None:
+        """At about one sample a pixel; with each in the middle of its bin it is 3 pixels beside."""
+        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
+        self.browser.keys("x")
+        for end, bound in (("from", "-3"), ("to", "3")):
+            self.browser.find(f"[aria-label='left axis, {end}']").send_keys(bound, Keys.TAB)
+        self.browser.keys(Keys.ESCAPE)
+        self.browser.choose("#window", "10")
+        wait_until(lambda: len(self.samples()) > 600, lambda: len(self.samples()))
+        self.browser.find("#run").click()
+        self.wait_still()
+        rows = numpy.array([(time, float(row[0])) for time, row in self.samples()])
+        query = parse_qs(urlparse(str(self.browser.find("#csv").get_property("href"))).query)
+        start, end = (float(query[name][0]) for name in ("start", "end"))
+        ink = numpy.array(
+            self.browser.run(_INK, self.browser.value(f"[aria-label='colour of {SIGNAL}']"))
+        )
+        width, height = ink.shape[1], ink.shape[0]
+        columns = numpy.arange(width)
+        drawn = (ink * (numpy.arange(height) + 0.5)[:, None]).sum(axis=0) / (ink.sum(axis=0) + 1e-9)
+        # Of the exact curve the mean height within each column of pixels.
+        at = start + (columns[:, None] + (numpy.arange(20) + 0.5) / 20) / width * (end - start)
+        exact = (0.5 - numpy.interp(at, *rows.T).mean(axis=1) / 6.0) * height
+        there = (at[:, 0] > rows[0, 0]) & (at[:, -1] < rows[-1, 0])
+        self.assertGreater(there.sum(), 500)
+        beside = abs(drawn - exact)[there]
+        self.assertLess(float(beside.max()), 1.5, beside.tolist())
 
     def test_csv_is_what_a_bag_has(self) -> None:
         self.browser.choose("#window", "2")

@@ -1,11 +1,17 @@
 #!/usr/bin/env python3
 """The parts of the page that only compute, called one by one in the browser."""
 
+import math
 import random
 from typing import Any, Dict, List
 
+import numpy
 from browsing.page_test import BrowserTest
+
 from nodekit.testing.running import rosrun
+from topic_scope.analysis.ring import Samples
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.requests import View
 
 
 class Modules(BrowserTest):
@@ -349,7 +355,7 @@ class Modules(BrowserTest):
             " buffer.extent(['f'], 0, 100), buffer.at('f', 6.5)]; })()",
             {**frame, "traces": traces},
         )
-        rows = ["1", "2", "NaN", "NaN", "null", "null", "3", "4"]
+        rows = ["1", "2", "NaN", "3", "4"]
         self.assertEqual(found, [rows, 2, [1, 4], 1.5])
 
     def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
@@ -377,7 +383,7 @@ class Modules(BrowserTest):
         )
         # Of four bins, and two more that are kept: the line covers all, and then holds the last.
         self.assertEqual([row[1] for row in rows[:3]], ["0", "5", "3"])
-        self.assertEqual([row[1] for row in rows[6:12]], ["1", "1", "1", "7", "8", "8"])
+        self.assertEqual([row[1] for row in rows[3:11]], ["null"] * 2 + ["1"] * 3 + ["7", "8", "8"])
         self.assertEqual([row[2] for row in rows[:3]], ["1", "2", "null"])
         self.assertEqual({row[0] for row in rows[:3]}, {"5.5"})
         self.assertEqual(held, [1, 8, 8, None, None])
@@ -486,6 +492,45 @@ class Modules(BrowserTest):
             ["2.0000 Hz", "2.0000 Hz", "– Hz", "0.1250 Hz"],
         )
 
+    def test_samples_are_drawn_where_they_stand_as_long_as_they_are_few(self) -> None:
+        """A sine, at rates around that of the bins: what is drawn is the curve itself."""
+        width, start, last = 0.0105, 1.7e9, 1.7e9 + 3.0
+        for rate, is_exact in (
+            (30.0, True),
+            (95.0, True),
+            (100.0, True),
+            (180.0, True),
+            (1e3, False),
+        ):
+            times = start + numpy.arange(0.0, 3.0, 1.0 / rate)
+            # With a slope, so that no two values are the same.
+            values = numpy.sin(2.0 * math.pi * (times - start)) + 0.1 * (times - start)
+            view = LiveView(View(200 * width, 200, None))
+            view.select(["/f"])
+
+            def until(moment: float) -> Samples:
+                return times[times <= moment], values[times <= moment]
+
+            moments = numpy.append(numpy.arange(start, last, 0.03), last).tolist()
+            frames = [
+                view.frame(moment, lambda *_: until(moment), lambda since: since)
+                for moment in moments
+            ]
+            rows = self.browser.call(
+                "state/buffer.js",
+                "(() => { const buffer = new module.TraceBuffer();"
+                " a[0].forEach((frame) => frame && buffer.apply(frame, 2.1));"
+                " return buffer.rows(['/f'], a[1]); })()",
+                frames,
+                start,
+            )
+            drawn = numpy.array(rows, float)
+            self.assertGreater(len(drawn), 0.8 * min(rate * 2.1, 400))
+            self.assertTrue((numpy.diff(drawn[:, 0]) >= 0.0).all())
+            known = {value: time - start for time, value in zip(times.tolist(), values.tolist())}
+            apart = [abs(time - known[value]) / width for time, value in drawn.tolist()]
+            self.assertLess(max(apart), 0.07 if is_exact else 1.0, rate)
+
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
         rows = self.browser.call(
@@ -495,8 +540,8 @@ class Modules(BrowserTest):
             " return buffer.rows(['f'], 4); })()",
             values,
         )
-        self.assertEqual([row[1] for row in rows], [0, 1, 1, 2, None, None, 1.5, 0])
-        self.assertEqual([row[0] for row in rows], [-3.5, -3.5, -2.5, -2.5, -1.5, -1.5, -0.5, -0.5])
+        self.assertEqual([row[1] for row in rows], [0, 1, 1, 2, 1.5, 0])
+        self.assertEqual([row[0] for row in rows], [-3.5, -3.5, -2.5, -2.5, -0.5, -0.5])
 
     def test_travel_of_a_slider_holds_the_value(self) -> None:
         cases: List[Dict[str, Any]] = [

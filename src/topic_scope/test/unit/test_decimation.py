@@ -7,7 +7,7 @@ import numpy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topic_scope.analysis.decimation import as_json, bin_of, extremes
+from topic_scope.analysis.decimation import FEW, PLACES, all_bins, as_json, bin_of, extremes
 from topic_scope.analysis.ring import Samples
 from topic_scope.page.view import LATE_S, LiveView
 from topic_scope.protocol import requests
@@ -50,6 +50,28 @@ def test_each_bin_has_the_extremes_of_its_samples(
     for index in range(count):
         bounds = expected.get(first + index, [None, None])
         assert result[2 * index : 2 * index + 2] == bounds
+
+
+@given(st.lists(SAMPLES, min_size=1, max_size=3), st.floats(0.001, 2.0), st.integers(-5, 50))
+def test_samples_that_are_few_in_their_bin_have_their_places(
+    traces: list, width: float, skipped: int
+) -> None:
+    samples, count = [arrays(pairs) for pairs in traces], 60
+    first = bin_of(EPOCH, width) + skipped
+    found = all_bins(samples, first, count, width, [math.inf] * len(samples))
+    for (times, values), extreme, place in zip(samples, found.extremes, found.places):
+        seen: Dict[int, List[Tuple[float, int]]] = {}
+        for time, value in zip(times.tolist(), values.tolist()):
+            if math.isfinite(value):
+                index = bin_of(time, width)
+                seen.setdefault(index, []).append((value, int((time / width - index) * PLACES)))
+        for index in range(count):
+            here = seen.get(first + index, [])
+            told = list(zip(extreme, place))[2 * index : 2 * index + 2]
+            if 1 <= len(here) <= FEW:
+                assert sorted(told) == sorted([here[0], here[-1]])
+            else:
+                assert [one for _, one in told] == [-1, -1]
 
 
 @given(SAMPLES, st.floats(0.1, 2.0), st.lists(st.floats(0.0, 5.0), max_size=12))

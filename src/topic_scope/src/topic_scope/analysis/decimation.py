@@ -2,14 +2,31 @@
 
 Bin ``i`` covers the times from ``i * width`` up to ``(i + 1) * width``, so the bins of all traces
 are the same, and those of a later moment too: no sample is shown in one bin now and in another one
-a moment later, and a peak of a single sample is never lost.
+a moment later, and a peak of a single sample is never lost. Where a bin has one or two samples it
+is also told where in it they stand, so that these are drawn, and not the middles of bins.
 """
 
-from typing import List, Sequence, Union
+from typing import List, NamedTuple, Sequence, Union
 
 import numpy
 
 from topic_scope.analysis.ring import Samples
+
+
+#: How many parts of a bin are told apart, and up to how many samples in it.
+PLACES, FEW = 8, 2
+
+
+class Bins(NamedTuple):
+    """What is told of the samples in some bins, with a row for each trace.
+
+    :param extremes: as :func:`extremes` returns them
+    :param places: for each of these in which part of its bin it stands, from 0; -1 in a bin with
+        more than FEW samples, or none
+    """
+
+    extremes: numpy.ndarray
+    places: numpy.ndarray
 
 
 def bin_of(time: float, width: float) -> int:
@@ -40,24 +57,25 @@ def extremes(
     :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample, infinity for one
         that no line may cross: with samples of which none is finite, or too long after the last
     """
-    return all_extremes([(times, values)], first, count, width, [longest])[0]
+    return all_bins([(times, values)], first, count, width, [longest]).extremes[0]
 
 
-def all_extremes(
+def all_bins(
     traces: Sequence[Samples], first: int, count: int, width: float, longest: Sequence[float]
-) -> numpy.ndarray:
-    """Return the extremes of several traces, which have the same bins; see :func:`extremes`.
+) -> Bins:
+    """Return the bins of several traces, which have the same; see :func:`extremes`.
 
     All at once, as a frame has few samples of each: it is the calls of numpy that take the time.
 
     :param traces: at least one
     :param longest: for each trace
-    :returns: a row for each trace
     """
     times, values = (numpy.concatenate(parts) for parts in zip(*traces))
     size = count + 2  # one more on either side, for what lies outside
     rows = numpy.repeat(numpy.arange(len(traces)) * size, [len(trace[0]) for trace in traces])
-    bins = numpy.floor(times / width).astype(numpy.int64) - (first - 1)
+    whole = numpy.floor(times / width)
+    parts = ((times / width - whole) * PLACES).astype(numpy.int8)
+    bins = whole.astype(numpy.int64) - (first - 1)
     bins = numpy.minimum(numpy.maximum(bins, 0), size - 1) + rows
     latest = numpy.full(len(traces) * size, -numpy.inf)
     latest[bins] = times  # of several in a bin the last one stays
@@ -65,14 +83,26 @@ def all_extremes(
     ends = (first + numpy.arange(size)) * width
     result = numpy.full((len(traces) * size, 2), numpy.nan)
     result[(ends - before > numpy.array(longest)[:, None]).ravel()] = numpy.inf
+    places = numpy.full(result.shape, -1, numpy.int8)
     finite = numpy.isfinite(values)
     result[bins[~finite]] = numpy.inf
-    bins, values = bins[finite], values[finite]
+    bins, values, parts = bins[finite], values[finite], parts[finite]
     if len(bins):
         starts = numpy.append(True, bins[1:] != bins[:-1]).nonzero()[0]
         result[bins[starts], 0] = numpy.minimum.reduceat(values, starts)
         result[bins[starts], 1] = numpy.maximum.reduceat(values, starts)
-    return result.reshape(len(traces), size, 2)[:, 1:-1].reshape(len(traces), -1)
+        stops = numpy.append(starts[1:], len(bins)) - 1
+        few = stops - starts < FEW
+        one, other = starts[few], stops[few]
+        rises = values[one] <= values[other]
+        places[bins[one], 0] = parts[numpy.where(rises, one, other)]
+        places[bins[one], 1] = parts[numpy.where(rises, other, one)]
+    return Bins(_inner(result, len(traces)), _inner(places, len(traces)))
+
+
+def _inner(table: numpy.ndarray, rows: int) -> numpy.ndarray:
+    """Leave out what lies outside of the bins, and make a row for each trace."""
+    return table.reshape(rows, -1, 2)[:, 1:-1].reshape(rows, -1)
 
 
 def lasts(

@@ -14,9 +14,7 @@ from typing import (
     Tuple,
 )
 
-import numpy
-
-from topic_scope.analysis.decimation import all_extremes, as_json, bin_of, lasts
+from topic_scope.analysis.decimation import all_bins, as_json, bin_of, lasts
 from topic_scope.protocol.requests import View
 from topic_scope.protocol.scaling import ReadSamples
 
@@ -134,7 +132,12 @@ class LiveView:
             samples.append(read(field, begin, (last + 1.5) * width))
             if self.stepped(field):
                 ends[field] = as_json(lasts(*samples[-1], first, count, width))
-        found = all_extremes(samples, first, count, width, longest) if samples else numpy.empty(0)
+        traces, places = {}, {}
+        if samples:
+            found = all_bins(samples, first, count, width, longest)
+            traces = {field: as_json(row) for field, row in zip(shown, found.extremes)}
+            told = zip(shown, found.places.tolist(), (found.places >= 0).any(axis=1).tolist())
+            places = {field: row for field, row, is_told in told if is_told}
         self._open = max(last, first)
         self._complete = self._view.end is not None and now > end + LATE_S
         return {
@@ -143,7 +146,8 @@ class LiveView:
             "bin": width,
             "reset": reset,
             "first": first,
-            "traces": {field: as_json(row) for field, row in zip(shown, found)},
+            "traces": traces,
+            **({"places": places} if places else {}),
             **({"lasts": ends} if ends else {}),
         }
 

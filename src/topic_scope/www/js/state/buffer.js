@@ -1,5 +1,7 @@
 /** The bins of all traces on their common grid, as frames bring them. */
 
+import { isThere, tabulated } from "./rows.js";
+
 /** Smallest and largest value of each bin, for a stretch of bins that moves on. */
 export class TraceBuffer {
   constructor() {
@@ -9,13 +11,15 @@ export class TraceBuffer {
     this.now = 0; // time of the last frame, since the epoch, s
     // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
     this.traces = new Map();
+    this.places = new Map(); // field -> of each of these in which part of its bin it stands, or -1
     this.lasts = new Map(); // field -> the last value of each bin, of traces that are drawn in steps
   }
 
   /**
    * Add what a frame brings.
    * @param {{now: number, bin: number, reset: boolean, first: number,
-   *   traces: Object<string, Array<?number>>, lasts: ?Object<string, Array<?number>>}} frame
+   *   traces: Object<string, Array<?number>>, places: ?Object<string, number[]>,
+   *   lasts: ?Object<string, Array<?number>>}} frame
    * @param {number} span how much of the past is to be kept, s
    */
   apply(frame, span) {
@@ -23,6 +27,7 @@ export class TraceBuffer {
     this.now = frame.now;
     if (frame.reset || frame.bin !== this.bin || frame.first > this.first + this.count) {
       this.traces.clear();
+      this.places.clear();
       this.lasts.clear();
       this.bin = frame.bin;
       this.first = frame.first;
@@ -36,6 +41,10 @@ export class TraceBuffer {
       values.length = 2 * offset;
       for (const value of frame.traces[field]) values.push(value === false ? NaN : value);
       this.traces.set(field, values);
+      const places = this.places.get(field) || new Array(2 * offset).fill(-1);
+      places.length = 2 * offset;
+      places.push(...(frame.places?.[field] || frame.traces[field].map(() => -1)));
+      this.places.set(field, places);
     }
     for (const [field, values] of Object.entries(frame.lasts || {})) {
       const before = this.lasts.get(field) || new Array(offset).fill(null);
@@ -49,6 +58,7 @@ export class TraceBuffer {
   forget(surplus) {
     if (surplus <= 0) return;
     for (const values of this.traces.values()) values.splice(0, 2 * surplus);
+    for (const places of this.places.values()) places.splice(0, 2 * surplus);
     for (const values of this.lasts.values()) values.splice(0, surplus);
     this.first += surplus;
     this.count -= surplus;
@@ -57,35 +67,27 @@ export class TraceBuffer {
   /** A copy that further frames leave alone. */
   copy() {
     const copied = new TraceBuffer();
-    Object.assign(copied, this, { traces: new Map(), lasts: new Map() });
+    Object.assign(copied, this, { traces: new Map(), places: new Map(), lasts: new Map() });
     for (const [field, values] of this.traces) copied.traces.set(field, values.slice());
+    for (const [field, places] of this.places) copied.places.set(field, places.slice());
     for (const [field, values] of this.lasts) copied.lasts.set(field, values.slice());
     return copied;
   }
 
   /**
-   * Tabulate traces for dygraphs: two rows a bin, at its middle, one with the smallest and one
-   * with the largest value, of which the first is the one nearer to the bin before; where there are
-   * steps, a third one with the last value of the bin, which holds until the next.
+   * Tabulate traces for dygraphs, see rows.js.
    * @param {string[]} fields
    * @param {number} reference what the times count from, since the epoch, s
    * @param {Array<Array<?number>>} [rows] of an earlier call, to be used again
    * @returns {Array<Array<?number>>} never empty
    */
   rows(fields, reference, rows = []) {
-    const each = fields.some((field) => this.lasts.has(field)) ? 3 : 2;
-    rows.length = Math.max(1, each * this.count);
-    for (let index = 0, bin = this.first; index < rows.length; bin += 1) {
-      const time = (bin + 0.5) * this.bin - reference;
-      for (const end = Math.min(index + each, rows.length); index < end; index += 1) {
-        const row = rows[index] || (rows[index] = []);
-        row.length = fields.length + 1;
-        row[0] = time;
-      }
-    }
-    fields.forEach((field, column) =>
-      fillColumn(rows, each, column + 1, this.traces.get(field) || [], this.lasts.get(field)));
-    return rows;
+    const traces = fields.map((field) => ({
+      values: this.traces.get(field) || [],
+      places: this.places.get(field) || [],
+      lasts: this.lasts.get(field),
+    }));
+    return tabulated(traces, this.count, (part) => (this.first + part) * this.bin - reference, rows);
   }
 
   /**
@@ -154,25 +156,5 @@ export class TraceBuffer {
       if (Number.isNaN(values[2 * index])) return null;
     }
     return null;
-  }
-}
-
-/** Whether there is a number. */
-const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
-
-/** Write a trace into a column of rows, so that its line is as short as can be. */
-function fillColumn(rows, each, column, values, lasts) {
-  let before = 0;
-  for (let bin = 0; each * bin < rows.length; bin += 1) {
-    const index = each * bin;
-    const low = values[2 * bin] ?? null;
-    const high = values[2 * bin + 1] ?? null;
-    const falls = isThere(low) && Math.abs(before - high) < Math.abs(before - low);
-    rows[index][column] = falls ? high : low;
-    if (index + 1 < rows.length) rows[index + 1][column] = falls ? low : high;
-    if (isThere(low)) before = falls ? low : high;
-    if (each < 3 || index + 2 >= rows.length) continue;
-    rows[index + 2][column] = lasts ? lasts[bin] ?? null : null;
-    if (lasts && isThere(lasts[bin])) before = lasts[bin];
   }
 }

@@ -4,7 +4,6 @@ Ends with status 125 and one sentence where it cannot begin, and with 1 where so
 """
 
 import argparse
-import contextlib
 import datetime
 import os
 import pathlib
@@ -13,8 +12,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from typing import Iterator, List, Tuple
+from typing import List, Tuple
 
+import debian_files
 import project
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
@@ -24,9 +24,19 @@ PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]
 ]
-CHECKS = [["./ci/test", "all"], ["./ci/clean-room"], ["./ci/deb"], ["./ci/container"]]
+CHECKS = [
+    ["./ci/test", "all"],
+    *(
+        ["./ci/clean-room", "--only", parts, suite]
+        for suite in debian_files.RELEASES
+        for parts in ("refusals,by_hand,workspace,package,launch", "test", "ros2")
+    ),
+    *(["./ci/deb", suite] for suite in debian_files.RELEASES),
+    ["./ci/container"],
+]
 #: Built by these, and what it is called in dist/VERSION.
-PRODUCTS = {"dist/bookworm": "bookworm", "dist/trixie": "trixie", "docs/_build/html": "docs"}
+PRODUCTS = {f"dist/{suite}": suite for suite in debian_files.RELEASES}
+PRODUCTS["docs/_build/html"] = "docs"
 NOTES = "docs/releases.md"
 
 VERSION = re.compile(r"(0|[1-9]\d*)\.(0|[1-9]\d*)\.(0|[1-9]\d*)")
@@ -144,63 +154,124 @@ def bump(tree: pathlib.Path, version: str) -> None:
         changelog.write_text(with_heading(changelog.read_text("utf-8"), version, today), "utf-8")
 
 
-@contextlib.contextmanager
-def clone() -> Iterator[pathlib.Path]:
-    """Have a clone of HEAD for a while."""
-    with tempfile.TemporaryDirectory(prefix="release-") as folder:
-        tree = pathlib.Path(folder, "workspace")
-        said("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(tree))
-        said("git", "checkout", "--quiet", "--detach", said("git", "rev-parse", "HEAD"), place=tree)
-        yield tree
+class Attempt:
+    """A clone in which a release is tried, and the checks that it has passed there.
 
+    It is kept until the version is released, so that ``--resume`` need not begin anew.
 
-def run(commands: List[List[str]], tree: pathlib.Path) -> None:
-    """Run commands, all of which have to be good.
-
-    :raises Refused: one is not
+    :param version: the version
+    :param place: a folder for it
     """
-    # The session's own ROS workspace is another one.
-    variables = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
-    for command in commands:
-        say(" ".join(command))
-        status = subprocess.call(command, cwd=str(tree), env=variables)
-        if status != 0:
-            raise Refused(f"'{' '.join(command)}' ended with status {status}: nothing was released")
 
+    def __init__(self, version: str, place: pathlib.Path) -> None:
+        self._version, self._place = version, place
+        self._journal = self._place / "passed"
+        self.tree = self._place / "workspace"
 
-def release(version: str) -> None:
-    """Do all of it.
+    def begin(self) -> None:
+        """Clone HEAD, and change the versions."""
+        self.remove()
+        self._place.mkdir(parents=True, exist_ok=True)
+        said("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
+        said("git", "checkout", "--quiet", "--detach", head(WORKSPACE), place=self.tree)
+        bump(self.tree, self._version)
 
-    :raises Refused: something is not good
-    """
-    with clone() as tree:
-        bump(tree, version)
-        run(PREPARE, tree)
-        message = ["--no-gpg-sign", "--message", f"Release {version}"]
-        said("git", *author(), "commit", "--quiet", "--all", *message, place=tree)
-        run(CHECKS, tree)
+    def prepare(self) -> None:
+        """Run what changes the clone further, and commit.
+
+        :raises Refused: it fails
+        """
+        for command in PREPARE:
+            self._run(command)
+        message = ["--no-gpg-sign", "--message", f"Release {self._version}"]
+        said("git", *author(), "commit", "--quiet", "--all", *message, place=self.tree)
+        self._journal.touch()
+
+    def judge(self) -> None:
+        """Look whether there is something to go on with.
+
+        :raises Refused: there is not
+        """
+        if not self._journal.is_file() or head(self.tree, "HEAD~1") != head(WORKSPACE):
+            raise Refused(
+                f"there is no release of {self._version} from this commit to go on with: "
+                "leave out --resume"
+            )
+
+    def check(self) -> None:
+        """Run the checks that it has not passed yet.
+
+        :raises Refused: one of them is not good
+        """
+        passed = self._journal.read_text("utf-8").splitlines()
+        for command in CHECKS:
+            line = " ".join(command)
+            if line in passed:
+                say(f"{line}: passed before")
+                continue
+            self._run(command)
+            with self._journal.open("a", encoding="utf-8") as journal:
+                journal.write(f"{line}\n")
         for source in PRODUCTS:
-            if not (tree / source).is_dir():
+            if not (self.tree / source).is_dir():
                 raise Refused(
                     f"{source} was not built, which needs Debian 12: nothing was released"
                 )
-        said("git", "fetch", "--quiet", str(tree), "HEAD")
-        said("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
-        said("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)
-        target = WORKSPACE / "dist" / version
-        shutil.rmtree(str(target), ignore_errors=True)
-        for source, name in PRODUCTS.items():
-            shutil.copytree(
-                str(tree / source), str(target / name), ignore=shutil.ignore_patterns("earlier")
-            )
+
+    def remove(self) -> None:
+        """Leave nothing of it."""
+        shutil.rmtree(str(self._place), ignore_errors=True)
+
+    def _run(self, command: List[str]) -> None:
+        line = " ".join(command)
+        say(line)
+        # The session's own ROS workspace is another one.
+        own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
+        status = subprocess.call(command, cwd=str(self.tree), env=own)
+        if status != 0:
+            raise Refused(f"'{line}' ended with status {status}: nothing was released")
+
+
+def kept_attempt(version: str) -> Attempt:
+    """Return the attempt at a version that ``--resume`` finds again."""
+    return Attempt(version, WORKSPACE / "dist" / f".{version}")
+
+
+def head(tree: pathlib.Path, commit: str = "HEAD") -> str:
+    """Return the name of a commit."""
+    return said("git", "rev-parse", commit, place=tree)
+
+
+def release(version: str, resume: bool) -> None:
+    """Do all of it.
+
+    :param resume: go on with what was tried before
+    :raises Refused: something is not good
+    """
+    attempt = kept_attempt(version)
+    if not resume:
+        attempt.begin()
+        attempt.prepare()
+    attempt.check()
+    said("git", "fetch", "--quiet", str(attempt.tree), "HEAD")
+    said("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
+    said("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)
+    target = WORKSPACE / "dist" / version
+    shutil.rmtree(str(target), ignore_errors=True)
+    for source, name in PRODUCTS.items():
+        shutil.copytree(
+            str(attempt.tree / source), str(target / name), ignore=shutil.ignore_patterns("earlier")
+        )
+    attempt.remove()
     say(f"{version} is tagged and in dist/{version}: push it with 'git push origin HEAD {version}'")
 
 
 def show(version: str) -> None:
     """Show what would be changed and run."""
-    with clone() as tree:
-        bump(tree, version)
-        print(said("git", "diff", "--unified=0", place=tree))
+    with tempfile.TemporaryDirectory(prefix="release-") as folder:
+        attempt = Attempt(version, pathlib.Path(folder))
+        attempt.begin()
+        print(said("git", "diff", "--unified=0", place=attempt.tree))
     for command in PREPARE + CHECKS:
         print("would run", *command)
 
@@ -217,10 +288,13 @@ def main(arguments: List[str]) -> int:
     parser = argparse.ArgumentParser(prog="ci/release")
     parser.add_argument("--dry-run", action="store_true")
     parser.add_argument("--unpublished", action="store_true")
+    parser.add_argument("--resume", action="store_true")
     parser.add_argument("version")
     options = parser.parse_args(arguments)
     try:
         judge(options.version, options.unpublished)
+        if options.resume:
+            kept_attempt(options.version).judge()
     except Refused as reason:
         say(str(reason))
         return 125
@@ -228,7 +302,7 @@ def main(arguments: List[str]) -> int:
         show(options.version)
         return 0
     try:
-        release(options.version)
+        release(options.version, options.resume)
     except Refused as reason:
         say(str(reason))
         return 1

@@ -10,6 +10,7 @@ from typing import List
 
 import pytest
 from conftest import CI
+from debian_files import RELEASES
 
 TITLE = "^^^^^\nTitle\n^^^^^\n\n"
 PROJECT = """maintainer: some body
@@ -20,6 +21,9 @@ repository: https://example.org/it.git
 bugtracker: https://example.org/it/issues
 """
 CHECKS = ("test", "clean-room", "deb", "container")
+#: As often as each of them runs: what a suite needs can be gone on with.
+SUITES = tuple(RELEASES)
+RUNS = ["test", *len(SUITES) * 3 * ["clean-room"], *len(SUITES) * ["deb"], "container"]
 TODAY = datetime.date.today().isoformat()
 
 
@@ -32,6 +36,7 @@ class Copy:
         for name in (
             "release",
             "lib/setup/usage.bash",
+            "lib/packages/debian_files.py",
             "lib/packages/project.py",
             "lib/packages/release.py",
         ):
@@ -39,7 +44,7 @@ class Copy:
             shutil.copy(str(CI / name), str(root / "ci" / name))
         for name in (*CHECKS, "exec"):
             self.script(name, "")
-        self.script("deb", "mkdir -p dist/bookworm/earlier dist/trixie; : >dist/bookworm/a.deb")
+        self.script("deb", "mkdir -p dist/$1/earlier; : >dist/$1/a.deb; : >dist/$1/earlier/b.deb")
         self.script("test", "mkdir -p docs/_build/html; : >docs/_build/html/index.html")
         self.script(
             "exec", '[ "$1" = rostest ] && [ "$ADD_PROMISES" = 1 ] && echo new >>docs/table'
@@ -58,7 +63,7 @@ class Copy:
 
     def script(self, name: str, body: str) -> None:
         """Write a program of ci/."""
-        line = f'echo "{name} $(git log -1 --format=%s)" >>"{self.journal}"'
+        line = f'echo "{name} $@: $(git log -1 --format=%s)" >>"{self.journal}"'
         self.write(f"ci/{name}", f"#!/bin/sh -e\n{line}\n{body}\n")
         (self.root / "ci" / name).chmod(0o755)
 
@@ -120,14 +125,19 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     assert copy.git("log", "-1", "--format=%s %d").startswith("Release 1.2.0  (HEAD -> ")
     assert copy.git("describe").strip() == "1.2.0"
     # The checks saw the very commit that was tagged.
-    expected = ["exec Begin", *(f"{name} Release 1.2.0" for name in CHECKS)]
-    assert copy.journal.read_text().splitlines() == expected
+    runs = [line.partition(" ")[::2] for line in copy.journal.read_text().splitlines()]
+    assert [name for name, _ in runs] == ["exec", *RUNS]
+    assert all(rest.endswith(": Release 1.2.0") for _, rest in runs[1:])
+    # Each suite with all parts that there are.
+    for suite in SUITES:
+        parts = [rest for name, rest in runs if name == "clean-room" and f" {suite}:" in rest]
+        named = ",".join(rest.split()[1] for rest in parts)
+        assert f"all={named}\n" in (CI / "clean-room").read_text("utf-8")
     built = copy.root / "dist" / "1.2.0"
-    assert sorted(str(path.relative_to(built)) for path in built.rglob("*.*")) == [
-        "bookworm/a.deb",
-        "docs/index.html",
-    ]
-    assert not (built / "bookworm" / "earlier").exists()
+    assert sorted(str(path.relative_to(built)) for path in built.rglob("*.*")) == sorted(
+        ["docs/index.html", *(f"{suite}/a.deb" for suite in SUITES)]
+    )
+    assert sorted(os.listdir(copy.root / "dist")) == ["1.2.0"]
 
 
 @pytest.mark.parametrize("check", ["exec", "test", "deb", "container"])
@@ -139,7 +149,37 @@ def test_nothing_is_released_where_a_check_is_bad(copy: Copy, check: str) -> Non
     assert done.returncode == 1
     assert f"ci/{check}" in done.stderr and "status 3: nothing was released" in done.stderr
     assert copy.state() == before
-    assert copy.git("tag") == "" and not (copy.root / "dist").exists()
+    assert copy.git("tag") == "" and os.listdir(copy.root / "dist") == [".1.2.0"]
+
+
+def test_what_was_good_is_not_run_again(copy: Copy) -> None:
+    copy.script("deb", f"test -e {copy.journal}.goes_on; mkdir -p dist/$1")
+    copy.commit()
+    assert copy.release("1.2.0").returncode == 1
+    before = copy.state()
+    assert copy.release("--dry-run", "--resume", "1.2.0").returncode == 0  # which keeps it
+    copy.journal.unlink()
+    copy.journal.with_name("journal.goes_on").touch()
+    done = copy.release("--resume", "1.2.0")
+    assert done.returncode == 0, done.stderr
+    assert "ci/release: ./ci/test all: passed before" in done.stderr
+    names = [line.split()[0] for line in copy.journal.read_text().splitlines()]
+    assert names == RUNS[RUNS.index("deb") :]
+    assert copy.state() != before and copy.git("describe").strip() == "1.2.0"
+
+
+def test_only_the_same_commit_is_gone_on_with(copy: Copy) -> None:
+    refused = "there is no release of 1.2.0 from this commit to go on with: leave out --resume"
+    done = copy.release("--resume", "1.2.0")
+    assert done.returncode == 125 and refused in done.stderr
+    copy.script("container", "exit 3")
+    copy.commit()
+    assert copy.release("1.2.0").returncode == 1
+    copy.script("container", "")
+    copy.commit()
+    done = copy.release("--resume", "1.2.0")
+    assert done.returncode == 125 and refused in done.stderr
+    assert copy.release("1.2.0").returncode == 0
 
 
 def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
@@ -149,8 +189,7 @@ def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
     done = copy.release("1.2.0")
     assert done.returncode == 1
     assert "docs/_build/html was not built, which needs Debian 12: nothing" in done.stderr
-    assert copy.state() == before
-    assert copy.git("tag") == "" and not (copy.root / "dist").exists()
+    assert copy.state() == before and copy.git("tag") == ""
 
 
 def test_its_author_is_told_here_and_signs_nothing(

@@ -1,5 +1,6 @@
 """Registration with the master, in requests that a function of the test's own answers."""
 
+from unittest import mock
 
 import pytest
 import rospy
@@ -154,3 +155,18 @@ def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
         in_thread(publisher.close).join()
     told = [call[0] for call in asked.calls]
     assert told[-1] == "unregisterPublisher", told
+
+
+def test_service_that_is_closed_while_it_is_registered_again_is_taken_back(asked, monkeypatch):
+    offered = {"/closed": mock.Mock(), "/open": mock.Mock()}
+    entries = [(SRV, name, "rosrpc://here:2") for name in offered]
+    registration._registrar.add(entries)
+    manager = mock.Mock(get_service=offered.get)
+    monkeypatch.setattr(registration, "get_service_manager", lambda: manager)
+    asked.meanwhile = lambda calls: offered.pop("/closed", None)
+    asked.requests.clear()
+    registration.register_services(list(offered), asked)
+    told = [call[:3] for call in asked.calls if call[0] != "lookupService"]
+    assert told[:2] == [("registerService", *entry[1:]) for entry in entries]
+    assert told[2:] == [("unregisterService", "/closed", "rosrpc://here:2")]
+    assert list(registration.services()) == ["/open"]

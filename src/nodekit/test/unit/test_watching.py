@@ -1,5 +1,6 @@
 """The watcher of the parameter server, with a server of the test's own and no master."""
 
+import itertools
 import threading
 import time
 
@@ -133,6 +134,20 @@ def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client
     for one in (told[0], told[watching.RECONCILE_KEYS], told[-1]):
         client.values[one.watched.key] = 5
         wait_until(lambda: one.values == [5], lambda: f"{one.watched.key} is not noticed")
+
+
+def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client, watcher):
+    monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
+    told, numbers, read = Told("/busy"), itertools.count(), client.read
+
+    def read_another(keys):
+        client.values["/busy"] = next(numbers)
+        return read(keys)
+
+    watcher.watch([told.watched])
+    monkeypatch.setattr(client, "read", read_another)
+    watcher.ring()
+    wait_until(lambda: len(told.values) >= 2, lambda: f"told: {told.values}", 10.0)
 
 
 def test_notifications_come_again_after_a_restart_of_the_master(

@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+from typing import List, Sequence
 
 import pytest
 
@@ -73,6 +74,27 @@ def test_what_another_package_needs_comes_first() -> None:
     uses = {"a": "b/X x\n", "b": "c/X x\n", "c": "uint8 x\n"}
     twins = {name: make_twins(name, {"msg/X.msg": text}) for name, text in uses.items()}
     assert environment.in_order(twins) == ["c", "b", "a"]
+
+
+def test_twins_are_built_once_and_again_where_they_are_new_or_use_what_has_changed(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    ours, built = Environment(tmp_path / "ros2"), []
+
+    def run(command: Sequence[str], *_: object) -> None:
+        built.append([word.partition(":")[0] for word in command[3:]])
+
+    def build(**definitions: str) -> List[str]:
+        """Return the packages whose twins are built, of types X."""
+        built.clear()
+        ours._build({one: make_twins(one, {"msg/X.msg": it}) for one, it in definitions.items()})
+        return built[0] if built else []
+
+    monkeypatch.setattr(ours, "run", run)
+    assert build(a="b/X x\n", b="uint8 x\n") == ["b", "a"]
+    assert build(a="b/X x\n", b="uint8 x\n") == [] == built
+    assert build(a="b/X x\n", b="uint8 x\n", c="uint8 x\n") == ["c"]
+    assert build(a="b/X x\n", b="uint8 y\n", c="uint8 x\n") == ["b", "a"]
 
 
 def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> None:

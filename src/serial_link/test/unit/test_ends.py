@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import time
 
 import pytest
 
@@ -64,4 +65,17 @@ def test_nothing_raises_where_nobody_has_the_other_end(tmp_path: pathlib.Path) -
     assert end.read() == b""
     end.wait(0.0)
     end.unplug()
+    end.unplug()
+
+
+def test_waiting_ends_as_soon_as_something_has_arrived(tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "board"
+    end = PtyEnd(str(link))
+    end.plug()
+    host = os.open(str(link), os.O_RDWR | os.O_NOCTTY)
+    os.write(host, b"x")
+    begun = time.monotonic()
+    end.wait(5.0)
+    assert time.monotonic() - begun < 4.0 and end.read() == b"x"
+    os.close(host)
     end.unplug()

@@ -121,6 +121,7 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
         (["/a", "--around", "=/b +"], "mask: something is missing at the end"),
         (["/a", "--around", "/b", "--value", "-1"], "'-1' is not a number from 0 to 1e+300"),
         (["/a", "--around", "/b", "--time", "nan"], "'nan' is not a number from 0 to 600"),
+        (["/a", "--around", "/b", "--seconds", "1s"], "'1s' is not a number from 0.1 to 1e+06"),
     ],
 )
 def test_what_cannot_be_judged_is_no_pass(

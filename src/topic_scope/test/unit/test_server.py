@@ -109,3 +109,17 @@ def test_what_goes_wrong_for_one_page_keeps_no_frame_from_the_others(server: Ser
         server._send_frames()
     assert "ArithmeticError" in log.call_args[0][1]
     assert not broken.sent and whole.sent[-1]["type"] == "frame"
+
+
+def test_traces_are_measured_now_and_then_not_for_each_frame(
+    server: Server, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    server.on_topics({})
+    page = Socket(server).page
+    page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
+    clock = mock.Mock(**{"thread_time.return_value": 0.0})
+    monkeypatch.setattr("topic_scope.web.server.time", clock)
+    for moment in (100.0, 100.1, 100.2, 100.3, 100.4):
+        clock.monotonic.return_value = moment
+        server._send_frames()
+    assert [call[0][2] for call in page.frame.call_args_list] == [True, False, False, True, False]

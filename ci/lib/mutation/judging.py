@@ -8,7 +8,7 @@ import pathlib
 import shutil
 import tempfile
 import zlib
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Dict, Iterator, List, NamedTuple, Sequence
 from xml.etree import ElementTree
 
 import code_rules
@@ -64,42 +64,42 @@ class Judge:
         :returns: the first test that fails or does not end in time, and why; empty if none does
         :raises mutants.Unfit: if ROS 2 is needed, and cannot be had
         """
-        steps = self.tests_of(module)
         copy = mutants.COPY / "src" / module
         original = copy.read_text("utf-8")
-        try:
-            self._write(copy, text)
-            for step in steps:
+        for step in self.tests_of(module):
+            try:
+                self._write(copy, text)
                 result = self._run_twice(step, self._compiled)
-                if not result.good:
-                    return f"{step.name}: {trouble_of(result)}"
-        finally:
-            self._write(copy, original)
+            finally:
+                self._write(copy, original)
+            if not result.good:
+                return f"{step.name}: {trouble_of(result)}"
         return ""
 
-    def tests_of(self, module: str) -> List[Step]:
-        """Return the tests that meet a module: the unit tests, then the others by their time.
+    def tests_of(self, module: str) -> Iterator[Step]:
+        """Return what meets a module: the unit tests, then the others by their time.
 
-        A test that fails without a mutant is left out.
+        Each is tried without a mutant before it is returned, so what kills early spares that of the
+        long ones. One that fails then is left out.
 
         :raises mutants.Unfit: if ROS 2 is needed, and cannot be had
         """
         package = module.split("/")[0]
-        found = [(self._trial(step), step) for step in integration_steps(package)]
-        found = [(trial, step) for trial, step in found if module in trial.modules]
-        found.sort(key=lambda pair: pair[0].seconds)
         nearest = self._units.of(code_rules.SOURCES / module)
         if nearest:
             # What they take in all bounds what some of them take.
             whole = self._trial(unit_step(package, self._units.all_of(package)))
-            found.insert(0, (whole, unit_step(package, nearest)))
-        return [
-            dataclasses.replace(
-                step, time_limit=min(step.time_limit, LONGER * trial.seconds + ON_TOP_S)
-            )
-            for trial, step in found
-            if not trial.trouble
-        ]
+            if not whole.trouble:
+                yield limited(unit_step(package, nearest), whole)
+        for step in sorted(integration_steps(package), key=self._expected_s):
+            trial = self._trial(step)
+            if module in trial.modules and not trial.trouble:
+                yield limited(step, trial)
+
+    def _expected_s(self, step: Step) -> float:
+        """Return what a test took, or where that is not known the most that it may take, s."""
+        known = self._trials.get(step.name)
+        return known.seconds if known else step.time_limit
 
     def close(self) -> None:
         """Remove what the tests have left behind."""
@@ -165,6 +165,12 @@ def trouble_of(result: StepResult) -> str:
         return ""
     reasons = result.failures or [" ".join(result.log.split()[-LAST_WORDS:])]
     return reasons[0][:MOST_SHOWN]
+
+
+def limited(step: Step, trial: Trial) -> Step:
+    """Return a test with the time that it has with a mutant."""
+    limit = min(step.time_limit, LONGER * trial.seconds + ON_TOP_S)
+    return dataclasses.replace(step, time_limit=limit)
 
 
 def unit_step(package: str, tests: Sequence[pathlib.Path]) -> Step:

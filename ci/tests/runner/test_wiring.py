@@ -1,6 +1,7 @@
 """ci/mutants --wiring draws changes of modules, and has the tests of their package judge them."""
 
 import ast
+import dataclasses
 import os
 import pathlib
 import signal
@@ -209,6 +210,7 @@ def test_a_mutant_is_met_by_the_tests_that_import_its_module_the_shortest_first(
         broken="from p.a import f; assert f() == 7",
     )
     judge = Judge(tmp_path)
+    list(judge.tests_of(MODULE))  # which finds out how long they are
     assert [step.name for step in judge.tests_of(MODULE)] == ["p/short", "p/long"]
     (left_out,) = judge.left_out()
     assert left_out.startswith("p/broken: ") and "AssertionError" in left_out
@@ -220,6 +222,19 @@ def test_a_mutant_is_met_by_the_tests_that_import_its_module_the_shortest_first(
     assert not (tmp_path / "compiled").exists()
 
 
+def test_a_long_test_is_not_tried_where_a_short_one_kills(
+    copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    offer(monkeypatch, long="assert False", short="from p.a import f; assert f() == 1")
+    long, short = judging.integration_steps("p")
+    steps = [long, dataclasses.replace(short, time_limit=long.time_limit / 2)]
+    monkeypatch.setattr(judging, "integration_steps", lambda _: steps)
+    judge = Judge(tmp_path)
+    assert judge.killer(MODULE, TEXT.replace("1", "2")).startswith("p/short: ")
+    assert not judge.left_out()
+    judge.close()
+
+
 def test_what_is_known_of_a_test_holds_until_it_changes(
     copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
@@ -229,7 +244,7 @@ def test_what_is_known_of_a_test_holds_until_it_changes(
     monkeypatch.setattr(judging, "integration_steps", lambda _: [step])
     for expected in ("x", "x"):
         judge = Judge(tmp_path)
-        assert len(judge.tests_of(MODULE)) == 1
+        assert len(list(judge.tests_of(MODULE))) == 1
         judge.close()
         assert seen.read_text() == expected
     good = test.read_text() + "\n"
@@ -240,7 +255,7 @@ def test_what_is_known_of_a_test_holds_until_it_changes(
     ):
         test.write_text(text)
         judge = Judge(tmp_path)
-        judge.tests_of(MODULE)
+        list(judge.tests_of(MODULE))
         judge.close()
         # One that fails is run twice, and again by the next judge.
         assert seen.read_text() == expected
@@ -251,7 +266,7 @@ def test_a_rostest_ends_with_the_first_test_that_fails(
 ) -> None:
     offer(monkeypatch, it=f"import os, p.a; assert os.environ[{running.FAIL_FAST!r}]")
     judge = Judge(tmp_path)
-    assert judge.tests_of(MODULE) and not judge.left_out()
+    assert list(judge.tests_of(MODULE)) and not judge.left_out()
     judge.close()
 
 
@@ -279,7 +294,7 @@ def test_ctrl_c_ends_the_test_that_is_running_and_leaves_no_mutant(
         f"    finally: pathlib.Path({str(ended)!r}).touch()",
     )
     judge = Judge(tmp_path)
-    judge.tests_of(MODULE)
+    list(judge.tests_of(MODULE))
 
     def interrupt() -> None:
         while not begun.exists():
@@ -319,7 +334,7 @@ def test_what_fails_by_the_way_kills_nothing(
         f"    pathlib.Path({str(mark)!r}).touch(); assert False",
     )
     judge = Judge(tmp_path)
-    assert judge.tests_of(MODULE) and not judge.left_out()
+    assert list(judge.tests_of(MODULE)) and not judge.left_out()
     mark.unlink()
     assert judge.killer(MODULE, TEXT.replace("1", "2")) == ""
     judge.close()

@@ -59,3 +59,11 @@ def test_each_names_a_command_for_something_that_is_there(name: str) -> None:
         kind = program[len("ros") :]
         file = PACKAGES[package] / kind / f"{what}.{kind}"
     assert package == name and file.is_file()
+
+
+def test_what_keeps_a_convention_of_ros_and_what_shows_it_is_there() -> None:
+    rows = (WORKSPACE / "docs" / "conventions.md").read_text("utf-8").splitlines()[6:]
+    named = [re.findall(r"`([\w/.]+\.py)`", row) for row in rows]
+    assert sum(map(bool, named)) >= 8
+    for path in {path for row in named for path in row}:
+        assert (WORKSPACE / path).is_file() or (WORKSPACE / "src" / path).is_file(), path

@@ -261,6 +261,23 @@ def test_what_is_known_of_a_test_holds_until_it_changes(
         assert seen.read_text() == expected
 
 
+def test_the_nearest_unit_tests_come_before_the_others(
+    copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    files = [tmp_path / f"test_{number}.py" for number in range(judging.NEAREST + 2)]
+    for file in files:
+        file.write_text("def test_it(): pass\n")
+    monkeypatch.setattr(UnitTests, "of", lambda *_: files)
+    monkeypatch.setattr(UnitTests, "all_of", lambda *_: files)
+    monkeypatch.setattr(judging, "integration_steps", lambda _: [])
+    judge = Judge(tmp_path)
+    first, second = judge.tests_of(MODULE)
+    for step, run, left in ((first, files[:3], files[3:]), (second, files[3:], files[:3])):
+        assert set(map(str, run)) <= set(step.command)
+        assert not set(map(str, left)) & set(step.command)
+    judge.close()
+
+
 def test_a_rostest_ends_with_the_first_test_that_fails(
     copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

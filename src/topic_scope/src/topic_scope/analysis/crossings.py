@@ -21,8 +21,8 @@ def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
     is_rise = (side[sure[:-1]] < 0) & (side[sure[1:]] > 0)
     departures, arrivals = sure[:-1][is_rise], sure[1:][is_rise]
     # Of all samples on the way, the last one before the level and the one behind it.
-    indices = numpy.where(values < level, numpy.arange(len(values)), 0)
-    last = numpy.maximum.accumulate(indices)[arrivals]
+    below = numpy.flatnonzero(values < level)
+    last = below[numpy.searchsorted(below, arrivals) - 1]
     jumps = values[last + 1] - values[last]
     moments = times[last] + (level - values[last]) / jumps * (times[last + 1] - times[last])
     doubts = numpy.maximum(moments - times[departures], times[arrivals] - moments)

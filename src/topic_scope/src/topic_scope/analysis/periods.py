@@ -33,6 +33,10 @@ _SEVERAL = 6
 _PARTS, _LEAST = 40, 5
 #: Most samples that are compared, and most of which there is a spectrum.
 _COMPARED, _LATEST = 2000, 1 << 12
+#: Mixed, so that not only each period and the next are compared, but any two.
+_ORDER = numpy.random.RandomState(0).permutation(_COMPARED)
+#: Crossings that are off even ones by this part of their distance are of no period.
+_ASTRAY = 0.5
 
 STANDS = unmeasurable("it does not change")
 TOO_SHORT = unmeasurable("there are not two periods of it")
@@ -48,10 +52,13 @@ class _Comparison(NamedTuple):
     :param cycles: how many periods there are
     """
 
-    noise: float
-    limit: float
+    noise: float = 1.0
+    limit: float = 0.0
     mixed: float = 0.0
     cycles: float = 0.0
+
+
+_UNLIKE = _Comparison()
 
 
 def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf) -> Figure:
@@ -68,18 +75,22 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
     crossings = _crossings(times, values)
     after = numpy.minimum(numpy.searchsorted(times, crossings[0], "right"), len(times) - 1)
     piece_of, is_whole = pieces[after], pieces[after] == pieces[after - 1]
+    crossings[2] *= times[after] - times[after - 1]
     crossings, piece_of = crossings[:, is_whole], piece_of[is_whole]  # none is within a gap
+    some = _some(len(times))
     best, noise = TOO_SHORT if crossings.shape[1] < 2 else NO_PERIOD, 1.0
     for count in range(1, _MOST_CROSSINGS + 1):
         every = slice(None, None, count)
-        period = _period(crossings[:, every], piece_of[every], times)
-        if period.value is None:
+        period = _period(crossings[:, every], piece_of[every])
+        if period == TOO_SHORT:
             break
-        begins = _begins(crossings[0, every], piece_of[every], int(pieces[-1]) + 1)
-        found = _compared(times - begins[pieces], values, period.value)
+        found = _UNLIKE
+        if period.value is not None:
+            begins = _begins(crossings[0, every], piece_of[every], int(pieces[-1]) + 1)
+            found = _compared(times[some] - begins[pieces[some]], values[some], period.value)
         # What has several crossings has to repeat itself much better than from one to the next.
         limit = found.limit if count == 1 else min(found.limit, _CLEARLY, _BETTER * noise)
-        if found.noise < limit and (count == 1 or found.cycles > _FEW):
+        if period.value and found.noise < limit and (count == 1 or found.cycles > _FEW):
             best = measured(1.0 / period.value, period.uncertainty / period.value**2)
         elif count == 1:  # where crossings are missing, as of few samples, the spectrum knows more
             best = _strongest_line(times, values, longest)
@@ -89,29 +100,33 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
     return best
 
 
+def _some(count: int) -> numpy.ndarray:
+    """Return which ones of so many samples are compared, mixed."""
+    places = _ORDER * -(-count // _COMPARED)
+    some: numpy.ndarray = places[places < count]
+    return some
+
+
 def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _Comparison:
     """Compare the samples in the same parts of different periods.
 
     :param places: times of the samples since the begin of a period, s; NaN where it is unknown
-    :param values: the samples
+    :param values: the samples, mixed
     :param period: length of the period, s
     """
     turns = places / period
-    some = numpy.flatnonzero(numpy.isfinite(turns))
-    some = some[:: -(-len(some) // _COMPARED) or 1]
-    # Mixed, so that not only each period and the next are compared, but any two.
-    some = numpy.random.RandomState(0).permutation(some)
-    turns, values = turns[some], values[some]
-    if not len(some) or not values.min() < values.max():
-        return _Comparison(1.0, 0.0)
+    known = numpy.isfinite(turns)
+    turns, values = turns[known], values[known]
+    if not len(turns) or not values.min() < values.max():
+        return _UNLIKE
     cycles = numpy.floor(turns)
-    count = min(_PARTS, 1 + len(some) // _LEAST)
-    parts = numpy.floor((turns - cycles) * count)
+    count = min(_PARTS, 1 + len(turns) // _LEAST)
+    parts = ((turns - cycles) * count).astype(numpy.int8)
     order = numpy.argsort(parts, kind="stable")
-    compared = (numpy.diff(parts[order]) == 0.0) & (numpy.diff(cycles[order]) != 0.0)
+    compared = (numpy.diff(parts[order]) == 0) & (numpy.diff(cycles[order]) != 0.0)
     steps = numpy.diff(values[order])[compared]
     if not len(steps):
-        return _Comparison(1.0, 0.0)
+        return _UNLIKE
     limit = _NOISE - 2.0 / math.sqrt(len(steps))
     cycles_seen = float(turns.max() - turns.min())
     if cycles_seen < _FEW:
@@ -123,7 +138,7 @@ def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _C
 def _crossings(times: numpy.ndarray, values: numpy.ndarray) -> numpy.ndarray:
     """Return where a trace crosses its mean upwards, or downwards, as :func:`.rises` does.
 
-    The last row is a part of the whole range.
+    The last row is how much of the whole range the step from one sample to the next is.
     """
     low, high = values.min(), values.max()
     band = HYSTERESIS * (high - low)
@@ -136,9 +151,13 @@ def _crossings(times: numpy.ndarray, values: numpy.ndarray) -> numpy.ndarray:
     return found
 
 
-def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray, times: numpy.ndarray) -> Figure:
-    """Return the mean time from one crossing to the next one of the same piece, s."""
-    moments, doubts, jumps = crossings
+def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Figure:
+    """Return the mean time from one crossing to the next one of the same piece, s.
+
+    :param crossings: when, s; how far off that may be, s; and how much of that is from an edge, s
+    :param piece_of: which piece each is in
+    """
+    moments, doubts, edges = crossings
     length, weights = _slope(moments, piece_of)
     if not length > 0.0:  # the stamps of a simulation that stands are the same
         return TOO_SHORT
@@ -146,9 +165,10 @@ def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray, times: numpy.ndar
     if len(moments) >= _SEVERAL:
         rest = _within(moments - length * numpy.arange(len(moments)), piece_of)
         spread = math.sqrt(float(numpy.square(rest).sum()) / (len(moments) - 2))
+        if spread > _ASTRAY * length:
+            return NO_PERIOD
         # An edge may be anywhere between two samples, what is smooth is on a line between them.
-        aside = float(numpy.median(numpy.diff(times)) * numpy.median(jumps)) / 2.0
-        doubt = min(doubt, aside + 3.0 * spread)
+        doubt = min(doubt, float(numpy.median(edges)) / 2.0 + 3.0 * spread)
         half = len(moments) // 2
         parts = [_slope(moments[one], piece_of[one])[0] for one in (slice(half), slice(half, None))]
         drift = abs(parts[1] - parts[0])
@@ -166,6 +186,8 @@ def _slope(moments: numpy.ndarray, piece_of: numpy.ndarray) -> Tuple[float, nump
 
 def _within(numbers: numpy.ndarray, piece_of: numpy.ndarray) -> numpy.ndarray:
     """Return numbers less the mean of those of the same piece."""
+    if len(numbers) and piece_of[0] == piece_of[-1]:
+        return numbers - numbers.mean()
     _, group = numpy.unique(piece_of, return_inverse=True)
     counts = numpy.bincount(group)
     less: numpy.ndarray = (numpy.bincount(group, numbers) / numpy.maximum(counts, 1))[group]
@@ -187,7 +209,8 @@ def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float)
     strongest = peaks(lines, "hann", 1) if lines is not None else []
     if not strongest or strongest[0].uncertainty is None:
         return NO_PERIOD
-    found = _compared(times - times[0], values, 1.0 / strongest[0].frequency)
+    some = _some(len(times))
+    found = _compared(times[some] - times[0], values[some], 1.0 / strongest[0].frequency)
     if found.noise >= found.limit:
         return NO_PERIOD
     return measured(strongest[0].frequency, strongest[0].uncertainty)

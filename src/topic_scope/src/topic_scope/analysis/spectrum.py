@@ -100,12 +100,13 @@ def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
     lines = found.amplitudes
     reach = WINDOWS[window][1]
     least = max(_ABOVE * float(numpy.median(lines)), _SMALLEST * float(lines.max()))
-    tall = numpy.flatnonzero((lines[1:-1] > lines[:-2]) & (lines[1:-1] >= lines[2:])) + 1
+    is_top = (lines[1:-1] > lines[:-2]) & (lines[1:-1] >= lines[2:]) & (lines[1:-1] >= least)
+    tall = numpy.flatnonzero(is_top) + 1
     lowest = max(_LOWEST, reach)
     result: List[Peak] = []
     for index in sorted(tall, key=lambda one: -lines[one]):
         near = lines[max(index - reach, 0) : index + reach + 1]
-        if len(result) == most or lines[index] < least or lines[index] == 0.0:
+        if len(result) == most or lines[index] == 0.0:
             break
         if lines[index] >= near.max():
             frequency, amplitude = _top(found, int(index), window)

@@ -2,6 +2,7 @@
 """The page measures, and plots otherwise than over time."""
 
 import csv
+import heapq
 import itertools
 import json
 import math
@@ -27,6 +28,8 @@ from geometry_msgs.msg import Point, PointStamped  # isort: skip
 from nodekit.testing.running import rosrun
 
 SINE = "/sine/point/x"
+#: How late messages on these topics come, by turns, s.
+LATE = {"/late0": [0.0], "/late3": [0.3], "/late8": [0.8], "/wander": [0.5, 0.4, 0.6]}
 #: The place of an element, with the parts of pixels.
 _BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
 
@@ -628,21 +631,101 @@ class Plots(PageTest):
         start, end = _span(self.csv())
         # What was under way has come by then, however late.
         wait_until(lambda: time.time() > end + 1.0, lambda: f"{end} is not over")
+        self.assert_one_sine(omega, start, end, 2.0 / 5.0)
+
+    def assert_one_sine(self, omega: float, start: float, end: float, height: float) -> None:
+        """Check that each point of each line in the plot is less than a pixel from a sine.
+
+        :param omega: of the sine, whose phase counts from the epoch, rad/s
+        :param start: the time at the left edge, s
+        :param end: that at the right edge, s
+        :param height: its amplitude, as a part of the height of the plot
+        """
         plot, canvas = (self.browser.run(_BOX, name) for name in ("#overlay", "#plot canvas"))
         left, top = plot["x"] - canvas["x"], plot["y"] - canvas["y"]
-        [points] = [line for _, _, line in self.strokes() if len(line) > 50]
-        line = numpy.array([(x, y) for x, y, _ in points if left <= x <= left + plot["width"]])
-        # From edge to edge, but for the time that the last samples needed.
-        self.assertLess(line[0, 0], left + 6.0)
-        self.assertGreater(line[-1, 0], left + 0.5 * plot["width"])
-        middles = (line[1:] + line[:-1]) / 2.0
-        across = numpy.linspace(-4.0, 4.0, 401)
-        far = 0.0
-        for x, y in numpy.concatenate([line, middles]):
-            times = start + (x + across - left) / plot["width"] * (end - start)
-            heights = top + (0.5 - 2.0 * numpy.sin(omega * times) / 5.0) * plot["height"]
-            far = max(far, float(numpy.hypot(across, heights - y).min()))
-        self.assertLess(far, 1.0)
+        lines = [line for _, _, line in self.strokes() if len(line) > 50]
+        self.assertTrue(lines)
+        for points in lines:
+            line = numpy.array([(x, y) for x, y, _ in points if left <= x <= left + plot["width"]])
+            # From edge to edge, but for the time that the last samples needed.
+            self.assertLess(line[0, 0], left + 10.0)
+            self.assertGreater(line[-1, 0], left + 0.5 * plot["width"])
+            middles = (line[1:] + line[:-1]) / 2.0
+            across = numpy.linspace(-4.0, 4.0, 401)
+            far = 0.0
+            for x, y in numpy.concatenate([line, middles]):
+                times = start + (x + across - left) / plot["width"] * (end - start)
+                heights = top + (0.5 - height * numpy.sin(omega * times)) * plot["height"]
+                far = max(far, float(numpy.hypot(across, heights - y).min()))
+            self.assertLess(far, 1.0)
+
+    def publish_late(self, done: threading.Event) -> None:
+        """Publish sines of 1 Hz with the same stamps, each on a topic of its own, until done."""
+        publishers = {
+            topic: rospy.Publisher(topic, PointStamped, queue_size=1000) for topic in LATE
+        }
+        begin, due = time.time(), []
+        for number in itertools.count():
+            stamp = rospy.Time.from_sec(begin + 0.01 * number)
+            message = PointStamped(Header(stamp=stamp), Point())
+            message.point.x = math.sin(2.0 * math.pi * stamp.to_sec())
+            for topic, lateness in LATE.items():
+                late = lateness[number % len(lateness)]
+                heapq.heappush(due, (stamp.to_sec() + late, number, topic, message))
+            while due[0][0] < stamp.to_sec():
+                _, _, topic, late_message = heapq.heappop(due)
+                publishers[topic].publish(late_message)
+            if done.wait(max(0.0, begin + 0.01 * (number + 1) - time.time())):
+                break
+        for publisher in publishers.values():
+            publisher.unregister()
+
+    def test_late_messages_stand_at_their_stamps(self) -> None:
+        """In the picture, the figures, under the cursors and in the file; one sample is 10 ms."""
+        done = threading.Event()
+        thread = threading.Thread(target=self.publish_late, args=(done,))
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(done.set)
+        fields = [f"{topic}/point/x@stamp" for topic in LATE]
+        axis = {"title": "", "low": None, "high": None}
+        setup = {
+            **{"fields": fields, "window": 2, "baseWindow": 2},
+            "axes": {"x": {"title": ""}, "y": {**axis, "low": -1.25, "high": 1.25}, "y2": axis},
+            "measures": {"figures": ["phase", "latency"], "against": fields[0], "between": False},
+            "cursors": {"a": -1.73, "b": -1.23},
+        }
+        self.browser.driver.get("about:blank")
+        self.browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
+        wait_until(self.is_full, lambda: self.browser.text("#legend"))
+        for field, lateness in zip(fields, LATE.values()):
+            wait_until(
+                lambda: abs(self.cell(field, "phase")) < 3.6
+                and -0.001 < self.cell(field, "latency") - numpy.median(lateness) < 0.1,
+                lambda: self.browser.text("#legend"),
+            )
+            badge = self.browser.text(f"#legend tr[data-field='{field}'] .badge")
+            self.assertNotRegex(badge, "shown at reception")
+        self.browser.find("#run").click()
+        start, end = _span(self.csv())
+        wait_until(lambda: time.time() > end + 1.0, lambda: f"{end} is not over")
+        self.assert_one_sine(2.0 * math.pi, start, end, 1.0 / 2.5)
+        for field in fields:
+            for cursor, at in setup["cursors"].items():
+                value = math.sin(2.0 * math.pi * (end + at))
+                self.assertAlmostEqual(self.cell(field, cursor), value, delta=0.063, msg=field)
+        with urlopen(self.csv()) as answer:
+            rows = [line.split(",") for line in answer.read().decode().splitlines()[1:]]
+        told = [
+            (float(row[0]), float(row[1]) - float(row[0]), float(value), late)
+            for row in rows
+            for value, late in zip(row[2:], LATE.values())
+            if value
+        ]
+        self.assertGreater(len(told), 600)
+        for stamp, late, value, lateness in told:
+            self.assertAlmostEqual(value, math.sin(2.0 * math.pi * stamp), delta=1e-4)
+            self.assertGreater(late, min(lateness) - 0.001)
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")

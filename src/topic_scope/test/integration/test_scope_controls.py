@@ -201,13 +201,17 @@ class Controls(ScopeTest):
         )
 
     def test_a_change_while_a_panel_is_made_is_not_lost(self) -> None:
-        page = self.page()
+        page = self.panelled()
+        self.restore("amplitude")
         rospy.set_param("/slow/a", 1)
         self.addCleanup(rospy.delete_param, "/slow")
 
         def describe(request: Any) -> Any:
             rospy.set_param("/slow/a", 2)
-            time.sleep(0.5)  # the scope learns of it before it has the description
+            # The master tells a node of one change after the other: when the scope has learnt of
+            # this one, it has learnt of the one before, and has no description yet.
+            rospy.set_param(NODE + "/amplitude", 3.5)
+            page.wait_for("value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.5))
             return _describe_guest(request)
 
         service = rospy.Service("/slow/describe", Trigger, describe)

@@ -18,7 +18,8 @@ def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
     """
     side = (values > level + band).astype(numpy.int8) - (values < level - band)
     sure = numpy.flatnonzero(side)
-    is_rise = (side[sure[:-1]] < 0) & (side[sure[1:]] > 0)
+    surely = side[sure]
+    is_rise = (surely[:-1] < 0) & (surely[1:] > 0)
     departures, arrivals = sure[:-1][is_rise], sure[1:][is_rise]
     # Of all samples on the way, the last one before the level and the one behind it.
     below = numpy.flatnonzero(values < level)
@@ -29,14 +30,13 @@ def rises(times: numpy.ndarray, values: numpy.ndarray, level: float, band: float
     return numpy.array([moments, doubts, jumps])
 
 
-def stretches(times: numpy.ndarray, longest: float) -> numpy.ndarray:
-    """Return which stretch without a gap each sample is of, counted from 0.
+def after_gaps(times: numpy.ndarray, longest: float) -> numpy.ndarray:
+    """Return the indices of the samples that are the first behind a gap.
 
     :param times: ascending, s
     :param longest: a gap is longer than this, s
     """
-    first = numpy.zeros(min(len(times), 1), numpy.int64)
-    return numpy.concatenate([first, numpy.cumsum(numpy.diff(times) > longest)])
+    return numpy.flatnonzero(numpy.diff(times) > longest) + 1
 
 
 def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
@@ -45,7 +45,6 @@ def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
     :param times: ascending, s
     :param longest: a gap is longer than this, s
     """
-    ends = numpy.flatnonzero(numpy.diff(times) > longest) + 1
-    limits = numpy.concatenate([[0], ends, [len(times)]])
+    limits = numpy.concatenate([[0], after_gaps(times, longest), [len(times)]])
     best = int(numpy.argmax(numpy.diff(limits)))
     return slice(int(limits[best]), int(limits[best + 1]))

@@ -5,7 +5,7 @@ wave. Anything else is neither, and has none of these figures.
 """
 
 import math
-from typing import Dict, NamedTuple, Optional
+from typing import Dict, NamedTuple, Optional, Tuple
 
 import numpy
 
@@ -35,8 +35,7 @@ def figures(
         settling time (settling) in s, overshoot and duty in %, mean (cycle_mean) and RMS
         (cycle_rms) over whole periods
     """
-    largest = float(numpy.abs(values[numpy.isfinite(values)]).max(initial=0.0))
-    times, values = _scaled(times, values)
+    times, values, largest = _scaled(times, values)
     hertz = frequency(times, values, longest)
     found = _shapes(times, values, longest, hertz) if shapes else {}
     for name in ("cycle_mean", "cycle_rms"):
@@ -53,7 +52,7 @@ def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Fi
     :param longest: how far apart samples of one line of the other one may be, s
     :returns: above -180 and up to 180, degrees
     """
-    (times, values), (others, turns) = _scaled(*samples), _scaled(*reference)
+    (times, values, _), (others, turns, _) = _scaled(*samples), _scaled(*reference)
     if len(times) < 3 or len(others) < 3:
         return unmeasurable("there are too few samples")
     hertz = frequency(others, turns, longest)
@@ -103,12 +102,18 @@ def _shapes(
     }
 
 
-def _scaled(times: numpy.ndarray, values: numpy.ndarray) -> Samples:
-    """Return the finite samples, from -1 to 1, so that no difference and no sum overflows."""
+def _scaled(
+    times: numpy.ndarray, values: numpy.ndarray
+) -> Tuple[numpy.ndarray, numpy.ndarray, float]:
+    """Return the finite samples, from -1 to 1, so that no difference and no sum overflows.
+
+    :returns: their times, s; their values, as parts of the largest; and that
+    """
     finite = numpy.isfinite(values)
-    times, values = times[finite], values[finite]
-    largest = numpy.abs(values).max(initial=0.0)
-    return times, values / largest if largest else values
+    if not finite.all():
+        times, values = times[finite], values[finite]
+    largest = float(numpy.abs(values).max(initial=0.0))
+    return times, values / largest if largest else values, largest
 
 
 class _Sine(NamedTuple):

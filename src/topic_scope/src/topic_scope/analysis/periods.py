@@ -12,7 +12,7 @@ from typing import NamedTuple, Tuple
 
 import numpy
 
-from topic_scope.analysis.crossings import longest_stretch, rises, stretches
+from topic_scope.analysis.crossings import after_gaps, longest_stretch, rises
 from topic_scope.analysis.figure import Figure, measured, unmeasurable
 from topic_scope.analysis.spectrum import peaks, spectrum
 
@@ -71,10 +71,11 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
     """
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
-    pieces = stretches(times, longest)
+    firsts = after_gaps(times, longest)  # where a piece without a gap begins, but for the very first
     crossings = _crossings(times, values)
     after = numpy.minimum(numpy.searchsorted(times, crossings[0], "right"), len(times) - 1)
-    piece_of, is_whole = pieces[after], pieces[after] == pieces[after - 1]
+    piece_of = numpy.searchsorted(firsts, after, "right")
+    is_whole = piece_of == numpy.searchsorted(firsts, after - 1, "right")
     crossings[2] *= times[after] - times[after - 1]
     crossings, piece_of = crossings[:, is_whole], piece_of[is_whole]  # none is within a gap
     some = _some(len(times))
@@ -86,8 +87,9 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
             break
         found = _UNLIKE
         if period.value is not None:
-            begins = _begins(crossings[0, every], piece_of[every], int(pieces[-1]) + 1)
-            found = _compared(times[some] - begins[pieces[some]], values[some], period.value)
+            begins = _begins(crossings[0, every], piece_of[every], len(firsts) + 1)
+            begin = begins[numpy.searchsorted(firsts, some, "right")]
+            found = _compared(times[some] - begin, values[some], period.value)
         # What has several crossings has to repeat itself much better than from one to the next.
         limit = found.limit if count == 1 else min(found.limit, _CLEARLY, _BETTER * noise)
         if period.value and found.noise < limit and (count == 1 or found.cycles > _FEW):

@@ -71,7 +71,7 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
     """
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
-    firsts = after_gaps(times, longest)  # where a piece without a gap begins, but for the very first
+    firsts = after_gaps(times, longest)  # of the pieces without a gap, but for the very first
     crossings = _crossings(times, values)
     after = numpy.minimum(numpy.searchsorted(times, crossings[0], "right"), len(times) - 1)
     piece_of = numpy.searchsorted(firsts, after, "right")

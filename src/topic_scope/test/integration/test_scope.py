@@ -4,20 +4,35 @@
 import csv
 import io
 import math
+import os
+import tempfile
 import time
-from typing import List, Tuple
+from typing import Any, Iterator, List, Tuple
 
+import genpy
 import genpy.dynamic
+import rosbag
 import rospy
+from browsing.scope_process import ScopeProcess
+from geometry_msgs.msg import PointStamped
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Float32, Float64, Float64MultiArray
-from wire.client import fetch
+from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
 
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 PEAK = 1e6
+
+
+def sine(begin: genpy.Time, count: int, late: float) -> Iterator[PointStamped]:
+    """Return messages of a sine of 1 Hz that is late by some time, s; a hundred in a second."""
+    for index in range(count):
+        message = PointStamped()
+        message.header.stamp = begin + genpy.Duration(index // 100, index % 100 * 10**7)
+        message.point.x = math.sin(2.0 * math.pi * (0.01 * index - late))
+        yield message
 
 
 class Signals(ScopeTest):
@@ -185,6 +200,39 @@ class Signals(ScopeTest):
         count = len(page.messages("stats"))
         wait_until(lambda: len(page.messages("stats")) > count + 2, lambda: "no more stats")
         self.assertEqual(page.messages("frame")[-1], held)
+
+    def test_a_bag_is_laid_over_the_graph_and_aligned_at_the_trigger(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = os.path.join(folder.name, "old.bag")
+        with rosbag.Bag(path, "w") as bag:
+            for message in sine(genpy.Time(10**9), 400, 0.23):
+                bag.write("exact", message, message.header.stamp)
+        scope = ScopeProcess("--over", path)
+        self.addCleanup(scope.stop)
+        scope.wait_until_served()
+        page = Client(scope.url)
+        self.addCleanup(page.close)
+        live, old = "/exact/point/x@stamp", "/old/exact/point/x@stamp"
+        apart = f"={live} - {old}"
+        page.wait_for("hello")
+        page.send("select", fields=[live, old, apart])
+        publisher = self.publisher("/exact", PointStamped, page)
+        page.send("trigger", mode="single", number=1, field=live, level=0.5, edge="rising")
+        page.wait_for("trigger", lambda told: told["number"] == 1)
+        for message in sine(rospy.Time.now() + rospy.Duration(0.5), 300, 0.0):
+            publisher.publish(message)
+        at = page.wait_for("trigger", lambda told: told["time"] is not None)["time"]
+        # A period earlier it would be the same sine, and begins earlier.
+        page.send("overlay", name="old", trigger=at, offset=-1.0)
+        page.send("view", window=1.0, width=500, end=at + 1.0)
+
+        def difference(told: Any) -> float:
+            measured = told["traces"].get(apart, {})
+            return float(measured["rms"]) if measured.get("max") is not None else math.inf
+
+        # A tenth of a sample.
+        page.wait_for("stats", lambda told: difference(told) < 0.0044)
 
     def test_a_type_that_is_not_installed(self) -> None:
         text = "string name\nfloat64[] levels\nInner[2] inner\n" + "=" * 80

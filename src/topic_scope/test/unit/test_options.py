@@ -1,11 +1,11 @@
 """The command line."""
 
 from pathlib import Path
-from typing import Optional
+from typing import List, Optional
 
 import pytest
 
-from topic_scope.protocol.options import is_loopback, parse
+from topic_scope.protocol.options import Over, is_loopback, parse
 
 
 def test_the_defaults_are_of_this_machine() -> None:
@@ -101,6 +101,36 @@ def test_a_bag_is_named_like_any_option() -> None:
     assert parse(["--bag", "my.bag", "/a/x"]).bag == "my.bag"
     assert parse(["_bag:=my.bag"]).bag == "my.bag"
     assert parse([]).bag is None
+
+
+def test_bags_are_laid_over_by_the_names_of_their_files_or_others(tmp_path: Path) -> None:
+    over = parse(["--over", "a/run.bag", "--over", "b/run.bag:old", "--offset", "-1.5"]).over
+    assert over == (Over("a/run.bag", "run", -1.5), Over("b/run.bag", "old"))
+    (dated,) = parse(["_over:=2026-11-24-16-01-40.bag"]).over
+    assert dated.name == "bag_2026_11_24_16_01_40"
+    path = tmp_path / "a:b.bag"
+    path.touch()
+    assert parse(["--over", str(path)]).over == (Over(str(path), "a_b"),)
+    assert parse([]).over == ()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--over", "a/run.bag", "--over", "b/run.bag"], "two bags are called run"),
+        (["--over", "run.bag:2nd"], "'2nd' is no name for a bag"),
+        (["--over", "run.bag:"], "'' is no name for a bag"),
+        (["--offset", "1"], "1 times --offset for 0 times --over"),
+        (["--over", "run.bag", "--offset", "soon"], "'soon' is not a time in s"),
+        (["--over", "run.bag", "--offset", "nan"], "'nan' is not a time in s"),
+    ],
+)
+def test_what_cannot_be_laid_over_is_refused_in_words(
+    capsys: "pytest.CaptureFixture[str]", words: List[str], said: str
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        parse(words)
+    assert ended.value.code == 2 and said in capsys.readouterr().err
 
 
 def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:

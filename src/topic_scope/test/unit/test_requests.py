@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from topic_scope.masks.mask import Mask
 from topic_scope.protocol import computed, requests
 from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.laying import Lay, overlay_of
 from topic_scope.protocol.requests import Chart, Handler, Measure
 from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
@@ -35,6 +36,7 @@ CHECKS = {
     "drive": requests.drive_of,
     "goal": requests.goal_of,
     "playback": requests.playback_of,
+    "overlay": overlay_of,
 }
 
 JSON = st.recursive(
@@ -100,6 +102,9 @@ GOOD = [
     ),
     ({"type": "playback", "playing": False}, requests.Playback(False)),
     ({"type": "playback", "time": 1.7e9, "speed": 2}, requests.Playback(None, 1.7e9, 2.0)),
+    ({"type": "overlay", "name": "old", "offset": -1}, Lay("old", -1.0)),
+    ({"type": "overlay", "name": "old", "begin": 1.7e9}, Lay("old", None, 1.7e9)),
+    ({"type": "overlay", "name": "old", "trigger": 1.7e9}, Lay("old", None, None, 1.7e9)),
     ({"type": "graph", "on": True}, True),
     ({"type": "robots", "on": True}, True),
     ({"type": "steer", "topic": "/cmd_vel"}, "/cmd_vel"),
@@ -182,6 +187,10 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
         {"type": "set", "node": "/n", "name": "a", "value": {"b": 1}},
         {"type": "call", "service": "/n/enable", "data": 1},
         {"type": "call"},
+        {"type": "overlay", "name": "old", "offset": "1"},
+        {"type": "overlay", "name": "old", "offset": 1e10},
+        {"type": "overlay", "name": "old", "begin": 1.0, "trigger": 1.0},
+        {"type": "overlay", "offset": 1.0},
         {"type": "graph", "on": 1},
         {"type": ["select"]},
         {"type": "shutdown"},
@@ -208,10 +217,11 @@ def test_json_that_is_nested_too_deeply_is_refused() -> None:
 
 
 @given(
-    st.sampled_from(["select", "view", "trigger", "set", "call", "graph"]),
+    st.sampled_from(["select", "view", "trigger", "set", "call", "graph", "overlay"]),
     st.dictionaries(
         st.sampled_from(
-            "fields window width end mode field level edge node name value service data on".split()
+            "fields window width end mode field level edge node name value service data on"
+            " offset begin".split()
         ),
         JSON | st.sampled_from(["normal", "rising", "/a/x", 1.0]),
         max_size=6,
@@ -222,7 +232,7 @@ def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, value
         wanted = understood(json.dumps({**values, "type": kind}))
     except RequestError:
         return
-    kinds = {"select": tuple, "graph": bool}
+    kinds = {"select": tuple, "graph": bool, "overlay": Lay}
     assert isinstance(wanted, kinds.get(kind) or getattr(requests, kind.capitalize()))
 
 

@@ -21,6 +21,7 @@ class Origin:
     def __init__(self) -> None:
         self.source = mock.Mock(**{"clock.now.return_value": 1.7e9, "outlets.return_value": {}})
         self.layouts = Layouts()
+        self.begin = 1.7e9
         self.start = self.ring = self.leave = mock.Mock()
 
     def hello(self) -> Dict[str, Any]:

@@ -32,6 +32,7 @@ import { Graph } from "./graph/graph.js";
 import { showFleet } from "./robots/fleet.js";
 import { RobotView } from "./robots/robot_view.js";
 import { keyList } from "./page/key_list.js";
+import { startOverlays } from "./page/overlays.js";
 import { Playback } from "./page/playback.js";
 import { Requests } from "./page/requests.js";
 import { Setup } from "./page/setup.js";
@@ -70,6 +71,7 @@ const send = (message) => connection.send(message);
 const mask = startMask(state, send);
 const panels = new Panels(state, send);
 const showManaged = startManaged(state, send);
+const showOverlays = startOverlays(view, sweep, send);
 const robots = new RobotView(state, send);
 const playback = new Playback(state, sweep, send, () => robots.trails.clear());
 
@@ -112,6 +114,7 @@ const handlers = {
   sent: (message) => robots.goals.onSent(message),
   fleet: showFleet,
   master: showMaster,
+  overlays: showOverlays,
   playback: (message) => playback.onState(message),
   mask: (message) => mask.onVerdict(message),
   formula: (message) => chooser.onFormula(message),

@@ -5,14 +5,14 @@ import math
 import os
 import struct
 import sys
-from typing import Iterator, List, Optional, TextIO, Tuple
+from typing import Iterator, List, Optional, TextIO
 
 from tqdm import tqdm
 
-from topic_scope.bag.bag_columns import Line, choose_lines
 from topic_scope.bag.bag_file import BagError, BagFile
+from topic_scope.bag.bag_lines import chosen, series_of
 from topic_scope.bag.bag_messages import Slice, first_messages, slices
-from topic_scope.bag.bag_series import Series, collect, computed, crossing, moved
+from topic_scope.bag.bag_series import Series, crossing, moved
 from topic_scope.bag.column_reader import ColumnReader, write_csv
 from topic_scope.bag.computed_csv import write_computed_csv
 from topic_scope.messages.fields import FieldError
@@ -159,7 +159,7 @@ def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> None:
     if arguments.over or arguments.align:
         raise FieldError("a .csv is of one bag: --over and --align are for pictures")
     with BagFile(arguments.bag) as bag:
-        lines, readers = _chosen(bag, arguments.fields)
+        lines, readers = chosen(bag, first_messages(bag), arguments.fields)
         messages = _in_range(bag, readers, arguments.start, arguments.end)
         try:
             if any(line.formula for line in lines):
@@ -197,24 +197,9 @@ def _draw(path: str, arguments: argparse.Namespace) -> None:
 
 def _series(bag: BagFile, fields: List[str], arguments: argparse.Namespace) -> List[Series]:
     """Return fields of a bag over time, in the range that was asked for."""
-    lines, readers = _chosen(bag, fields)
-    try:
-        found = collect(readers, _in_range(bag, readers, arguments.start, arguments.end))
-    except struct.error as error:
-        raise bag.broken(error) from error
-    series = {one.name: one for one in found}
-    return [
-        computed(line.name, line.formula, found) if line.formula else series[line.name]
-        for line in lines
-    ]
-
-
-def _chosen(bag: BagFile, fields: List[str]) -> Tuple[List[Line], List[ColumnReader]]:
-    """Return what fields stand for in a bag, and what reads them."""
-    first = first_messages(bag)
-    lines = choose_lines(fields, first)
-    columns = dict.fromkeys(column for line in lines for column in line.columns)
-    return lines, [ColumnReader(column, first[column.topic], bag.start) for column in columns]
+    lines, readers = chosen(bag, first_messages(bag), fields)
+    messages = _in_range(bag, readers, arguments.start, arguments.end)
+    return series_of(bag, lines, readers, messages)
 
 
 def _in_range(

@@ -20,6 +20,10 @@ class Background:
         self._deliver = deliver
         self._busy: Set[Hashable] = set()
 
+    def is_busy(self, what: Hashable) -> bool:
+        """Tell whether a piece of work about something is not done yet."""
+        return what in self._busy
+
     def run(self, what: Hashable, work: Callable[[], Any], then: Callable[[Any], None]) -> bool:
         """Begin a piece of work; to be called from the thread of the web.
 

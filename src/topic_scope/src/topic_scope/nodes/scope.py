@@ -4,14 +4,18 @@ import errno
 import logging
 import sys
 import threading
+from typing import Sequence
 
 import rospy
 
 from nodekit import Maker, run
+from topic_scope.bag.bag_file import BagError
+from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol import options
 from topic_scope.protocol.options import Options
 from topic_scope.web import bag_scope, web
 from topic_scope.web.live_graph import LiveGraph
+from topic_scope.web.overlays import open_overlays
 from topic_scope.web.server import Server
 from topic_scope.web.site import Site
 
@@ -29,30 +33,36 @@ class Scope:
     :param node: the node
     :param chosen: the options, with the port that is served at
     :param site: shows it
+    :param over: the bags that are laid over the graph
     """
 
-    def __init__(self, node: Maker, chosen: Options, site: Site) -> None:
-        self._node, self._options = node, chosen
+    def __init__(
+        self, node: Maker, chosen: Options, site: Site, over: Sequence[BagOverlay]
+    ) -> None:
+        self._node, self._options, self._over = node, chosen, over
         site.show(self._server)
         rospy.loginfo("the scope is at %s", chosen.url)
         if not chosen.is_local:
             rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
 
     def _server(self) -> Server:
-        return Server(self._options, LiveGraph(self._node, not self._options.is_local))
+        return Server(self._options, LiveGraph(self._node, not self._options.is_local), self._over)
 
 
 def main() -> None:
     """Run the node until it is shut down."""
     wanted = options.parse(sys.argv[1:])
     try:
+        over = open_overlays(wanted)
         sockets = web.bind(wanted)
+    except BagError as error:
+        sys.exit(f"scope.py: {error}")
     except OSError as error:
         sys.exit("scope.py: " + _why_not(error, wanted))
     chosen = wanted._replace(port=sockets[0].getsockname()[1])
     logging.getLogger("tornado").setLevel(logging.ERROR)
     if chosen.bag is not None:
-        bag_scope.run(chosen, sockets)
+        bag_scope.run(chosen, sockets, over)
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 
@@ -63,7 +73,7 @@ def main() -> None:
     def start(node: Maker) -> Scope:
         if chosen.port != wanted.port:
             rospy.loginfo("port %d is taken: the next free one is %d", wanted.port, chosen.port)
-        return Scope(node, chosen, site)
+        return Scope(node, chosen, site, over)
 
     run(name, start)
 

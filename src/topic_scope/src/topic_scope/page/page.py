@@ -60,6 +60,10 @@ class Page:
         """
         self.scaling = scaling
         self.view.stepped = scaling.is_stepped
+        self.show_anew()
+
+    def show_anew(self) -> None:
+        """Show its traces once more: they have other samples."""
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)
 

@@ -7,6 +7,8 @@ master, and one of them could open the next scope to the network unasked.
 import argparse
 import ipaddress
 import json
+import math
+import os
 import re
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
@@ -14,6 +16,7 @@ from rosgraph.names import get_ros_namespace, ns_join
 
 from topic_scope.formulas.names import expand, is_formula
 from topic_scope.messages.fields import FieldError
+from topic_scope.protocol.laying import FARTHEST_S
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
 
 #: Addresses that stand for all of a machine's.
@@ -24,6 +27,19 @@ DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
 PLOTS = 8
 #: How many ports are tried where the next one will do.
 PORTS = 100
+
+
+class Over(NamedTuple):
+    """A bag that is laid over what is shown.
+
+    :param path: the file
+    :param name: what its topics begin with
+    :param offset: how much later it is laid, s
+    """
+
+    path: str
+    name: str
+    offset: float = 0.0
 
 
 class Options(NamedTuple):
@@ -38,6 +54,7 @@ class Options(NamedTuple):
     :param open_browser: whether to open the page where there is a browser
     :param setup: what a page is set up to show at first, as one has saved it; None for nothing
     :param bag: the bag to show in place of the graph; None for the graph
+    :param over: the bags that are laid over that
     """
 
     fields: Sequence[str]
@@ -49,6 +66,7 @@ class Options(NamedTuple):
     open_browser: bool
     setup: Optional[Dict[str, Any]] = None
     bag: Optional[str] = None
+    over: Sequence[Over] = ()
 
     @property
     def ports(self) -> Sequence[int]:
@@ -104,6 +122,13 @@ def parse(arguments: Sequence[str]) -> Options:
         parser.error(str(error))
     if len(read.below) >= PLOTS:
         parser.error(f"{len(read.below)} times --below: there are at most {PLOTS} plots")
+    names = [one.name for one in read.over]
+    for name in names:
+        if names.count(name) > 1:
+            parser.error(f"two bags are called {name}: give one another name, --over FILE.bag:NAME")
+    if len(read.offset) > len(names):
+        parser.error(f"{len(read.offset)} times --offset for {len(names)} times --over")
+    offsets = read.offset + [0.0] * len(names)
     return Options(
         tuple(plots),
         read.address,
@@ -114,6 +139,7 @@ def parse(arguments: Sequence[str]) -> Options:
         read.open_browser,
         _with_plots(read.setup, plots),
         read.bag,
+        tuple(one._replace(offset=by) for one, by in zip(read.over, offsets)),
     )
 
 
@@ -186,6 +212,23 @@ def _parser() -> argparse.ArgumentParser:
         "--bag", metavar="FILE", help="show what rosbag record has recorded; needs no master"
     )
     parser.add_argument(
+        "--over",
+        type=_over,
+        action="append",
+        default=[],
+        metavar="FILE[:NAME]",
+        help="lay a bag over what is shown: its /signal/x is /NAME/signal/x, by default with the"
+        " name of the file; may be repeated",
+    )
+    parser.add_argument(
+        "--offset",
+        type=_offset,
+        action="append",
+        default=[],
+        metavar="S",
+        help="how much later to lay it, in s; one for each --over, in their order",
+    )
+    parser.add_argument(
         "--open-browser", action="store_true", help="open the page where there is a browser"
     )
     return parser
@@ -194,7 +237,7 @@ def _parser() -> argparse.ArgumentParser:
 def _as_options(arguments: Sequence[str]) -> List[str]:
     words = []
     for argument in arguments:
-        match = re.match(r"_(port|address|history|window|setup|bag):=(.*)\Z", argument)
+        match = re.match(r"_(port|address|history|window|setup|bag|over|offset):=(.*)\Z", argument)
         if match:
             words += ["--" + match.group(1), match.group(2)]
         elif ":=" not in argument:  # the rest is rospy's
@@ -220,6 +263,34 @@ def _seconds(text: str) -> float:
     seconds = float(text)
     if not 0.1 <= seconds <= 3600.0:
         raise argparse.ArgumentTypeError("must be a number of seconds from 0.1 to 3600")
+    return seconds
+
+
+def _over(text: str) -> Over:
+    path, colon, name = text.rpartition(":")
+    if not colon or "/" in name or os.path.exists(text):
+        path, name = text, _name_of(text)
+    if not re.match(r"[A-Za-z]\w*\Z", name, re.ASCII):
+        raise argparse.ArgumentTypeError(
+            f"{name!r} is no name for a bag: a letter first, then letters, digits and _"
+        )
+    return Over(path, name)
+
+
+def _name_of(path: str) -> str:
+    """Return the name of a file as one of a topic: rosbag begins with the date."""
+    stem, ending = os.path.splitext(os.path.basename(path))
+    name = re.sub(r"\W", "_", stem if ending == ".bag" else stem + ending, flags=re.ASCII)
+    return name if re.match("[A-Za-z]", name) else f"bag_{name}"
+
+
+def _offset(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not abs(seconds) <= FARTHEST_S:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in s")
     return seconds
 
 

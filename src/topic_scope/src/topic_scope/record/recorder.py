@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections import deque
-from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
@@ -13,6 +13,7 @@ from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.layouts import Layouts
+from topic_scope.record.laid import LaidTrace, Overlay
 from topic_scope.record.message_source import Batch, MessageSource
 from topic_scope.record.traces import ComputedTrace, Recorded, Stream, Trace
 
@@ -49,14 +50,22 @@ class Recorder:
     :param source: where the messages come in
     :param layouts: knows the messages
     :param history: how long samples are kept, and a field that nobody looks at any more, s
+    :param overlays: what is laid over that: its topics are among those that there are
     """
 
-    def __init__(self, source: MessageSource, layouts: Layouts, history: float) -> None:
+    def __init__(
+        self,
+        source: MessageSource,
+        layouts: Layouts,
+        history: float,
+        overlays: Sequence[Overlay] = (),
+    ) -> None:
         self.history = history
         self._source = source
         self._layouts = layouts
         self._types: Mapping[str, str] = {}
-        self._arrays: Dict[str, Arrays] = {}
+        self._laid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
+        self._arrays = {topic: one.arrays[topic] for topic, one in self._laid.items()}
         #: The latest message of each topic that is subscribed to: a latched one comes only once.
         self._latest: Dict[str, Tuple[Record, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
@@ -79,7 +88,7 @@ class Recorder:
         known, self._choices = self._choices, {}
         recorded = {stream.topic for stream in self._streams.values()}
         for topic, datatype in sorted(self._types.items(), key=_rank):
-            layout = self._layouts.installed(datatype)
+            layout = self._layout_of(topic)
             if layout is None:
                 continue
             key = (topic, datatype, topic in self._arrays)
@@ -102,11 +111,16 @@ class Recorder:
     def _unknown_topics(self) -> List[str]:
         """List topics whose first message tells their type, or the names of their elements."""
         unknown = []
-        for topic, name in self._types.items():
-            layout = self._layouts.installed(name)
+        for topic in self._types:
+            layout = self._layout_of(topic)
             if layout is None or (topic not in self._arrays and has_names(layout)):
                 unknown.append(topic)
         return unknown[:UNKNOWN]
+
+    def _layout_of(self, topic: str) -> Optional[Record]:
+        """Return the layout of the messages of a topic that there is, if it is known."""
+        laid = self._laid.get(topic)
+        return laid.layouts[topic] if laid else self._layouts.installed(self._types[topic])
 
     def expand(self, name: str) -> List[str]:
         """Return the names of all numeric fields that a name stands for.
@@ -123,7 +137,7 @@ class Recorder:
     def _expand_term(self, name: str) -> List[str]:
         bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
-        layout = self._layouts.installed(self._types[place[0]]) if place else None
+        layout = self._layout_of(place[0]) if place else None
         if place is None or layout is None:
             return [name]
         topic, text = place
@@ -154,15 +168,18 @@ class Recorder:
             stream.traces = [trace for trace in stream.traces if trace in kept]
         self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
         topics = [topic for topic, _ in self._streams] + self._unknown_topics()
-        self._source.want(topics, any(name in self._traces for name in new))
+        begun = (self._traces.get(name) for name in new)
+        self._source.want(topics, any(type(one) is Trace for one in begun))
 
     def forget(self) -> None:
-        """Forget all samples: those that come next are of another time."""
-        names, self._traces, self._streams = list(self._traces), {}, {}
+        """Forget all samples that came: those that come next are of another time."""
+        traces, self._streams = self._traces, {}
+        self._traces = {name: one for name, one in traces.items() if isinstance(one, LaidTrace)}
         self._updates.clear()
         self._latest.clear()
-        for name in names:
-            self._record(name)
+        for name in traces:
+            if name not in self._traces:
+                self._record(name)
         self._known = dict.fromkeys(self._known, -math.inf)
 
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
@@ -186,8 +203,13 @@ class Recorder:
         place = fields.split(bare, self._types)
         if problem_of(name) or place is None or not (place[1] or function):
             return  # it is not a name, or its topic is not there yet
+        path = fields.to_path(place[1])
+        if place[0] in self._laid:
+            laid = self._laid[place[0]]
+            self._traces[name] = laid.trace(place[0], path, timestamp, function)
+            return
         stream = self._streams.setdefault((place[0], timestamp), Stream(place[0], timestamp))
-        self._traces[name] = stream.record(fields.to_path(place[1]), self.history, function)
+        self._traces[name] = stream.record(path, self.history, function)
         if len(stream.traces) == 1 and place[0] in self._latest:
             stream.add(*self._latest[place[0]])
 
@@ -260,9 +282,11 @@ class Recorder:
         if place is None:
             trace = self._traces.get(name)
             return None if trace is not None and trace.span else "there is no such topic yet"
-        layout = self._layouts.installed(self._types[place[0]])
+        layout, trace = self._layout_of(place[0]), self._traces.get(name)
         try:
             self.expand(name)
+            if isinstance(trace, LaidTrace):
+                return trace.problem
             if layout is not None and place[0] in self._arrays:
                 self._arrays[place[0]].check(layout, fields.to_path(place[1]))
         except fields.FieldError as error:

@@ -6,26 +6,28 @@ import signal
 import socket
 import sys
 import threading
-from typing import List, NoReturn
+from typing import List, NoReturn, Sequence
 
 import rospy
 import tornado.ioloop
 
 from nodekit.entry_point import end
 from topic_scope.bag.bag_file import BagError
+from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol.options import Options
 from topic_scope.web import web
 from topic_scope.web.recording import Recording
 from topic_scope.web.server import Server
 
 
-def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
+def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverlay]) -> NoReturn:
     """Show a bag until SIGINT, SIGTERM or SIGHUP, then end the process.
 
     The exit status is 0 then, and 1 where the bag cannot be read.
 
     :param options: the command line, which names a bag
     :param sockets: where to serve
+    :param over: the bags that are laid over it
     """
     _log_to_terminal()
     try:
@@ -34,7 +36,7 @@ def run(options: Options, sockets: List[socket.socket]) -> NoReturn:
         recording = Recording(str(options.bag), options.history, options.window)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, tornado.ioloop.IOLoop.current().stop)
-        web.serve(options, sockets, web.Front(Server(options, recording)))
+        web.serve(options, sockets, web.Front(Server(options, recording, over)))
         rospy.loginfo("the scope shows %s at %s", options.bag, options.url)
         if not options.is_local:
             rospy.logwarn("it is open to the network: others can watch, and play the bag")

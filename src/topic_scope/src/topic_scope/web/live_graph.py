@@ -29,6 +29,7 @@ class LiveGraph:
 
     def __init__(self, node: Maker, is_readonly: bool) -> None:
         self.source = RawSubscriptions(SteadyClock())
+        self.begin = self.source.clock.now()
         self.layouts = Layouts()
         self._node, self._is_readonly = node, is_readonly
         self._watch = MasterWatch(self.source, self.layouts)

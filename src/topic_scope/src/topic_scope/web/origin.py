@@ -38,6 +38,10 @@ class Origin(Protocol):
         """The messages."""
 
     @property
+    def begin(self) -> float:
+        """Where bags begin that are laid over it, s."""
+
+    @property
     def layouts(self) -> Layouts:
         """What is known of their types."""
 

@@ -35,6 +35,7 @@ class Recording:
         self._name = os.path.basename(path)
         bag = BagFile(path)
         self.source = BagPlayer(bag, history)
+        self.begin = self.source.start
         self.layouts = Layouts()
         self._robots = RobotView(self.source.aside, self.layouts)
         self._window = window

@@ -7,6 +7,7 @@ from typing import Any, AsyncIterator, Dict, List, Mapping, Optional, Sequence
 import rospy
 import tornado.ioloop
 
+from topic_scope.bag.overlay import BagOverlay
 from topic_scope.formulas.names import with_letters
 from topic_scope.formulas.reading import FUNCTIONS
 from topic_scope.masks.mask import Mask, MaskCheck
@@ -19,10 +20,12 @@ from topic_scope.page.view import pinned
 from topic_scope.protocol import computed, requests
 from topic_scope.protocol.checks import TRACES, RequestError
 from topic_scope.protocol.options import Options
+from topic_scope.protocol.laying import overlay_of
 from topic_scope.protocol.requests import Handler
 from topic_scope.protocol.scaling import scaling_of
 from topic_scope.record.recorder import Choice, Recorder
 from topic_scope.web.origin import Origin
+from topic_scope.web.overlays import Overlays
 from topic_scope.web.web import Socket
 
 #: Time between two frames, s.
@@ -39,11 +42,12 @@ class Server:
 
     :param options: the command line
     :param origin: where messages come from
+    :param bags: what is laid over that
     """
 
-    def __init__(self, options: Options, origin: Origin) -> None:
+    def __init__(self, options: Options, origin: Origin, bags: Sequence[BagOverlay] = ()) -> None:
         self.sockets: List[Socket] = []
-        self._recorder = Recorder(origin.source, origin.layouts, options.history)
+        self._recorder = Recorder(origin.source, origin.layouts, options.history, bags)
         self._options, self._origin = options, origin
         self._knows_topics = False
         self._initial: List[str] = list(options.fields)
@@ -52,6 +56,8 @@ class Server:
         self._statistics_at = 0.0
         self._is_halted = False
         loop = tornado.ioloop.IOLoop.current()
+        self._overlays = Overlays(bags, loop.add_callback, self._on_overlays)
+        self._overlays.begin_at(origin.begin)
         origin.start(self)
         self._handlers = {**self._own_handlers(), **origin.handlers()}
         loop.call_later(WARN_AFTER_S, self._warn)
@@ -64,6 +70,7 @@ class Server:
 
         :param types: type of each
         """
+        types = {**types, **self._overlays.types}
         is_first, self._knows_topics = not self._knows_topics, True
         self._recorder.set_topics(types)
         initial = self._expanded(self._options.fields)
@@ -147,6 +154,7 @@ class Server:
             "measure": Handler(requests.measure_of, Page.set_measure),
             "chart": Handler(requests.chart_of, Page.set_chart),
             "mask": Handler(computed.mask_of, self._set_mask),
+            "overlay": Handler(overlay_of, self._overlays.lay),
         }
 
     def _choose_fields(self, page: Page, fields: Sequence[str]) -> None:
@@ -199,7 +207,7 @@ class Server:
     def _welcome(self, page: Page) -> None:
         page.put(self._hello())
         page.put(self._listed)
-        for message in self._origin.messages():
+        for message in [*self._origin.messages(), self._overlays.message()]:
             page.put(message)
         self._select(page)
         count = len(self._all_of(self._options.fields))
@@ -251,7 +259,14 @@ class Server:
         for page in self.pages():
             names.update(page.mask.mask.names if page.mask is not None else ())
         self._recorder.want(names, self._recorder.update())
+        self._overlays.read_wanted()
         self._pin()
+
+    def _on_overlays(self) -> None:
+        """Show what has come of bags, or where they are now."""
+        for page in self.pages():
+            page.show_anew()
+        self.send_to_pages(self._overlays.message())
 
     def _pin(self) -> None:
         """Keep what stands still on a page."""

@@ -1,0 +1,102 @@
+"""A bag that is laid over what a scope shows."""
+
+from typing import Dict, List, Sequence, Tuple
+
+from topic_scope.bag.bag_columns import Column, choose
+from topic_scope.bag.bag_file import BagFile
+from topic_scope.bag.bag_lines import chosen, series_of
+from topic_scope.bag.bag_messages import first_messages, slices
+from topic_scope.bag.bag_series import Series
+from topic_scope.formulas.names import formula_of
+from topic_scope.messages.arrays import Arrays
+from topic_scope.messages.fields import FieldError, Path
+from topic_scope.messages.timestamp_source import path_of
+from topic_scope.record.laid import LaidStream, LaidTrace
+
+
+class BagOverlay:
+    """A bag whose topics begin with a name of its own, and whose time is laid where one likes.
+
+    :param path: the file
+    :param name: what its topics begin with: ``/signal`` is ``/NAME/signal``
+    :param offset: how much later than at :attr:`begin` it is laid, s
+    :raises BagError: if it cannot be read, or holds nothing
+
+    :ivar path: the file
+    :ivar name: what its topics begin with
+    :ivar begin: where its first message is laid, s by the scope's clock
+    :ivar offset: what is added to that, s
+    :ivar length: the time from its first to its last message, s
+    :ivar types: type of each of its topics
+    :ivar layouts: the same as layouts; see :class:`.Overlay`
+    :ivar arrays: arrays in its messages
+    """
+
+    def __init__(self, path: str, name: str, offset: float = 0.0) -> None:
+        self.path, self.name, self.offset = path, name, offset
+        self.begin = 0.0
+        with BagFile(path) as bag:
+            self.length = bag.length / 1e9
+            self._first = first_messages(bag)
+        self._prefix = f"/{name}"
+        self.layouts = {self._prefix + topic: one.layout for topic, one in self._first.items()}
+        self.types = {topic: layout.datatype for topic, layout in self.layouts.items()}
+        self.arrays: Dict[str, Arrays] = {topic: Arrays() for topic in self.layouts}
+        for topic, one in self._first.items():
+            self.arrays[self._prefix + topic].add_message(one.layout, one.data)
+        self._wanted: List[Tuple[str, LaidTrace]] = []
+
+    @property
+    def place(self) -> float:
+        """When its first message is, s by the scope's clock."""
+        return self.begin + self.offset
+
+    def trace(self, topic: str, path: Path, timestamp: str, function: str) -> LaidTrace:
+        """Return one of its traces, which is to be filled; see :meth:`take_wanted`.
+
+        :param topic: one of :attr:`types`
+        :param path: where the field stands in a message
+        :param timestamp: name of the time that it goes by
+        :param function: name of what is computed of it
+        """
+        name = Column(self._own(topic), path, timestamp, function).name
+        time, problem = None, ""
+        try:
+            choose([name], self._first)
+            time = path_of(timestamp, self.layouts[topic])
+        except FieldError as error:
+            problem = str(error)
+        trace = LaidTrace(LaidStream(topic, timestamp, time, self), path, function)
+        if problem:
+            trace.problem = problem
+        else:
+            self._wanted.append((name, trace))
+        return trace
+
+    def take_wanted(self) -> List[Tuple[str, LaidTrace]]:
+        """Return the traces that are to be filled, and what they are called in the bag; once."""
+        wanted, self._wanted = self._wanted, []
+        return wanted
+
+    def name_in_bag(self, name: str) -> str:
+        """Return what a trace is called in the bag, be it one of the bag or of what it lies over.
+
+        :param name: of a field, or of what is computed
+        """
+        formula = formula_of(name)
+        return self._own(name) if formula is None else "=" + formula.text(self._own)
+
+    def read(self, names: Sequence[str]) -> List[Series]:
+        """Return lines over time; as it opens the file anew, any thread may call it.
+
+        :param names: what they are called in the bag
+        :raises FieldError: if there is no such line
+        :raises BagError: if the bag is broken
+        """
+        with BagFile(self.path) as bag:
+            lines, readers = chosen(bag, self._first, names)
+            topics = sorted({reader.column.topic for reader in readers})
+            return series_of(bag, lines, readers, slices(bag, topics))
+
+    def _own(self, name: str) -> str:
+        return name[len(self._prefix) :] if name.startswith(self._prefix + "/") else name

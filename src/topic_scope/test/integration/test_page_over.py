@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""What lies over one another on the page: sweeps of the trigger, and a bag over another one."""
+
+import json
+import math
+import os
+import pathlib
+import tempfile
+import unittest
+from typing import Any, Dict, List, Tuple
+from unittest import mock
+from urllib.parse import quote
+
+import genpy
+import rosbag
+import rosunit
+from browsing.browser import Browser
+from browsing.scope_process import ScopeProcess
+from browsing.waiting import wait_until
+from selenium.webdriver.common.keys import Keys
+from std_msgs.msg import Float32, Float64
+from wire.client import Client
+
+BEGIN, LENGTH_S, RATE_HZ, PERIOD_S = 1700000000, 40.0, 500, 0.1
+#: A sine of 1 Hz in a run, and in an older one that is shorter, where it is late by some time, s.
+SINE_HZ, OLD_BEGIN, OLD_S, LATE_S = 100, BEGIN - 604800, 30.0, 0.37
+SINE, OLD = "/sine/data", "/old/sine/data"
+APART = f"={SINE} - {OLD}"
+OFFSET = "[aria-label='offset of old, s']"
+FIELD = "/square/data"
+#: When a square wave falls after it has risen, and by how much later than that in turn, s.
+FALLS_S, JITTER_S = 0.03, (0.0, 0.008, 0.012, 0.004)
+WINDOW_S, LOW, HIGH = 0.1, -0.5, 1.5
+#: Where the trace passes this value, no line of the grid is.
+LEVEL = 0.37
+#: Where a row of the plot has the colour of the trace: parts of its width, and how bold, 0 to 255.
+_PAINTED = """
+const up = arguments[0];
+const canvas = document.querySelector("#plot canvas");
+const area = document.querySelector("#overlay").getBoundingClientRect();
+const box = canvas.getBoundingClientRect();
+const row = Math.round(area.bottom - box.top - up * area.height);
+const left = Math.round(area.left - box.left);
+const width = Math.round(area.width);
+const strip = Object.assign(document.createElement("canvas"), { width, height: 1 })
+  .getContext("2d", { willReadFrequently: true });
+strip.drawImage(canvas, left, row, width, 1, 0, 0, width, 1);
+const { data } = strip.getImageData(0, 0, width, 1);
+const found = [];
+for (let place = 0; place < data.length; place += 4) {
+  const [red, , blue, alpha] = data.slice(place, place + 4);
+  if (alpha > 10 && blue - red > 60) found.push([place / data.length, alpha]);
+}
+return found;
+"""
+SETUP: Dict[str, Any] = {
+    "fields": [FIELD],
+    "window": WINDOW_S,
+    "baseWindow": WINDOW_S,
+    "trigger": {"mode": "normal", "field": FIELD, "level": 0.5, "edge": "rising"},
+    "axes": {
+        "x": {"title": "time, s", "clock": False},
+        "y": {"title": "", "low": LOW, "high": HIGH},
+        "y2": {"title": "", "low": None, "high": None},
+    },
+}
+
+
+def record(path: str) -> None:
+    """Record a square wave whose falling edges jitter, and a sine."""
+    with rosbag.Bag(path, "w") as bag:
+        for index in range(round(LENGTH_S * RATE_HZ)):
+            cycle, place = divmod(index, round(PERIOD_S * RATE_HZ))
+            falls = FALLS_S + JITTER_S[cycle % len(JITTER_S)]
+            value = 1.0 if place < round(falls * RATE_HZ) else 0.0
+            bag.write("square", Float32(value), time_at(BEGIN, index, RATE_HZ))
+
+        write_sine(bag, BEGIN, LENGTH_S, 0.0)
+
+
+def write_sine(bag: Any, begin: int, length: float, late: float) -> None:
+    """Record a sine of 1 Hz that is late by some time, s."""
+    for index in range(round(length * SINE_HZ)):
+        value = math.sin(2.0 * math.pi * (index / SINE_HZ - late))
+        bag.write("sine", Float64(value), time_at(begin, index, SINE_HZ))
+
+
+def time_at(begin: int, index: int, rate: int) -> genpy.Time:
+    """Return when a message was recorded."""
+    return genpy.Time(begin + index // rate, index % rate * 10**9 // rate)
+
+
+def number(text: str) -> float:
+    """Return what a cell of the table holds, NaN where it holds nothing yet."""
+    return float(text) if text not in ("", "–") else math.nan
+
+
+class Over(unittest.TestCase):
+    """A bag with an older one over it."""
+
+    scope: ScopeProcess
+    browser: Browser
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        run, old = (str(pathlib.Path(folder.name, name)) for name in ("run.bag", "2023.bag"))
+        record(run)
+        with rosbag.Bag(old, "w") as bag:
+            write_sine(bag, OLD_BEGIN, OLD_S, LATE_S)
+        patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
+        patch.start()
+        cls.addClassCleanup(patch.stop)
+        cls.scope = ScopeProcess("--bag", run, "--over", f"{old}:old", FIELD)
+        cls.addClassCleanup(cls.scope.stop)
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        cls.scope.wait_until_served()
+
+    def go_to(self, seconds: float) -> None:
+        """Have the bag stand at a place."""
+        page = Client(self.scope.url)
+        self.addCleanup(page.close)
+        page.wait_for("hello")
+        page.send("playback", playing=False, time=BEGIN + seconds)
+        wait_until(
+            lambda: f", {seconds:.2f} of" in self.browser.text("#playback-time"),
+            lambda: self.browser.text("#playback-time"),
+        )
+
+    def falling(self) -> List[Tuple[float, int]]:
+        """Return where falling edges are painted, s after the trigger, and how boldly."""
+        found = self.browser.run(_PAINTED, (LEVEL - LOW) / (HIGH - LOW))
+        places = [((part - 0.5) * WINDOW_S, bold) for part, bold in found]
+        return [one for one in places if one[0] > FALLS_S / 2.0]
+
+    def band(self) -> float:
+        """Return how far apart the first and the last of them are, s."""
+        places = [place for place, _ in self.falling()]
+        return max(places) - min(places) if places else 0.0
+
+    def test_jitter_shows_as_a_band_with_persistence_and_only_then(self) -> None:
+        browser = self.browser
+        browser.open(f"{self.scope.url}#{quote(json.dumps(SETUP))}")
+        self.go_to(1.0)
+        browser.wait_for("#trigger-state[data-state='armed']")
+        browser.find("#playback-run").send_keys(Keys.ENTER)
+        wait_until(lambda: self.falling(), lambda: browser.text("#trigger-state"))
+        # One sweep has one edge.
+        self.assertLess(self.band(), 0.001)
+        # By keys alone; those who do not see the page learn what they choose.
+        browser.find("#show-trigger").send_keys(Keys.ENTER)
+        browser.wait_for("#trigger-persistence").send_keys("8")
+        self.assertIn("persistence", [name for _, name, _ in browser.accessible()])
+        browser.keys(Keys.ESCAPE)
+        most = max(JITTER_S)
+        wait_until(lambda: abs(self.band() - most) < 0.001, self.falling)
+        # It stays while one looks at it, and in a set-up.
+        browser.find("#playback-run").send_keys(Keys.ENTER)
+        browser.wait_for("#playback-run[aria-pressed='false']")
+        self.assertAlmostEqual(self.band(), most, delta=0.001)
+        # The latest edge is bold, others are paler.
+        bold = sorted(
+            max(alpha for place, alpha in self.falling() if abs(place - FALLS_S - late) < 0.001)
+            for late in JITTER_S
+        )
+        self.assertLess(bold[0], 0.6 * bold[-1])
+        self.assertIn('"persistence":8', browser.run("return decodeURIComponent(location.hash)"))
+        browser.find("#show-trigger").send_keys(Keys.ENTER)
+        browser.wait_for("#trigger-persistence").send_keys("off")
+        wait_until(lambda: self.band() < 0.001, self.falling)
+        self.assertEqual(browser.errors(), [])
+
+    def test_an_older_bag_is_laid_over_it_with_an_offset_and_at_the_trigger(self) -> None:
+        browser = self.browser
+        setup = {
+            "fields": [SINE, OLD, APART],
+            "window": 2.0,
+            "trigger": {"mode": "off", "field": SINE, "level": 0.5, "edge": "rising"},
+            "measures": {"figures": ["rms"], "against": "", "between": False},
+        }
+        browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
+        self.go_to(5.0)
+        self.wait_apart(LATE_S)
+        # Its offset is typed; what is no number is refused with a sentence.
+        self.type_offset("0.13")
+        self.wait_apart(LATE_S + 0.13)
+        self.type_offset("1,5")
+        wait_until(lambda: "two ways" in browser.text("#notice"), lambda: browser.text("#notice"))
+        self.assertEqual(browser.value(OFFSET), "0.13")
+        self.type_offset("0")
+        self.wait_apart(LATE_S)
+        # Without a trigger there is nothing to align it at.
+        align = browser.find("[aria-label='Align at the trigger: old']")
+        align.send_keys(Keys.ENTER)
+        wait_until(
+            lambda: "a trigger first" in browser.text("#notice"), lambda: browser.text("#notice")
+        )
+        browser.choose("#trigger-mode", "single")
+        browser.find("#playback-run").click()
+        browser.wait_for("#trigger-state[data-state='triggered']")
+        browser.wait_for("#playback-run[aria-pressed='false']")
+        align.send_keys(Keys.ENTER)
+        self.wait_apart(0.0)
+        self.assertEqual(browser.errors(), [])
+
+    def type_offset(self, text: str) -> None:
+        """Type another offset in place of the one that is there."""
+        self.browser.wait_for(OFFSET).send_keys(Keys.CONTROL, "a", Keys.CONTROL, text, Keys.ENTER)
+
+    def wait_apart(self, seconds: float) -> None:
+        """Wait until the sines are so far apart, s, to a tenth of a sample, by their difference."""
+        rms = math.sqrt(2.0) * abs(math.sin(math.pi * seconds))
+        slope = math.sqrt(2.0) * math.pi
+        cell = f"#legend tr[data-field='{APART}'] [data-cell='rms']"
+        wait_until(
+            lambda: abs(number(self.browser.text(cell)) - rms) < slope * 0.1 / SINE_HZ,
+            lambda: self.browser.text("#legend") + f"; not {rms}",
+        )
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("topic_scope", "page_over", Over)

@@ -1,6 +1,6 @@
 """What a board has told of, in rounds that may be damaged."""
 
-from typing import List
+from typing import List, Optional
 
 from serial_link.negotiation.payloads import (
     PUBLISHER,
@@ -101,6 +101,45 @@ def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
     book.begin(1.0, is_first=False)
     book.add(1.0, PUBLISHER, info(125, "motor_output"))
     assert names(book) == ["motor_output"]
+
+
+def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None:
+    book = TopicBook()
+    book.mark_damaged()
+    told = ["motor_outqut", "motor_output", "motor_output"]
+    for time, (name, is_complete) in enumerate(zip(told, [False, False, True])):
+        book.begin(float(time), is_first=not time)
+        book.add(float(time), PUBLISHER, info(125, name))
+        assert book.settle(time + 0.5) is is_complete
+        assert names(book) == [name]
+    book.begin(3.0)  # what is known is told once more
+    book.add(3.0, PUBLISHER, info(125, "motor_output"))
+    assert book.settle(3.5) is True
+
+
+def test_where_bytes_are_damaged_what_is_told_once_replaces_nothing() -> None:
+    book = TopicBook()
+    book.mark_damaged()
+    for time, name in enumerate(["old", "old", "new", "new"]):
+        book.begin(float(time), is_first=False)
+        book.add(float(time), PUBLISHER, info(125, name))
+        assert book.settle(time + 0.5) is (time == 1)
+        assert names(book) == ["new" if time == 3 else "old"]
+    book.begin(4.0, is_first=False)
+    book.add(4.0, PUBLISHER, info(125, "new"))
+    assert book.settle(4.5) is True
+
+
+def test_rounds_that_never_agree_come_to_an_end() -> None:
+    book, rounds = TopicBook(), 0
+    book.mark_damaged()
+    is_complete: Optional[bool] = False
+    while not is_complete:
+        book.begin(float(rounds), is_first=not rounds)
+        book.add(float(rounds), PUBLISHER, info(125, f"topic_{rounds}"))
+        is_complete = book.settle(rounds + 0.5)
+        rounds += 1
+    assert rounds == MOST_ROUNDS
 
 
 def test_damaged_rounds_come_to_an_end() -> None:

@@ -10,9 +10,9 @@ import rospy
 from nodekit import LiveParameters, MasterUnreachable, Node
 from nodekit.master import MISSING, MasterClient
 from ros2_bridge.node_bridge import NodeBridge
-from ros2_bridge.ros1.graph import read_graph
-from ros2_bridge.ros1.node_names import NamesInRos1
-from ros2_bridge.ros2.graph import Ros2Graph
+from ros2_bridge.ros1.graph import Ros1Graph, read_graph
+from ros2_bridge.ros1.nodes import Entry, NodesInRos1
+from ros2_bridge.ros2.graph import Ros2Graph, Topic
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.settings import BridgeParameters, Qualities
@@ -65,7 +65,7 @@ class GraphLoop:
             self._skipped,
             lambda: parameters.values.service_timeout,
         )
-        self._rosout, self._names = Rosout(node, side, names), NamesInRos1()
+        self._rosout, self._nodes_in_ros1 = Rosout(node, side, names), NodesInRos1(node.name)
         self._master_pid = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="graph loop", daemon=True)
@@ -90,23 +90,47 @@ class GraphLoop:
                     rospy.logerr_throttle(10.0, traceback.format_exc())
 
     def _poll_graphs(self) -> None:
-        ros1 = read_graph(self._poller, {self._node.name, *self._names.names})
+        ros1 = self._read_ros1()
+        if self._nodes_in_ros1.take_back_left(ros1):
+            ros1 = self._read_ros1()
         is_restarted = self._master_pid not in (0, ros1.master_pid)
         self._master_pid = ros1.master_pid
         values, in_ros2, topics = self._parameters.values, self._graph.nodes(), self._graph.topics()
         rules = values.bridged(self._renaming)
-        self._names.register(in_ros2 - ros1.nodes(), is_restarted)
-        self._rosout.subscription.switch(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
-        self._topics.update_topics(rules, ros1, topics)
-        self._nodes.offer_own_parameters()
         services = self._graph.services(in_ros2)
+        self._nodes.offer_own_parameters()
         parameters, most = values.parameters, values.max_nodes
         self._nodes.update_nodes(ros1, in_ros2, services, parameters, most, is_restarted)
-        self._services.update_services(rules, ros1, services, self._nodes.in_ros2())
+        owners = self._nodes.in_ros2()
+        self._rosout.update_nodes(owners)
+        self._rosout.subscription.switch(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
+        self._topics.update_topics(rules, ros1, topics, owners)
+        self._services.update_services(rules, ros1, services, owners)
+        entries = self._entries(in_ros2, topics)
+        self._nodes_in_ros1.register(entries, ros1.nodes(), is_restarted)
         self._report_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})
         line = self._skipped.next_line(time.monotonic())
         if line is not None:
             rospy.logwarn("%s", line)
+
+    def _read_ros1(self) -> Ros1Graph:
+        return read_graph(self._poller, {self._node.name, *self._nodes_in_ros1.names})
+
+    def _entries(self, nodes: Set[str], topics: Dict[str, Topic]) -> Dict[str, Set[Entry]]:
+        """Return what each node of ROS 2 has in ROS 1, by its name there.
+
+        :param topics: of ROS 2, by their names in ROS 1
+        """
+        found: Dict[str, Set[Entry]] = {node: set() for node in nodes}
+        for way, kind in self._topics.types().items():
+            if way.name in topics:
+                topic = topics[way.name]
+                entry = Entry("Subscriber" if way.to_ros2 else "Publisher", way.name, kind)
+                for node in nodes & (topic.subscribers if way.to_ros2 else topic.publishers):
+                    found[node].add(entry)
+        for name, node in self._services.servers().items():
+            found.setdefault(node, set()).add(Entry("Service", name))
+        return found
 
     def _report_nameless(self, in_ros1: Set[str]) -> None:
         for name in in_ros1:
@@ -127,5 +151,5 @@ class GraphLoop:
         """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
         self._ended.set()
         self._thread.join(0.5)
-        self._names.close()
+        self._nodes_in_ros1.close()
         self._side.close()

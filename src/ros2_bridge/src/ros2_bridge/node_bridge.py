@@ -36,17 +36,18 @@ _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 class NodeToRos2:
     """A node of ROS 1 in ROS 2: its name, and its parameters.
 
-    It stays, with the services that it offers, while its parameters come and go.
+    It stays, with the topics and services that it has, while its parameters come and go.
 
     :param side: the bridge in ROS 2
     :param other: the global name that it has in ROS 2
+    :param destroy: is called with it at the end
 
     :ivar node: what stands for it in ROS 2
     :ivar style: how its parameters are bridged
     """
 
-    def __init__(self, side: Ros2, other: str) -> None:
-        self._side, self.node = side, side.make_node(other)
+    def __init__(self, side: Ros2, other: str, destroy: Callable[[Ros2Node], None]) -> None:
+        self.node, self._destroy = side.make_node(other), destroy
         self.style = "none"
         self._parameters: Optional[ParametersToRos2] = None
 
@@ -59,7 +60,7 @@ class NodeToRos2:
     def close(self) -> None:
         """End it."""
         self.set_parameters("none", None)
-        self._side.destroy_node(self.node)
+        self._destroy(self.node)
 
 
 class NodeBridge:
@@ -87,9 +88,11 @@ class NodeBridge:
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
         self._own: Optional[ParametersToRos2] = None
+        #: What has ended, until other nodes have its topics and services, or nobody has.
+        self._leaving: List[Ros2Node] = []
         #: When each node was first seen, s on the monotonic clock.
         self._since: Dict[str, float] = {}
-        self._events = side.publisher(ParameterEvent, _EVENTS, Quality(1000))
+        self._events = side.publisher(side.node, ParameterEvent, _EVENTS, Quality(1000))
         side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._forward_events)
 
     def update_nodes(
@@ -109,6 +112,8 @@ class NodeBridge:
         :param most: how many nodes of ROS 1 may appear
         :param is_restarted: whether the master has forgotten everything
         """
+        while self._leaving:
+            self._side.destroy_node(self._leaving.pop())
         services = set(ros1.services)
         describing = {name.rpartition("/")[0] for name in parameter_services(services)}
         wanted = self._chosen(ros1.nodes() - in_ros2, describing - in_ros2, most)
@@ -120,7 +125,9 @@ class NodeBridge:
             style = "described" if name in describing else style
             style = style if parameters else "none"
             if name not in self._to_ros2:
-                self._to_ros2[name] = NodeToRos2(self._side, self._other(name))
+                self._to_ros2[name] = NodeToRos2(
+                    self._side, self._other(name), self._leaving.append
+                )
             if self._to_ros2[name].style != style:  # a managed node has them only for a time
                 self._to_ros2[name].set_parameters("none", None)
                 self._to_ros2[name].set_parameters(style, self._parameters(name, style))

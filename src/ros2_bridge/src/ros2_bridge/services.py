@@ -96,6 +96,8 @@ class ServiceToRos1:
     :param side: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
+
+    :ivar server: name in ROS 1 of the node that offers it, as far as is known
     """
 
     def __init__(
@@ -107,7 +109,7 @@ class ServiceToRos1:
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
-        self.kind, self._timeout = kind, timeout
+        self.kind, self._timeout, self.server = kind, timeout, ""
         self._client = Ros2Client(side, kind.cls, other)
         self._made = node.lifetime()
         self._made.service(name, kind.raw, self._answer, group=node.group(exclusive=False))
@@ -172,6 +174,19 @@ class ServiceBridge(PairBridge[_Pair]):
         self._types1.begin_poll(in_ros1)
         # A name that both sides have is not called for the other.
         self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+
+    def servers(self) -> Dict[str, str]:
+        """Return the node of ROS 2 that offers each service, or did so until just now.
+
+        By the names in ROS 1, of services that are bridged to there.
+        """
+        found = {}
+        for way, pair in self.pairs.items():
+            if isinstance(pair, ServiceToRos1):
+                if way.name in self._ros2:
+                    pair.server = self._ros2[way.name][1]
+                found[way.name] = pair.server
+        return found
 
     def _has_same_type(self, way: Way, pair: _Pair) -> bool:
         return self._type(way) in (None, pair.kind.ros1)

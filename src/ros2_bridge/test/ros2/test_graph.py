@@ -147,6 +147,7 @@ class FewNodes(NodeBridge):
     def __init__(self) -> None:
         self.log = SkipLog()
         side: Any = SimpleNamespace(
+            node=None,
             publisher=lambda *_: SimpleNamespace(publish=None),
             subscribe=lambda *_: None,
             make_node=lambda _: object(),

@@ -1,10 +1,11 @@
 """How the bridge begins and ends, and what it outlives."""
 
+import contextlib
 import os
 import signal
 import struct
 import time
-from typing import List
+from typing import Any, List
 
 import both
 import pytest
@@ -12,6 +13,7 @@ import rospy
 import yaml
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
+from std_srvs.srv import Trigger
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
@@ -85,6 +87,40 @@ def test_killed_and_started_again(ros: both.Both) -> None:
         assert ear.heard[-1]._buff == struct.pack("<f", number)
     ear.end()
     ros.node.destroy_publisher(out)
+
+
+def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
+    node = Node("left_behind")
+
+    def answer(_: Any, response: Any) -> Any:
+        response.success = True
+        return response
+
+    node.create_service(Trigger, "left", answer)
+    node.create_publisher(Float32, "/left_behind", 10)
+    ros.executor.add_node(node)
+
+    def listed() -> List[str]:
+        publishers, _, services = rospy.get_master().getSystemState()[2]
+        return dict(services).get("/left", []) + dict(publishers).get("/left_behind", [])
+
+    def answers() -> bool:
+        with contextlib.suppress(rospy.ServiceException):  # of the one that was killed
+            return ros.call1("/left", "std_srvs/Trigger", b"")[:1] == b"\1"
+        return False
+
+    mine = ["/left_behind", "/ros2_bridge", "/left_behind"]
+    for _ in range(2):
+        with both.Bridge() as bridge:
+            wait_until(lambda: listed() == mine and answers(), lambda: str(listed()))
+            bridge.popen.send_signal(signal.SIGKILL)
+            bridge.wait()
+    with both.Bridge() as bridge:
+        wait_until(answers, lambda: str(listed()))
+        ros.executor.remove_node(node)
+        node.destroy_node()
+        wait_until(lambda: not listed(), lambda: str(listed()))
+        assert not bridge.logged("registered again")
 
 
 def test_nothing_is_lost_and_all_is_counted(ros: both.Both) -> None:

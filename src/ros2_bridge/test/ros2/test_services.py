@@ -180,7 +180,8 @@ def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
     topics: Any = TopicBridge.__new__(TopicBridge)
     topics._types = SimpleNamespace(message=pytest.fail, ros1_name=str)
     way = Way("/camera/parameter_updates", True)
-    topics._types1, topics._ros2 = {way.name: "dynamic_reconfigure/Config"}, {}
+    topics._ros1 = SimpleNamespace(types={way.name: "dynamic_reconfigure/Config"})
+    topics._ros2 = {}
     assert topics._kind(way) is None
 
 

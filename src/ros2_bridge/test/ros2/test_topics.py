@@ -19,6 +19,7 @@ from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError
@@ -167,61 +168,113 @@ def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
 
 
 class Keeping:
-    """Stands in for our side in ROS 2: what each publisher that there is has published last."""
+    """Stands in for our side in ROS 2, with a node of the bridge and those that are asked for.
+
+    :ivar last: what each publisher that there is has published last, by the order of making
+    :ivar sent: all that was published, with its publisher's node
+    :ivar made: of each publisher that there is, whether it latches, and its node
+    """
+
+    node = "bridge"
 
     def __init__(self) -> None:
         self.last: Dict[int, bytes] = {}
-        self.latched: Dict[int, bool] = {}
+        self.sent: List[Tuple[str, bytes]] = []
+        self.made: Dict[int, Tuple[bool, str]] = {}
 
-    def publisher(self, _: Any, __: str, quality: Quality) -> Any:
+    def publisher(self, owner: str, _: Any, __: str, quality: Quality) -> Any:
         made = SimpleNamespace()
-        self.latched[id(made)] = quality.latched
-        made.publish = lambda data: self.last.update({id(made): data})
+        self.made[id(made)] = quality.latched, owner
+
+        def publish(data: bytes) -> None:
+            assert id(made) in self.made
+            self.last[id(made)] = data
+            self.sent.append((owner, data))
+
+        made.publish = publish
         return made
 
-    def destroy_publisher(self, publisher: Any) -> None:
-        del self.latched[id(publisher)]
+    def destroy_publisher(self, owner: str, publisher: Any) -> None:
+        assert self.made.pop(id(publisher))[1] == owner
         self.last.pop(id(publisher), None)
 
 
-def keeping_pair() -> Tuple[TopicToRos2, Keeping]:
+def keeping_pair() -> Tuple[TopicPublishers, Keeping]:
     side: Any = Keeping()
     kind: Any = SimpleNamespace(cls=None)
-    return TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(9, None)), side
+    pair = TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(9, None))
+    return pair.publishers, side
 
 
 def test_what_gone_nodes_have_latched_is_forgotten() -> None:
-    pair, side = keeping_pair()
-    pair._latch("/first", b"0")
+    publishers, side = keeping_pair()
+    publishers.publish("/first", b"0", True)
     for number in range(1, 10):  # each from a node with a name of its own
-        pair._latch(f"/rostopic_{number}", b"%d" % number)
+        publishers.publish(f"/rostopic_{number}", b"%d" % number, True)
         for _ in range(4):
-            pair.forward_while(False, {"/first", f"/rostopic_{number}"})
+            publishers.update_publishers({"/first", f"/rostopic_{number}"}, {}, True)
     assert sorted(side.last.values()) == [b"0", b"9"]
-    pair.forward_while(False, {"/first"})  # a poll that began before the other one came
-    pair._latch("/another", b"10")
+    publishers.update_publishers(
+        {"/first"}, {}, True
+    )  # a poll that began before the other one came
+    publishers.publish("/another", b"10", True)
     for _ in range(9):
-        pair.forward_while(False, set())  # the master has been restarted
+        publishers.update_publishers(set(), {}, True)  # the master has been restarted
     assert sorted(side.last.values()) == [b"0", b"10", b"9"]
-    pair.close()
-    assert not side.latched
+    publishers.close()
+    assert not side.made
 
 
 def test_what_is_latched_often_leaves_what_another_node_has_latched() -> None:
-    pair, side = keeping_pair()
-    pair._latch("/seldom", b"a")
+    publishers, side = keeping_pair()
+    publishers.publish("/seldom", b"a", True)
     for number in range(9):
-        pair._latch("/often", b"%d" % number)
-    assert sorted(side.last.values()) == [b"8", b"a"] and all(side.latched.values())
+        publishers.publish("/often", b"%d" % number, True)
+    assert sorted(side.last.values()) == [b"8", b"a"]
+    assert all(is_latched for is_latched, _ in side.made.values())
 
 
 def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
-    pair, side = keeping_pair()
-    pair._latch("/map_server", b"a")
-    pair._publish(b"b")
-    pair._latch("/another", b"c")
-    kept = {side.last[one]: is_latched for one, is_latched in side.latched.items()}
+    publishers, side = keeping_pair()
+    publishers.publish("/map_server", b"a", True)
+    publishers.publish("/plain", b"b", False)
+    publishers.publish("/another", b"c", True)
+    kept = {side.last[one]: is_latched for one, (is_latched, _) in side.made.items()}
     assert kept == {b"a": True, b"b": False, b"c": True}
+
+
+def test_each_node_publishes_what_comes_from_it() -> None:
+    publishers, side = keeping_pair()
+    nodes: Any = {"/left": "left", "/right": "right"}
+    publishers.update_publishers({"/left", "/hidden"}, nodes, True)
+    assert sorted(owner for _, owner in side.made.values()) == ["bridge", "left"]
+    publishers.publish("/hidden", b"1", False)
+    publishers.publish("/right", b"2", False)  # no poll has seen it yet
+    publishers.update_publishers({"/left", "/right"}, nodes, True)
+    publishers.publish("/left", b"3", False)
+    publishers.publish("/right", b"4", False)
+    assert side.sent == [("bridge", b"1"), ("bridge", b"2"), ("left", b"3"), ("right", b"4")]
+    for _ in range(4):
+        publishers.update_publishers({"/left", "/right"}, nodes, True)
+    assert sorted(owner for _, owner in side.made.values()) == ["left", "right"]
+
+
+def test_what_is_latched_moves_to_its_node_while_nobody_hears_it() -> None:
+    publishers, side = keeping_pair()
+    publishers.publish("/map_server", b"a", True)  # before a poll has seen it
+    nodes: Any = {"/map_server": "map_server"}
+    publishers.update_publishers({"/map_server"}, nodes, True)
+    assert side.sent == [("bridge", b"a")]  # or whoever hears it would get it twice
+    publishers.update_publishers({"/map_server"}, nodes, False)
+    assert list(side.made.values()) == [(True, "map_server")]
+    assert list(side.last.values()) == [b"a"]
+    publishers.update_publishers({"/map_server"}, {}, True)  # it does not appear any longer
+    assert list(side.made.values()) == [(True, "bridge")]
+    assert list(side.last.values()) == [b"a"]
+    publishers.publish("/map_server", b"b", False)  # started anew, and latches no longer
+    publishers.update_publishers({"/map_server"}, nodes, True)
+    assert list(side.made.values()) == [(False, "map_server")]
+    assert side.sent[-1] == ("bridge", b"b")
 
 
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:

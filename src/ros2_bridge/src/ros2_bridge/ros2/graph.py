@@ -17,9 +17,9 @@ class Topic(NamedTuple):
     """A topic as other participants use it.
 
     :param types: ``package/msg/Name`` of each of its publishers
-    :param publishers: global names of the publishing nodes
+    :param publishers: names of the publishing nodes in ROS 1
     :param senders: names of the publishers themselves, 16 bytes each
-    :param subscribers: global names of the subscribing nodes
+    :param subscribers: names of the subscribing nodes in ROS 1
     :param latched: whether all publishers keep messages for those who come later
     :param best_effort: whether one of the publishers may lose messages
     """
@@ -57,6 +57,11 @@ class Ros2Graph:
             self.nameless.add(name)
         return found
 
+    def _node_of(self, endpoint: Any) -> str:
+        """Return the name in ROS 1 of the node that has an endpoint, or else the one in ROS 2."""
+        name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+        return self._names.in_ros1(name) or name
+
     def topics(self) -> Dict[str, Topic]:
         """Return the topics that others use."""
         found = {}
@@ -72,9 +77,9 @@ class Ros2Graph:
                 continue
             found[name_in_ros1] = Topic(
                 {each.topic_type for each in publishers or subscribers},
-                set(map(_full_name, publishers)),
+                set(map(self._node_of, publishers)),
                 {bytes(each.endpoint_gid) for each in publishers},
-                set(map(_full_name, subscribers)),
+                set(map(self._node_of, subscribers)),
                 durabilities == {DurabilityPolicy.TRANSIENT_LOCAL},
                 ReliabilityPolicy.BEST_EFFORT in reliabilities,
             )
@@ -138,10 +143,6 @@ def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
 def _is_of_use(topic: str) -> bool:
     """Tell whether it matters who uses a topic."""
     return topic == ROSOUT or not is_never_bridged(topic)
-
-
-def _full_name(endpoint: Any) -> str:
-    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def _is_hidden(name: str) -> bool:

@@ -101,19 +101,22 @@ class Ros2:
 
         self.calls.run_between_waits(destroy)
 
-    def publisher(self, cls: Any, topic: str, quality: Quality) -> Any:
-        """Publish a topic: ``publish`` of what is returned takes bytes."""
+    def publisher(self, node: Node, cls: Any, topic: str, quality: Quality) -> Any:
+        """Publish a topic: ``publish`` of what is returned takes bytes.
+
+        :param node: who publishes it
+        """
         with self._lock:
-            publisher = self.node.create_publisher(cls, topic, _profile(quality))
+            publisher = node.create_publisher(cls, topic, _profile(quality))
             _forget_failures()
             self._published[topic] += 1
             return publisher
 
-    def destroy_publisher(self, publisher: Any) -> None:
+    def destroy_publisher(self, node: Node, publisher: Any) -> None:
         """Publish a topic no longer."""
         with self._lock:
             _uncount(self._published, publisher.topic_name)
-            self.node.destroy_publisher(publisher)
+            node.destroy_publisher(publisher)
 
     def subscribe(
         self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Arrived]], None]

@@ -1,7 +1,9 @@
 """All topics: finds those that others publish, and bridges them until they go."""
 
+import contextlib
 from typing import Dict, List, Optional, Set, Union
 
+from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
@@ -31,19 +33,26 @@ class TopicBridge(PairBridge[_Pair]):
         super().__init__(skipped)
         self._node, self._side, self._types, self._qualities = node, side, types, qualities
 
-    def update_topics(self, rules: Rules, ros1: Ros1Graph, ros2: Dict[str, Topic]) -> None:
+    def update_topics(
+        self,
+        rules: Rules,
+        ros1: Ros1Graph,
+        ros2: Dict[str, Topic],
+        owners: Dict[str, Ros2Node],
+    ) -> None:
         """Begin and end what this poll of both graphs asks for.
 
         :param ros2: the topics of ROS 2, by their names in ROS 1
+        :param owners: the nodes of ROS 1 that appear in ROS 2
         """
-        self._names, self._types1, self._ros2 = rules.names, ros1.types, ros2
+        self._rules, self._ros1, self._ros2, self._owners = rules, ros1, ros2, owners
         published2 = {name for name, topic in ros2.items() if topic.publishers}
         self.update_pairs(wanted(rules, set(ros1.publishers), published2))
         for way, pair in self.pairs.items():
             pair.limit.set_rate(rules.max_rates.of(way.name))
             if isinstance(pair, TopicToRos2):
-                is_heard = way.name in ros2 and bool(ros2[way.name].subscribers)
-                pair.forward_while(is_heard, ros1.publishers.get(way.name, set()))
+                self._update_publishers(pair)
+                pair.forward_while(self._is_heard(way.name))
             elif way.name in ros2:
                 pair.forget_all_but(ros2[way.name].senders)
         self.follow_subscribers1()
@@ -68,16 +77,26 @@ class TopicBridge(PairBridge[_Pair]):
         kind = self._kind(way)
         if kind is None:
             return None
-        name, other = way.name, self._names.in_ros2(way.name) or way.name
+        name, other = way.name, self._rules.names.in_ros2(way.name) or way.name
         validate_full_topic_name(other)  # /robot/1 is legal in ROS 1 only
         node, side, qualities = self._node, self._side, self._qualities
         if way.to_ros2:
-            return TopicToRos2(node, side, name, other, kind, qualities)
+            pair = TopicToRos2(node, side, name, other, kind, qualities)
+            self._update_publishers(pair)
+            return pair
         return TopicToRos1(node, side, name, other, kind, qualities, self._ros2[name])
+
+    def _update_publishers(self, pair: TopicToRos2) -> None:
+        callers = self._ros1.publishers.get(pair.topic, set())
+        pair.publishers.update_publishers(callers, self._owners, self._is_heard(pair.topic))
+
+    def _is_heard(self, name: str) -> bool:
+        """Tell whether a topic has subscribers in ROS 2."""
+        return name in self._ros2 and bool(self._ros2[name].subscribers)
 
     def _type1(self, way: Way) -> Optional[str]:
         """Return the type of a topic in ROS 1, None where no publisher names it."""
-        found = self._types1.get(way.name)
+        found = self._ros1.types.get(way.name)
         return None if found == "*" else found
 
     def _types2(self, way: Way) -> Set[str]:
@@ -107,6 +126,16 @@ class TopicBridge(PairBridge[_Pair]):
                 f"{way.name} to {here}, as it has several types: {', '.join(used)}{kept}"
             )
         return self._types.message(names.pop())
+
+    def types(self) -> Dict[Way, str]:
+        """Return ROS 1's name of the type of each pair, and of what ROS 1 is yet to publish."""
+        found = {way: pair.kind.ros1 for way, pair in self.pairs.items()}
+        heard = {name for name, topic in self._ros2.items() if topic.subscribers}
+        for way in wanted(self._rules, heard, set()):
+            with contextlib.suppress(Unbridgeable):
+                kind = self._types.message(self._types.ros1_name(min(self._ros2[way.name].types)))
+                found.setdefault(way, kind.ros1)
+        return found
 
     def counts(self) -> Dict[Way, Count]:
         """Return how much has gone through each pair."""

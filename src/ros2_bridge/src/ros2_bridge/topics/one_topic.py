@@ -6,6 +6,7 @@ import time
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 
 import rospy
+from rclpy.node import Node as Ros2Node
 
 from nodekit import Node
 from ros2_bridge.ros2.graph import Topic
@@ -14,6 +15,7 @@ from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType
 
@@ -47,27 +49,6 @@ class OnDemand:
             self._unsubscribe = None
 
 
-class Latched:
-    """The latest message of one latching node of ROS 1, which those get who come later in ROS 2.
-
-    It has a publisher of its own, whose history no other node's messages fill.
-
-    :param side: the bridge in ROS 2
-    :param publisher: keeps it
-    """
-
-    def __init__(self, side: Ros2, publisher: Any) -> None:
-        self._side, self._publisher = side, publisher
-
-    def publish(self, data: bytes) -> None:
-        """Publish the next one."""
-        self._publisher.publish(data)
-
-    def close(self) -> None:
-        """Take it back, as its node has gone."""
-        self._side.destroy_publisher(self._publisher)
-
-
 class Kept(NamedTuple):
     """The latest message of a latching publisher of ROS 2, as one of ROS 1."""
 
@@ -80,12 +61,13 @@ class Kept(NamedTuple):
 class TopicToRos2:
     """A topic of ROS 1 in ROS 2.
 
-    It is published from the beginning, and subscribed to while it has subscribers in ROS 2. What
-    several nodes latch is kept of each.
+    It is published from the beginning, and subscribed to while it has subscribers in ROS 2.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param topic, other: name in ROS 1 and in ROS 2
+
+    :ivar publishers: whoever publishes it in ROS 2
     """
 
     def __init__(
@@ -100,17 +82,13 @@ class TopicToRos2:
         self._node, self._side, self.topic, self.kind = node, side, topic, kind
         self._other, self._qualities = other, qualities
         self.count, self.limit = Count(), RateLimit()
-        self._lock = threading.Lock()
-        self._latched: Bridged[str, Latched] = Bridged()
         self._subscription = OnDemand(self._subscribe)
-        #: For what is not latched; None while there is nothing such, and something that is.
-        self._publisher: Any = self._make_publisher(latched=False)
-        self._is_used = False
+        self.publishers = TopicPublishers(side, self._make_publisher)
 
-    def _make_publisher(self, latched: bool) -> Any:
+    def _make_publisher(self, owner: Ros2Node, latched: bool) -> Any:
         # Of what is latched in ROS 1 there is one message.
         quality = self._qualities.of(self.topic, latched, at_least=1 if latched else 0)
-        return self._side.publisher(self.kind.cls, self._other, quality)
+        return self._side.publisher(owner, self.kind.cls, self._other, quality)
 
     def _subscribe(self) -> Callable[[], None]:
         made = self._node.lifetime()
@@ -119,15 +97,11 @@ class TopicToRos2:
         )
         return made.close
 
-    def forward_while(self, is_heard: bool, callers: Set[str]) -> None:
+    def forward_while(self, is_heard: bool) -> None:
         """Subscribe to the topic, or no longer.
 
         :param is_heard: whether it has subscribers in ROS 2
-        :param callers: who publishes it in ROS 1
         """
-        if callers:  # or else the master has been restarted
-            with self._lock:
-                self._latched.close_missing(callers)
         self._subscription.switch(is_heard)
 
     def _forward(self, messages: List[Any]) -> None:
@@ -147,40 +121,13 @@ class TopicToRos2:
                 self.count.refused += 1
                 rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 2: {error}")
                 continue
-            if is_latched:
-                self._latch(header.get("callerid", ""), data)
-            else:
-                self._publish(data)
+            self.publishers.publish(header.get("callerid", ""), data, is_latched)
             self.count.passed += 1
-
-    def _publish(self, data: bytes) -> None:
-        with self._lock:
-            if self._publisher is None:
-                self._publisher = self._make_publisher(latched=False)
-            self._is_used = True
-            self._publisher.publish(data)
-
-    def _latch(self, caller: str, data: bytes) -> None:
-        """Publish so that those who come later get it too, the latest of each latching node."""
-        with self._lock:
-            if caller not in self._latched:
-                publisher = self._make_publisher(latched=True)
-                self._latched[caller] = Latched(self._side, publisher)
-                if self._publisher is not None and not self._is_used:
-                    # Who asks for nothing that was before does not know the new publisher yet.
-                    self._publisher.publish(data)
-                    self._side.destroy_publisher(self._publisher)
-                    self._publisher = None
-            self._latched[caller].publish(data)
 
     def close(self) -> None:
         """End it."""
         self._subscription.switch(False)
-        with self._lock:
-            for caller in list(self._latched):
-                self._latched.close_one(caller)
-            if self._publisher is not None:
-                self._side.destroy_publisher(self._publisher)
+        self.publishers.close()
 
 
 class TopicToRos1:

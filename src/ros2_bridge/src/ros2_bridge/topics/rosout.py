@@ -1,13 +1,15 @@
 """The log of ROS 1's nodes, in ROS 2's."""
 
-from typing import Any, Callable
+from typing import Any, Callable, Mapping, NamedTuple
 
 from rcl_interfaces.msg import Log
+from rclpy.node import Node as Ros2Node
 
 from nodekit import Node
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT
+from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
 from ros2_bridge.topics.one_topic import OnDemand
@@ -16,8 +18,24 @@ from ros2_bridge.topics.one_topic import OnDemand
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 
 
+class NodeLog(NamedTuple):
+    """What publishes the lines of one node.
+
+    :param side: the bridge in ROS 2
+    :param owner: the node of ROS 2 that publishes them
+    """
+
+    side: Ros2
+    owner: Ros2Node
+    publisher: Any
+
+    def close(self) -> None:
+        """Publish them no longer."""
+        self.side.destroy_publisher(self.owner, self.publisher)
+
+
 class Rosout:
-    """Forwards lines of the log, under the names of their nodes.
+    """Forwards lines of the log, as of the nodes that they come from.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -27,9 +45,26 @@ class Rosout:
     """
 
     def __init__(self, node: Node, side: Ros2, names: Renaming) -> None:
-        self._node, self._names = node, names
-        self._publisher = side.publisher(Log, ROSOUT, Quality(1000, latched=True))
+        self._node, self._side, self._names = node, side, names
+        self._logs: Bridged[str, NodeLog] = Bridged(1)
+        self._of_others = self._made_by(side.node)
         self.subscription = OnDemand(self._subscribe)
+
+    def _made_by(self, owner: Ros2Node) -> NodeLog:
+        quality = Quality(1000, latched=True)
+        return NodeLog(self._side, owner, self._side.publisher(owner, Log, ROSOUT, quality))
+
+    def update_nodes(self, owners: Mapping[str, Ros2Node]) -> None:
+        """Have those nodes publish the log that appear in ROS 2.
+
+        :param owners: the nodes of ROS 2 that stand for nodes of ROS 1, by name
+        """
+        self._logs.close_missing(
+            {name for name, log in self._logs.items() if owners.get(name) is log.owner}
+        )
+        for name, owner in owners.items():
+            if name not in self._logs:
+                self._logs[name] = self._made_by(owner)
 
     def _subscribe(self) -> Callable[[], None]:
         made = self._node.lifetime()
@@ -47,4 +82,4 @@ class Rosout:
             line=line.line,
         )
         log.stamp.sec, log.stamp.nanosec = line.header.stamp.secs, line.header.stamp.nsecs
-        self._publisher.publish(log)
+        self._logs.get(line.name, self._of_others).publisher.publish(log)

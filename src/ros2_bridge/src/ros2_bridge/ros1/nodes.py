@@ -1,0 +1,204 @@
+"""The nodes of ROS 2 in ROS 1's graph: their names, and what they have there.
+
+The master lists whoever has registered something. Each node of ROS 2 is registered as a subscriber
+of /parameter_events, which it is in ROS 2 too, and for what it publishes, hears and offers itself.
+Whoever subscribes to a topic asks for it at the address of each publisher, and is refused at the
+one of these nodes: it is the bridge that sends. A service has one node only in ROS 1, here the one
+of ROS 2; calls go to the bridge.
+
+They do not have the bridge's own address: the master ends whoever is at the address of a name that
+another node takes, and a node of ROS 1 may have the name of one of ROS 2.
+"""
+
+import contextlib
+import os
+import socket
+import threading
+import urllib.parse
+from typing import AbstractSet, Any, Dict, List, Mapping, NamedTuple, Set
+
+import rosgraph
+import rosgraph.xmlrpc
+
+from nodekit.master import Call, MasterClient
+from ros2_bridge.ros1.graph import Ros1Graph
+
+#: Longest wait for the address, for the master and for another node, s.
+_TIMEOUT_S = 1.0
+
+
+class Entry(NamedTuple):
+    """What a node has, as the master registers it.
+
+    :param kind: Publisher, Subscriber or Service
+    :param name: of the topic or service
+    :param type: of the topic
+    """
+
+    kind: str
+    name: str
+    type: str = ""
+
+
+#: What each node of ROS 2 has.
+_EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEvent")
+
+
+class NodesInRos1:
+    """Registers nodes of ROS 2 with the master, and takes them back.
+
+    :param bridge: name of the bridge, which offers services for them
+    """
+
+    def __init__(self, bridge: str) -> None:
+        self._bridge = bridge
+        self._registered: Dict[str, Set[Entry]] = {}
+        #: Nodes of another bridge, as of one to another domain, which is there.
+        self._others: Set[str] = set()
+        self._calls_to = ""
+        self._address = _Address()
+        self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
+        self._server.start()
+
+    @property
+    def names(self) -> Set[str]:
+        """The names that are registered: of nodes of ROS 2, not of ROS 1."""
+        return set(self._registered)
+
+    def take_back_left(self, graph: Ros1Graph) -> bool:
+        """Take back what a bridge has left behind that was killed: the master goes on to list it.
+
+        :param graph: of ROS 1
+        :returns: whether there was such
+        :raises MasterUnreachable: if the master does not answer
+        """
+        listed = graph.subscribers.get(_EVENTS.name, set())
+        self._others &= listed
+        found = False
+        for name in listed - self._others:
+            if _refuses(self._address_of(name)):
+                self._change(name, {_EVENTS})  # the master forgets all of the old address
+                self._forget(name)
+                found = True
+            else:
+                self._others.add(name)
+        return found
+
+    def register(
+        self, nodes: Mapping[str, AbstractSet[Entry]], in_ros1: Set[str], is_restarted: bool
+    ) -> None:
+        """Register the nodes that have come, with what they have, and take back what has gone.
+
+        :param nodes: what each node of ROS 2 has, by name
+        :param in_ros1: names of the nodes of ROS 1
+        :param is_restarted: whether the master has forgotten all
+        :raises MasterUnreachable: if it does not answer
+        """
+        if is_restarted:
+            self._registered = {}
+        if self._address.is_taken.is_set():
+            self._address.is_taken.clear()
+            for name in self.names:
+                if self._address_of(name) != self._address.uri:
+                    del self._registered[name]
+        for name in self.names.difference(nodes):
+            self._forget(name)
+        for name, entries in nodes.items():
+            # One of ROS 1 that has just come would end if its name were registered.
+            if name in self._registered or not (name in in_ros1 or self._address_of(name)):
+                self._change(name, {_EVENTS, *entries})
+
+    def _forget(self, name: str) -> None:
+        self._change(name, set())
+        del self._registered[name]
+
+    def _change(self, name: str, wanted: Set[Entry]) -> None:
+        """Register what a node has, and take back what it has no longer."""
+        known = self._registered.setdefault(name, set())
+        if known == wanted:
+            return
+        uri, calls_to = self._address.uri, self._call_address()
+        calls: List[Call] = []
+        for kind, its, _ in known - wanted:
+            calls.append((f"unregister{kind}", its, calls_to if kind == "Service" else uri))
+        for kind, its, its_type in wanted - known:
+            calls.append((f"register{kind}", its, its_type or calls_to, uri))
+        with self._master(name) as master:
+            master.request(calls)
+        self._registered[name] = wanted
+
+    def close(self) -> None:
+        """Take all of them back, if the master answers."""
+        with contextlib.suppress(ConnectionError):
+            self.register({}, set(), False)
+        self._server.shutdown("")
+
+    def _address_of(self, name: str) -> str:
+        """Return the address of a node, empty where there is none."""
+        with self._master(name) as master:
+            return master.lookup_node(name) or ""
+
+    def _call_address(self) -> str:
+        """Return where the services of the bridge are called, which is the same for all."""
+        if not self._calls_to:
+            with self._master(self._bridge) as master:
+                self._calls_to = master.lookup_service(f"{self._bridge}/get_loggers") or ""
+        return self._calls_to
+
+    def _master(self, name: str) -> MasterClient:
+        return MasterClient(name, self._address.uri, _TIMEOUT_S)
+
+
+def _refuses(address: str) -> bool:
+    """Tell whether nobody is at the address of a node any longer."""
+    parts = urllib.parse.urlsplit(address)
+    try:
+        with socket.create_connection((parts.hostname or "", parts.port or 0), _TIMEOUT_S):
+            return False
+    except ConnectionRefusedError:
+        return True
+    except (OSError, ValueError):
+        return False
+
+
+class _Address(rosgraph.xmlrpc.XmlRpcHandler):
+    """Answers for all these nodes the requests that a node of ROS 1 gets.
+
+    :ivar is_taken: set once the master has ended one of them, as another has its name
+    """
+
+    def __init__(self) -> None:
+        self.is_taken, self._is_ready = threading.Event(), threading.Event()
+        self._uri = ""
+
+    def _ready(self, uri: str) -> None:
+        self._uri = uri
+        self._is_ready.set()
+
+    @property
+    def uri(self) -> str:
+        """Where it is."""
+        if not self._is_ready.wait(_TIMEOUT_S):
+            raise ConnectionError("the nodes of ROS 2 have no address in ROS 1")
+        return self._uri
+
+    def shutdown(self, _caller: str, _why: str = "") -> List[Any]:
+        """Remember that a name may be another's now; ``rosnode kill`` asks for this as well."""
+        self.is_taken.set()
+        return [1, "", 0]
+
+    def getPid(self, _caller: str) -> List[Any]:  # noqa: N802  (named by ROS 1)
+        """Answer ``rosnode ping``."""
+        return [1, "", os.getpid()]
+
+    def getBusInfo(self, _caller: str) -> List[Any]:  # noqa: N802
+        """Answer ``rosnode info``: there are no connections."""
+        return [1, "", []]
+
+    def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
+        """Accept who publishes in ROS 1, which the bridge is told as well."""
+        return [1, "", 0]
+
+    def requestTopic(self, *_: Any) -> List[Any]:  # noqa: N802
+        """Refuse a subscriber, who gets the topic from the bridge."""
+        return [0, "the bridge sends it", 0]

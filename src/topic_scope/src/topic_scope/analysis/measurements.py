@@ -23,7 +23,11 @@ _SINE = 0.5
 
 
 def figures(
-    times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf, shapes: bool = True
+    times: numpy.ndarray,
+    values: numpy.ndarray,
+    longest: float = math.inf,
+    shapes: bool = True,
+    hertz: Optional[Figure] = None,
 ) -> Dict[str, Figure]:
     """Measure a step or a wave.
 
@@ -31,12 +35,14 @@ def figures(
     :param values: the samples; what is not finite is left out
     :param longest: a gap is longer than this, s
     :param shapes: whether the frequency is not all that is wanted
+    :param hertz: the frequency, where that is not to be measured
     :returns: frequency in Hz, and of the longest stretch that has no gap rise time (rise) and
         settling time (settling) in s, overshoot and duty in %, mean (cycle_mean) and RMS
         (cycle_rms) over whole periods
     """
     times, values, largest = _scaled(times, values)
-    hertz = frequency(times, values, longest)
+    if hertz is None:
+        hertz = frequency(times, values, longest)
     found = _shapes(times, values, longest, hertz) if shapes else {}
     for name in ("cycle_mean", "cycle_rms"):
         if name in found:

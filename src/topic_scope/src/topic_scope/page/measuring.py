@@ -8,6 +8,7 @@ import rospy
 
 from topic_scope.analysis import measurements
 from topic_scope.analysis.statistics import measure
+from topic_scope.page.retries import Retries
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.requests import Measure
 from topic_scope.protocol.scaling import ReadSamples
@@ -18,7 +19,12 @@ SILENT_S = 1.0
 
 
 def statistics_of(
-    recorder: Recorder, read: ReadSamples, view: LiveView, wanted: Measure, now: float
+    recorder: Recorder,
+    read: ReadSamples,
+    view: LiveView,
+    wanted: Measure,
+    retries: Retries,
+    now: float,
 ) -> Dict[str, Any]:
     """Return the message that tells a page what is measured of its traces.
 
@@ -26,10 +32,14 @@ def statistics_of(
     :param read: returns their samples
     :param view: what the page shows
     :param wanted: what it wants to be measured
+    :param retries: knows what had no frequency
     :param now: the time, s
     """
     span = wanted.span(now) or view.span(now)
-    traces = {name: _measured(recorder, read, name, span, wanted, now) for name in view.shown}
+    retries.begin(span, now)
+    traces = {
+        name: _measured(recorder, read, name, span, wanted, retries, now) for name in view.shown
+    }
     return {"type": "stats", "traces": traces}
 
 
@@ -63,6 +73,7 @@ def _measured(
     name: str,
     span: Tuple[float, float],
     wanted: Measure,
+    retries: Retries,
     now: float,
 ) -> Dict[str, Any]:
     told: Dict[str, Any] = {"problem": recorder.problem(name)}
@@ -78,7 +89,9 @@ def _measured(
         told["latency"] = float(numpy.median(late)) if len(late) else None
         told["latency_max"] = float(late.max()) if len(late) else None
     told.update(measure(*samples))
-    found = measurements.figures(*samples, trace.longest_step, wanted.shapes)
+    known = retries.known(name)
+    found = measurements.figures(*samples, trace.longest_step, wanted.shapes, known)
+    retries.keep(name, found["frequency"])
     if wanted.against:
         reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
         found["phase"] = measurements.phase(samples, reference, longest)

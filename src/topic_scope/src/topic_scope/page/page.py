@@ -7,6 +7,7 @@ from topic_scope.masks.mask import MaskCheck
 from topic_scope.page.charts import ChartFeed
 from topic_scope.page.measuring import statistics_of
 from topic_scope.page.over_time import OverTime
+from topic_scope.page.retries import Retries
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import LiveView, default_view
 from topic_scope.protocol.requests import Chart, Measure, Trigger
@@ -37,6 +38,7 @@ class Page:
         self.chart = ChartFeed(Chart())
         self.measure = Measure()
         self._over_time = OverTime()
+        self._retries = Retries()
         self.scaling = Scaling()
         self.mask: Optional[MaskCheck] = None
         self._rests_until = 0.0
@@ -99,7 +101,7 @@ class Page:
         """
         samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
         if measures:
-            told = statistics_of(recorder, samples, self.view, self.measure, now)
+            told = statistics_of(recorder, samples, self.view, self.measure, self._retries, now)
             span = self.measure.span(now) or self.view.span(now)
             self._over_time.count(self.measure.over_time, span, told["traces"])
             self.put(told)

@@ -136,6 +136,20 @@ def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client
         wait_until(lambda: one.values == [5], lambda: f"{one.watched.key} is not noticed")
 
 
+def test_reading_that_was_not_dealt_with_is_handed_over_again(monkeypatch, client, watcher):
+    monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
+
+    class Busy(Told):
+        def on_reading(self, seen):
+            return super().on_reading(seen) and len(self.values) > 1
+
+    told = Busy("/n")
+    client.values["/n"] = 5
+    watcher.watch([told.watched])
+    watcher.ring()
+    wait_until(lambda: told.values == [5, 5], lambda: f"told: {told.values}", 10.0)
+
+
 def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
     told, numbers, read = Told("/busy"), itertools.count(), client.read

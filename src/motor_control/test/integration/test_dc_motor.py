@@ -130,6 +130,7 @@ class DcMotor(unittest.TestCase):
         self.addCleanup(rospy.set_param, NODE + "/initial_conditions", 0.0)
         rospy.set_param(NODE + "/initial_conditions", -1.5)
         self.speed.wait_for(lambda heard: heard.data == -1.5)
+        self.speed.wait_for(lambda heard: -1.5 < heard.data < 0.0)  # from where it goes on
         self.enable(False)
         wait_until(lambda: self.values()[-1] == 0.0, lambda: "it does not stop")
         self.speed.forget()

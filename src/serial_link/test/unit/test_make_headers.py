@@ -223,6 +223,7 @@ class Board:
     """
 
     def __init__(self, headers: Dict[str, str], folder: pathlib.Path) -> None:
+        self.paths = set(headers)
         self.known = classes(headers)
         make_headers.write(headers, folder / "headers")
         text = [f'#include "{path}"' for path in sorted(headers)] + [PROGRAM]
@@ -251,6 +252,12 @@ class Board:
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: "pytest.TempPathFactory") -> Board:
     return Board(make_headers.headers_of(PACKAGES), tmp_path_factory.mktemp("board"))
+
+
+def test_there_is_a_header_for_each_message_and_service(board: Board) -> None:
+    files = [path for kind in ("msg", "srv") for path in SOURCES.glob(f"*/{kind}/*.{kind}")]
+    assert {path.suffix for path in files} == {".msg", ".srv"}
+    assert {f"{path.parents[1].name}/{path.stem}.h" for path in files} <= board.paths
 
 
 def test_boards_and_genpy_mean_the_same_by_the_same_bytes(board: Board) -> None:

@@ -69,7 +69,7 @@ export class Trigger {
       });
     }
     const kept = byId("trigger-persistence");
-    kept.append(...options(KEPT.map((count) => [count, count ? `${count} sweeps` : "off"])));
+    kept.append(...options(KEPT.map((count) => [count, count || "off"])));
     kept.addEventListener("change", () => this.state.set({ persistence: Number(kept.value) }));
     byId("trigger-half").addEventListener("click", () => this.halve());
     byId("show-trigger").addEventListener("click", () => {

@@ -1,7 +1,11 @@
-/** Draws the sweeps that stay visible behind the latest one, paler the older they are. */
+/**
+ * Draws the sweeps that stay visible behind the latest one, paler the older they are.
+ *
+ * There may be a million points. A path through so many takes seconds, so pixels are set one by one.
+ */
 
-const FAINTEST = 0.1; // of the colour
-const BOLDEST = 0.5;
+const FAINTEST = 0.15; // of the colour
+const BOLDEST = 0.6;
 
 /**
  * Widen the extent of traces so that their earlier sweeps have room as well.
@@ -15,8 +19,9 @@ const BOLDEST = 0.5;
 export function widened([low, high], sweeps, fields, from, to) {
   for (const sweep of sweeps) {
     for (const { points } of fields.map((field) => sweep.get(field)).filter(Boolean)) {
-      for (const [time, value] of points) {
-        if (time < from || time > to) continue;
+      for (let place = 0; place < points.length; place += 2) {
+        if (points[place] < from || points[place] > to) continue;
+        const value = points[place + 1];
         if (value < low) low = value; // never true of NaN
         if (value > high) high = value;
       }
@@ -25,42 +30,75 @@ export function widened([low, high], sweeps, fields, from, to) {
   return [low, high];
 }
 
-/**
- * Draw.
- * @param {CanvasRenderingContext2D} context
- * @param {{x: number, y: number, w: number, h: number}} area where traces are
- * @param {Map<string, import("../state/persistence.js").Line>[]} sweeps the oldest first
- * @param {string[]} fields
- * @param {{colourOf: function(string): string, across: function(number): number,
- *   up: function(string, number): number}} plot the colour of a field, where a time is, where a
- *   value of a field is
- */
-export function drawEarlier(context, area, sweeps, fields, { colourOf, across, up }) {
-  context.save();
-  context.beginPath();
-  context.rect(area.x, area.y, area.w, area.h);
-  context.clip();
-  context.lineWidth = 1.5;
-  context.lineJoin = "round";
-  sweeps.forEach((sweep, place) => {
-    context.globalAlpha = FAINTEST + ((BOLDEST - FAINTEST) * (place + 1)) / sweeps.length;
-    for (const field of fields) {
-      if (!sweep.has(field)) continue;
-      context.strokeStyle = colourOf(field);
-      context.beginPath();
-      trace(context, sweep.get(field), across, (value) => up(field, value));
-      context.stroke();
-    }
-  });
-  context.restore();
+/** What is behind the traces of one plot. */
+export class EarlierSweeps {
+  constructor() {
+    this.canvas = document.createElement("canvas");
+  }
+
+  /**
+   * Draw.
+   * @param {CanvasRenderingContext2D} context
+   * @param {{x: number, y: number, w: number, h: number}} area where traces are
+   * @param {Map<string, import("../state/persistence.js").Line>[]} sweeps the oldest first
+   * @param {string[]} fields
+   * @param {{colourOf: function(string): string, across: function(number): number,
+   *   up: function(string, number): number}} plot the colour of a field, #rrggbb; where a time is, and
+   *   where a value of a field is
+   */
+  draw(context, area, sweeps, fields, { colourOf, across, up }) {
+    const ratio = context.getTransform().a; // pixels of the screen in one of the page
+    const [width, height] = [Math.round(area.w * ratio), Math.round(area.h * ratio)];
+    if (width < 1 || height < 1) return;
+    const image = new ImageData(width, height);
+    const raster = { pixels: new Uint32Array(image.data.buffer), width, height };
+    const scaleOf = (place, begin) => [(place(0) - begin) * ratio, (place(1) - place(0)) * ratio];
+    const time = scaleOf(across, area.x);
+    const looks = fields.map((field) => ({
+      field, value: scaleOf((number) => up(field, number), area.y), colour: colourOf(field),
+    }));
+    sweeps.forEach((sweep, place) => {
+      const bold = FAINTEST + ((BOLDEST - FAINTEST) * (place + 1)) / sweeps.length;
+      for (const { field, value, colour } of looks) {
+        if (sweep.has(field)) drawTrace(raster, sweep.get(field), time, value, pixelOf(colour, bold));
+      }
+    });
+    Object.assign(this.canvas, { width, height });
+    this.canvas.getContext("2d").putImageData(image, 0, 0);
+    context.drawImage(this.canvas, area.x, area.y, area.w, area.h);
+  }
 }
 
-function trace(context, { points, steps }, across, up) {
-  let before = NaN; // how high the line is; nowhere at first, and where it has ended
-  for (const [time, value] of points) {
-    const [x, y] = [across(time), up(value)];
-    if (!Number.isNaN(before) && steps) context.lineTo(x, before);
-    if (!Number.isNaN(y)) context[Number.isNaN(before) ? "moveTo" : "lineTo"](x, y);
-    before = y;
+/** A colour as an image holds it: red first. */
+function pixelOf(colour, bold) {
+  const [red, green, blue] = [1, 3, 5].map((place) => parseInt(colour.slice(place, place + 2), 16));
+  return ((Math.round(255 * bold) << 24) | (blue << 16) | (green << 8) | red) >>> 0;
+}
+
+function drawTrace(raster, { points, steps }, [left, perSecond], [top, perUnit], pixel) {
+  let x = NaN; // where the line is; nowhere at first, and where it has ended
+  let y = NaN;
+  for (let place = 0; place < points.length; place += 2) {
+    const nextX = left + points[place] * perSecond;
+    const nextY = top + points[place + 1] * perUnit;
+    if (!Number.isNaN(y) && steps) drawLine(raster, x, y, nextX, y, pixel);
+    if (!Number.isNaN(y) && !Number.isNaN(nextY)) drawLine(raster, steps ? nextX : x, y, nextX, nextY, pixel);
+    x = nextX;
+    y = nextY;
+  }
+}
+
+/** Set the pixels of a straight line that goes to the right, or straight up or down, two pixels wide. */
+function drawLine({ pixels, width, height }, x, y, nextX, nextY, pixel) {
+  const slope = nextX > x ? (nextY - y) / (nextX - x) : 0;
+  const last = Math.min(width - 1, Math.floor(nextX));
+  for (let column = Math.max(0, Math.floor(x)); column <= last; column += 1) {
+    const from = column > x ? y + slope * (column - x) : y;
+    const to = column + 1 < nextX ? y + slope * (column + 1 - x) : nextY;
+    const low = Math.min(height - 1, Math.floor(Math.max(from, to)) + 1);
+    for (let row = Math.max(0, Math.floor(Math.min(from, to))); row <= low; row += 1) {
+      pixels[row * width + column] = pixel;
+      if (column + 1 < width) pixels[row * width + column + 1] = pixel;
+    }
   }
 }

@@ -5,7 +5,7 @@ import { make, themeColour } from "../base/dom.js";
 import { AutoRange, ticks } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
-import { drawEarlier, widened } from "./earlier.js";
+import { EarlierSweeps, widened } from "./earlier.js";
 
 /* global Dygraph */
 
@@ -37,6 +37,7 @@ export class Plot {
     this.colourOf = colourOf;
     this.fields = []; // that are shown here
     this.rows = []; // used again with each drawing
+    this.earlier = new EarlierSweeps();
     this.element = make("div", { class: "pane" });
     parent.append(this.element);
     this.forgetRanges();
@@ -190,7 +191,7 @@ export class Plot {
     const { earlier = [] } = this.shown || {};
     if (!earlier.length) return;
     const axis = (field) => (this.state.values.right.has(field) ? 1 : 0);
-    drawEarlier(context, area, earlier, this.fields, {
+    this.earlier.draw(context, area, earlier, this.fields, {
       colourOf: this.colourOf,
       across: (time) => graph.toDomXCoord(time),
       up: (field, value) => graph.toDomYCoord(value, axis(field)),

@@ -5,7 +5,7 @@ export const KEPT = [0, 4, 8, 16, 32, 64];
 
 /**
  * @typedef {Object} Line
- * @property {[number, number][]} points time from the trigger, s, and value; NaN where the line ends
+ * @property {Float64Array} points time from the trigger, s, and value in turn; NaN where the line ends
  * @property {boolean} steps whether a value holds until the next one
  */
 
@@ -31,9 +31,10 @@ export class Persistence {
    */
   keep({ buffer, time }, from, to) {
     if (!this.most) return;
-    const isPoint = ([at, value]) => value !== null && at >= from && at <= to;
+    const more = (to - from) / 10; // so that lines reach the edges
+    const isPoint = ([at, value]) => value !== null && at >= from - more && at <= to + more;
     const lineOf = (field) => ({
-      points: buffer.rows([field], time).filter(isPoint),
+      points: new Float64Array(buffer.rows([field], time).filter(isPoint).flat()),
       steps: buffer.lasts.has(field),
     });
     this.sweeps.push(new Map([...buffer.traces.keys()].map((field) => [field, lineOf(field)])));

@@ -1,6 +1,7 @@
 """Registration with the master, in requests that a function of the test's own answers."""
 
 from unittest import mock
+from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 import rospy
@@ -170,3 +171,18 @@ def test_service_that_is_closed_while_it_is_registered_again_is_taken_back(asked
     assert told[:2] == [("registerService", *entry[1:]) for entry in entries]
     assert told[2:] == [("unregisterService", "/closed", "rosrpc://here:2")]
     assert list(registration.services()) == ["/open"]
+
+
+def test_without_rospy_s_listener_its_own_server_is_told_of_publishers(ending, monkeypatch):
+    told = []
+    with SimpleXMLRPCServer(("localhost", 0), logRequests=False) as server:
+        server.register_multicall_functions()
+        server.register_function(lambda *call: told.append(call) or OK, "publisherUpdate")
+        uri = f"http://localhost:{server.server_address[1]}/"
+        monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
+        monkeypatch.delattr(get_registration_listeners(), "listeners")
+        monkeypatch.setattr(registration, "all_made", lambda: [(SUB, "/topic", "std_msgs/String")])
+        serving = in_thread(server.handle_request)
+        assert registration.register_again(lambda calls: [(1, "", ["http://there:1/"])])
+        serving.join()
+    assert told == [(rospy.get_name(), "/topic", ["http://there:1/"])]

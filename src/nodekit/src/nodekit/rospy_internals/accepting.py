@@ -44,7 +44,7 @@ _CLOSED = (errno.EBADF, errno.EINVAL, errno.ENOTSOCK)
 _LENGTH = struct.Struct("<I")
 #: rospy's own methods, and what they must use to be understood here.
 _RUN, _START = TCPServer.run, TCPROSServer.start_server
-_HANDLE = TCPROSServer._tcp_server_callback
+_HANDLE = getattr(TCPROSServer, "_tcp_server_callback", None)
 _RUN_USES = {"is_shutdown", "server_sock", "accept", "inbound_handler"}
 _HANDLE_USES = {
     "read_ros_handshake_header",
@@ -64,7 +64,8 @@ def accepting_mismatch() -> str:
         code = getattr(method, "__code__", None)
         missing = names.difference(code.co_names if code is not None else ())
         if missing:
-            return f"{method} does not use {', '.join(sorted(missing))}"
+            name = getattr(method, "__qualname__", method)
+            return f"{name} does not use {', '.join(sorted(missing))}"
     return ""
 
 

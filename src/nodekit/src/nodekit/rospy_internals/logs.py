@@ -8,6 +8,7 @@ import time
 from typing import Any, Optional
 
 import rosgraph.roslogging
+import rospy
 import rospy.impl.rosout
 from rosgraph.roslogging import RosStreamHandler
 
@@ -56,16 +57,19 @@ def mend_logs() -> None:
         configure(*args, **kwds)
         return None
 
-    to_rosout = rospy.impl.rosout._rosout
+    to_rosout: Any = getattr(rospy.impl.rosout, "_rosout", None)
 
     def escaped_to_rosout(level: int, *fields: Any) -> Any:
         return to_rosout(level, *map(_as_text, fields))
 
     RosStreamHandler.emit = emit_or_drop
-    rospy.impl.rosout._rosout = escaped_to_rosout
     setattr(logging.Handler, "handleError", drop_with_notice)
     rosgraph.roslogging.configure_logging = configure_with_or_without_file
     atexit.register(_let_go_of_output)
+    if to_rosout is not None:
+        rospy.impl.rosout._rosout = escaped_to_rosout
+    else:
+        rospy.logwarn("unsupported rospy version: lines that are no text do not reach /rosout")
 
 
 def _as_text(field: Any) -> Any:

@@ -128,7 +128,11 @@ class SubscriberLink(Link):
 _NO_LINKS: Dict[Any, SubscriberLink] = {}
 
 
-class OutgoingTopic(rospy.topics._PublisherImpl):
+#: What rospy has for a published topic; where it is not known, nothing here is used.
+_Topic: Any = getattr(rospy.topics, "_PublisherImpl", object)
+
+
+class OutgoingTopic(_Topic):
     """A published topic without a queue; one of rospy's implementation objects.
 
     :param name: topic, resolved

@@ -19,6 +19,7 @@ from rospy.impl.registration import (
     get_topic_manager,
 )
 
+from nodekit.master import MasterClient
 from nodekit.rospy_internals.made import Entry, all_made
 
 #: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
@@ -28,6 +29,8 @@ Request = Callable[[List[Tuple[Any, ...]]], List[Any]]
 _TOGETHER = 500
 #: Pause before a master that does not answer is asked again, s.
 _PAUSE_S = 0.2
+#: Longest wait for this process's own server, s.
+_OWN_SERVER_S = 5.0
 #: Most services that a line of the log names.
 _NAMED = 5
 
@@ -169,7 +172,23 @@ class _Registrar(RegistrationListener):
             self._listener.publisher_update(name, missing)
 
 
+class _OwnServer:
+    """Connects subscribers to publishers as the master does, where rospy's listener is unknown."""
+
+    @staticmethod
+    def publisher_update(name: str, publishers: List[str]) -> None:
+        with MasterClient(
+            rospy.get_name(), timeout=_OWN_SERVER_S, master_uri=rospy.get_node_uri()
+        ) as server:
+            server.request([("publisherUpdate", name, publishers)])
+
+
 _registrar: Optional[_Registrar] = None
+
+
+def _listeners() -> List[Any]:
+    """Return rospy's listeners for what is made and closed: its own alone, if it is known here."""
+    return list(getattr(get_registration_listeners(), "listeners", ()))
 
 
 def take_over(request: Request) -> None:
@@ -180,9 +199,12 @@ def take_over(request: Request) -> None:
     global _registrar
     listeners = get_registration_listeners()
     with listeners.lock:
-        if _registrar is None and len(listeners.listeners) == 1:
-            _registrar = _Registrar(listeners.listeners[0], request)
+        found = _listeners()
+        if _registrar is None and len(found) == 1:
+            _registrar = _Registrar(found[0], request)
             listeners.listeners = [_registrar]
+    if _registrar is None:
+        rospy.logwarn("unsupported rospy version: what is made is registered one by one")
 
 
 def connect(name: str, publisher: str) -> None:
@@ -224,7 +246,7 @@ def register_again(request: Request) -> bool:
     :returns: whether the master has taken any of it
     :raises ConnectionError: if that does
     """
-    registrar = _registrar or _Registrar(get_registration_listeners().listeners[0], request)
+    registrar = _registrar or _Registrar((_listeners() or [_OwnServer])[0], request)
     return registrar.add(all_made(), request)
 
 

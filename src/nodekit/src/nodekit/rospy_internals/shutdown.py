@@ -3,8 +3,9 @@
 import enum
 import traceback
 from functools import partial
-from typing import Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
+import rospy
 import rospy.core
 from rospy.impl.tcpros_base import TCPServer
 
@@ -25,6 +26,8 @@ def mend_shutdown() -> None:
                 raise
 
     TCPServer.run = serve_until_shutdown
+    if _hooks is None:
+        rospy.logwarn("unsupported rospy version: nodes end after what rospy.on_shutdown was given")
 
 
 class Ending(enum.IntEnum):
@@ -69,4 +72,8 @@ def _call_all() -> None:
 
 
 # Before all that rospy.on_shutdown is given, also before this is imported.
-rospy.core._client_shutdown_hooks.insert(0, _call_all)
+_hooks: Optional[List[Any]] = getattr(rospy.core, "_client_shutdown_hooks", None)
+if _hooks is not None:
+    _hooks.insert(0, _call_all)
+else:
+    rospy.on_shutdown(_call_all)

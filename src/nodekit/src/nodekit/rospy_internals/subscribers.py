@@ -108,7 +108,11 @@ def ask_for_statistics_once() -> None:
         logger.is_enabled = functools.lru_cache(maxsize=None)(logger.is_enabled)
 
 
-class IncomingTopic(rospy.topics._SubscriberImpl):
+#: What rospy has for a subscribed topic; where it is not known, nothing here is used.
+_Topic: Any = getattr(rospy.topics, "_SubscriberImpl", object)
+
+
+class IncomingTopic(_Topic):
     """A subscribed topic that is read by the short way; one of rospy's implementation objects.
 
     :param name: topic, resolved

@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+"""Run a node that has one of each: it answers what it hears, and says farewell."""
+
+from typing import Any
+
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit import FloatParameter, Node, ParameterSet, run
+
+
+class Settings(ParameterSet):
+    """What can be changed."""
+
+    gain = FloatParameter(1.0, minimum=0.0, help="what is appended")
+
+
+class Echo:
+    """Answers on ``out`` what it hears on ``in``; tells on ``ticks`` what it hears of itself."""
+
+    def __init__(self, node: Node) -> None:
+        self.settings = node.parameters(Settings)
+        self.out = node.publisher("out", String, latch=True)
+        self.ticks = node.publisher("ticks", String)
+        node.subscribe("in", String, self.answer)
+        node.subscribe("out", String, lambda message: self.ticks.publish("own " + message.data))
+        node.service("~ask", Trigger, lambda _: TriggerResponse(True, self.gain))
+        node.every(50.0, lambda *_: self.ticks.publish("tick"))
+        node.before_end(lambda: self.out.publish("farewell"))
+
+    @property
+    def gain(self) -> str:
+        """The gain in force, as text."""
+        return str(self.settings.values.gain)
+
+    def answer(self, message: Any) -> None:
+        """Repeat a message, and add the gain."""
+        self.out.publish(message.data + self.gain)
+
+
+if __name__ == "__main__":
+    run("echo", Echo)

@@ -65,10 +65,8 @@ def test_any_other_is_refused(name: str, argument: str, text: str) -> None:
         load(name, f"{argument}:={text}")
     said = str(caught.value)
     assert argument in said and f"'{text}'" in said
-    assert (
-        "{'true': True, 'yes': True, 'on': True, '1': True, 'false': False, 'no': False, 'off': False, '0': False}"
-        in said
-    )
+    assert "{'true': True, 'yes': True, 'on': True, '1': True, " in said
+    assert "'false': False, 'no': False, 'off': False, '0': False}" in said
 
 
 #: Files and their arguments that are text for a parameter of a node.

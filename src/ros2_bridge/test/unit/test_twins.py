@@ -69,3 +69,14 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
 def test_what_has_no_twin_is_refused(definitions: Dict[str, str], words: str) -> None:
     with pytest.raises(DefinitionError, match=words.replace("/", ".")):
         make_twins("pkg", definitions)
+
+
+def test_action_has_three_parts_and_what_ros2_needs_for_them() -> None:
+    text = "float64 Far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
+    twin = make_twins("pkg", {"action/go_to.action": text})
+    assert twin.files["action/GoTo.action"] == (
+        "float64 far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
+    )
+    assert twin.names == {"pkg/go_to": "pkg/GoTo"}
+    assert twin.needs == {"action_msgs", "std_msgs", "unique_identifier_msgs"}
+    assert '"action/GoTo.action"' in twin.files["CMakeLists.txt"]

@@ -205,7 +205,7 @@ def definitions(packages: Sequence[pathlib.Path]) -> Dict[str, Dict[str, str]]:
     return {
         package.name: {
             str(path.relative_to(package)): path.read_text("utf-8")
-            for kind in ("msg", "srv")
+            for kind in ("msg", "srv", "action")
             for path in sorted(package.glob(f"{kind}/*.{kind}"))
         }
         for package in packages

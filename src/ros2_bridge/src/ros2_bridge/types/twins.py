@@ -17,6 +17,9 @@ RENAMED = {
     "std_msgs/Duration": "builtin_interfaces/Duration",
 }
 
+#: Packages that each package with an action needs.
+OF_ACTIONS = {"action_msgs", "unique_identifier_msgs"}
+
 _CAMEL = re.compile(r"[A-Z][A-Za-z0-9]*\Z")
 _LOWER = re.compile(r"[a-z](_?[a-z0-9])*\Z")
 _UPPER = re.compile(r"[A-Z](_?[A-Z0-9])*\Z")
@@ -61,6 +64,8 @@ def make_twins(package: str, definitions: Mapping[str, str]) -> TwinPackage:
         twin = twin_type(f"{package}/{base}")
         if twin != f"{package}/{base}":
             names[f"{package}/{base}"] = twin
+        if folder == "action":
+            needs |= OF_ACTIONS
         target = f"{folder}/{twin.rpartition('/')[2]}.{suffix}"
         if target in files:
             raise DefinitionError(f"{package}/{path}: another type is {twin} in ROS 2 already")
@@ -80,7 +85,7 @@ def _definition(text: str, package: str, needs: Set[str]) -> str:
 
 
 def _line(line: str, package: str, needs: Set[str]) -> str:
-    if line.strip() == "---":  # between request and response
+    if line.strip() == "---":  # between the parts of a service or action
         return "---"
     constant = constant_in(line)
     if constant is not None:

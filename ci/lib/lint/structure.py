@@ -160,12 +160,14 @@ ROOMS: Dict[str, List[str]] = {
     ],
     "ros2_bridge": [
         "rules",
+        "actions",
         "types",
         "environment",
         "ros1",
         "ros2",
         "topics",
         "services",
+        "action_bridge",
         "parameters",
         "node_bridge",
         "graph_loop",
@@ -174,7 +176,10 @@ ROOMS: Dict[str, List[str]] = {
 }
 #: Rooms that do not know each other, whatever their order.
 INDEPENDENT: Dict[str, List[Set[str]]] = {
-    "ros2_bridge": [{"ros1", "ros2"}, {"topics", "services", "parameters"}],
+    "ros2_bridge": [
+        {"ros1", "ros2"},
+        {"topics", "services", "action_bridge", "parameters"},
+    ],
     "serial_link": [{"device", "host"}, {"hardware", "board"}],
 }
 #: Rooms and modules that know no ROS, so that they are tested without a master.
@@ -238,6 +243,7 @@ PURE = (
     "ros2_bridge.types.codec",
     "ros2_bridge.parameters.values",
     "ros2_bridge.rules",
+    "ros2_bridge.actions",
     "topic_scope.messages.arrays",
     "topic_scope.messages.decoding",
     "topic_scope.messages.definitions",

@@ -1,0 +1,1 @@
+"""Goals of actions as either ROS has them: states, ids, cancellations. Knows neither ROS."""

@@ -1,0 +1,248 @@
+"""The goals of an action server of ROS 1, as its clients in ROS 2 have to see them."""
+
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from ros2_bridge.actions.cancelling import is_meant
+from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
+from ros2_bridge.actions.states import OVER2, STEPS2, TO_ROS2, Status1, Status2, nearest
+
+#: For how long a result is kept, s: rclpy's ``result_timeout``.
+KEPT_S = 900.0
+#: Longest wait for the result of a goal whose status says that it is over, s: they come by
+#: different connections.
+RESULT_S = 2.0
+#: action_msgs/CancelGoal's answers.
+DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
+#: States in which a goal that ROS 2 does not know yet is of interest.
+_OPEN = (Status1.PENDING, Status1.ACTIVE, Status1.PREEMPTING)
+
+AnswerGoal = Callable[[bool], None]
+AnswerResult = Callable[[Status2, bytes], None]
+
+
+class Goal:
+    """A goal.
+
+    :param text: its id in ROS 1
+    :param stamp: when it began, ns of ROS 1's time
+    :param now: s on the clock of time-outs
+    :param answer: tells the client whether it is accepted; None for a goal of ROS 1's own
+
+    :ivar uuid: its id in ROS 2
+    :ivar status: None until it is accepted
+    """
+
+    def __init__(self, text: str, stamp: int, now: float, answer: Optional[AnswerGoal]) -> None:
+        self.text, self.uuid, self.stamp, self.answer = text, bytes_of(text), stamp, answer
+        self.status: Optional[Status2] = None
+        self.since = now
+        #: Whether the server's status has listed it: from then on it is lost where it is not.
+        self.is_listed = False
+        self.awaiting_result: Optional[Tuple[Status1, float]] = None
+        self.result = b""
+        self.waiting: List[AnswerResult] = []
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether it was accepted, and is not over."""
+        return self.status in STEPS2
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has a result."""
+        return self.status in OVER2
+
+
+AnswerCancel = Callable[[int, Sequence[Goal]], None]
+
+
+class _Cancellation(NamedTuple):
+    goals: Sequence[Goal]
+    answer: AnswerCancel
+    since: float
+
+
+class GoalsOfRos1:
+    """Keeps the goals, given what either side says and the time; not for several threads at once.
+
+    :param patience: returns the longest wait for the server's word on a new goal, and on a
+        cancellation, s
+    :param publish_status: called with the goals that ROS 2 knows whenever one has changed
+    """
+
+    def __init__(
+        self, patience: Callable[[], float], publish_status: Callable[[Sequence[Goal]], None]
+    ) -> None:
+        self._patience, self._publish_status = patience, publish_status
+        self._goals: Dict[str, Goal] = {}
+        self._cancellations: List[_Cancellation] = []
+        self._is_changed = False
+
+    def request_goal(self, uuid: bytes, stamp: int, now: float, answer: AnswerGoal) -> str:
+        """Begin a goal of ROS 2.
+
+        :param stamp: that the server is given, ns
+        :param answer: called with whether it is accepted
+        :returns: the id by which it is to be sent; empty where it is not, as there is such a goal
+        """
+        text = text_of(uuid)
+        if not text or text in self._goals:
+            answer(False)
+            return ""
+        self._goals[text] = Goal(text, stamp, now, answer)
+        return text
+
+    def request_result(self, uuid: bytes, answer: AnswerResult) -> None:
+        """Answer with the result, as soon as there is one; with UNKNOWN where there is no goal."""
+        goal = self._find(uuid)
+        if goal is None or goal.status is None:
+            answer(Status2.UNKNOWN, b"")
+        elif goal.is_over:
+            answer(goal.status, goal.result)
+        else:
+            goal.waiting.append(answer)
+
+    def request_cancel(
+        self, uuid: bytes, until: int, now: float, answer: AnswerCancel
+    ) -> Optional[str]:
+        """Cancel goals: see :func:`.is_meant`.
+
+        :param answer: called with a code of CancelGoal and the goals that are being cancelled, as
+            soon as the server has said so of each
+        :returns: the id to be sent with the cancellation, None where it is not to be sent
+        """
+        goal = self._find(uuid)
+        if uuid != NO_GOAL and not until and (goal is None or not goal.is_under_way):
+            is_over = goal is not None and goal.is_over
+            answer(GOAL_IS_OVER if is_over else UNKNOWN_GOAL, ())
+            return None
+        wanted = goal.text if goal is not None else text_of(uuid)
+        meant = [
+            one
+            for one in self._goals.values()
+            if one.is_under_way and is_meant(one.text, one.stamp, wanted, until)
+        ]
+        self._cancellations.append(_Cancellation(meant, answer, now))
+        self._answer_cancellations(now)
+        return wanted
+
+    def _find(self, uuid: bytes) -> Optional[Goal]:
+        found = self._goals.get(text_of(uuid))
+        if found is None:  # one of ROS 1's own
+            found = next((one for one in self._goals.values() if one.uuid == uuid), None)
+        return found
+
+    def hear_status(self, listed: Sequence[Tuple[str, int, Status1]], now: float) -> None:
+        """Follow the server's list.
+
+        :param listed: id, stamp in ns, and status of each goal
+        """
+        for text, stamp, status in listed:
+            if text not in self._goals and status in _OPEN:
+                self._goals[text] = Goal(text, stamp, now, None)
+            goal = self._goals.get(text)
+            if goal is None:
+                continue
+            goal.is_listed = True
+            if TO_ROS2[status] not in OVER2 or (goal.status, status) == (None, Status1.REJECTED):
+                self._move(goal, status, now)
+                continue
+            if goal.status is None:
+                self._accept(goal)
+            if not goal.is_over and goal.awaiting_result is None:
+                goal.awaiting_result = (status, now)
+        texts = {text for text, _, _ in listed}
+        for goal in list(self._goals.values()):
+            is_waiting = goal.awaiting_result is not None
+            if goal.is_listed and goal.text not in texts and not (goal.is_over or is_waiting):
+                self._move(goal, Status1.LOST, now)
+        self._report(now)
+
+    def hear_result(self, text: str, status: Status1, result: bytes, now: float) -> None:
+        """End a goal.
+
+        :param result: its result, as ROS 1 has it
+        """
+        goal = self._goals.get(text)
+        if goal is not None:
+            is_last = TO_ROS2[status] in OVER2
+            self._move(goal, status if is_last else Status1.LOST, now, result)
+            self._report(now)
+
+    def lose_server(self, now: float) -> None:
+        """End all goals, as the server has gone."""
+        for goal in list(self._goals.values()):
+            self._move(goal, Status1.LOST, now)
+        self._report(now)
+
+    def end_waits(self, now: float) -> List[str]:
+        """End what has waited for long enough.
+
+        :returns: the ids of goals that are given up: the server is to cancel them, as it may still
+            begin with them
+        """
+        given_up, patience = [], self._patience()
+        for goal in list(self._goals.values()):
+            if goal.answer is not None and now > goal.since + patience:
+                if goal.is_listed:  # it is among those that the server keeps for later
+                    self._accept(goal)
+                else:
+                    given_up.append(goal.text)
+                    self._move(goal, Status1.LOST, now)
+            elif goal.awaiting_result is not None and now > goal.awaiting_result[1] + RESULT_S:
+                self._move(goal, goal.awaiting_result[0], now)
+            elif goal.is_over and now > goal.since + KEPT_S:
+                del self._goals[goal.text]
+                self._is_changed = True
+        self._report(now)
+        return given_up
+
+    def _move(self, goal: Goal, status: Status1, now: float, result: bytes = b"") -> None:
+        """Give a goal the state that the server says it has, which may be old news."""
+        if goal.is_over:
+            return
+        if goal.status is None:
+            if status in (Status1.REJECTED, Status1.LOST):
+                del self._goals[goal.text]
+                self._answer_goal(goal, False)
+                return
+            if goal.answer is not None and status == Status1.PENDING:
+                return  # not decided yet
+            self._accept(goal)
+        before = goal.status or Status2.ACCEPTED
+        goal.status = nearest(STEPS2, before, [TO_ROS2[status]])
+        if goal.is_over:
+            goal.result, goal.since, goal.awaiting_result = result, now, None
+            waiting, goal.waiting = goal.waiting, []
+            for answer in waiting:
+                answer(goal.status, result)
+        self._is_changed = self._is_changed or goal.status != before
+
+    def _accept(self, goal: Goal) -> None:
+        goal.status, self._is_changed = Status2.ACCEPTED, True
+        self._answer_goal(goal, True)
+
+    def _answer_goal(self, goal: Goal, is_accepted: bool) -> None:
+        answer, goal.answer = goal.answer, None
+        if answer is not None:
+            answer(is_accepted)
+
+    def _report(self, now: float) -> None:
+        """Publish what has changed, and answer what has waited for it."""
+        if self._is_changed:
+            self._is_changed = False
+            self._publish_status([one for one in self._goals.values() if one.status is not None])
+        self._answer_cancellations(now)
+
+    def _answer_cancellations(self, now: float) -> None:
+        """Answer those whose goals have all followed, or have had their time."""
+        kept = []
+        for one in self._cancellations:
+            follow = [g for g in one.goals if g.status in (Status2.CANCELING, Status2.CANCELED)]
+            if now <= one.since + self._patience() and any(
+                goal.is_under_way and goal.status != Status2.CANCELING for goal in one.goals
+            ):
+                kept.append(one)
+            else:
+                one.answer(DONE if follow or not one.goals else REJECTED, follow)
+        self._cancellations = kept

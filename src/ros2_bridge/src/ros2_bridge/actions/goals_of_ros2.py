@@ -1,0 +1,197 @@
+"""The goals of an action server of ROS 2, as its clients in ROS 1 have to see them."""
+
+from typing import Callable, Collection, Dict, List, Optional, Sequence, Tuple
+
+from ros2_bridge.actions.cancelling import is_meant
+from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
+from ros2_bridge.actions.states import (
+    OVER2,
+    STEPS1,
+    STEPS2,
+    TO_ROS1,
+    Status1,
+    Status2,
+    nearest,
+)
+
+#: For how long a goal that is over is listed, and a cancellation kept that comes before its goal,
+#: s: those of actionlib's server.
+LISTED_S = 5.0
+RECALLED = "cancelled before it began"
+REJECTED = "the server in ROS 2 has rejected it"
+GONE = "the server in ROS 2 has gone"
+
+
+class Goal:
+    """A goal.
+
+    :param text: its id in ROS 1
+    :param uuid: its id in ROS 2
+    :param stamp: when it began, ns
+    :param is_ours: whether a client of ROS 1 has sent it
+
+    :ivar why: text of its status
+    """
+
+    def __init__(self, text: str, uuid: bytes, stamp: int, is_ours: bool) -> None:
+        self.text, self.uuid, self.stamp, self.is_ours = text, uuid, stamp, is_ours
+        self.status, self.why = Status1.PENDING, ""
+        #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
+        self.is_accepted, self.is_to_be_cancelled = not is_ours, False
+        #: Name of the publisher that has listed it: where that has gone, its server has.
+        self.sender: Optional[bytes] = None
+        #: Whether it was cancelled, and has not come itself.
+        self.is_awaited = False
+        self.ended: Optional[float] = None
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether it has come, and has not ended."""
+        return self.status in STEPS1 and not self.is_awaited
+
+
+class GoalsOfRos2:
+    """Keeps the goals, given what either side says and the time; not for several threads at once.
+
+    :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
+        where there is none
+    :param publish_status: called with the goals after a change
+    """
+
+    def __init__(
+        self,
+        publish_result: Callable[[Goal, Optional[bytes]], None],
+        publish_status: Callable[[Sequence[Goal]], None],
+    ) -> None:
+        self._publish_result, self._publish_status = publish_result, publish_status
+        self._goals: Dict[bytes, Goal] = {}
+        self._cancelled_until = 0
+
+    def listed(self) -> List[Goal]:
+        """Return the goals that are to be listed."""
+        return list(self._goals.values())
+
+    def request_goal(self, text: str, stamp: int, now: float) -> Optional[bytes]:
+        """Begin a goal of ROS 1.
+
+        :param stamp: when it began, ns
+        :returns: the id by which it is to be sent, None where it is not
+        """
+        uuid = bytes_of(text)
+        goal = self._goals.get(uuid)
+        if goal is not None and not goal.is_awaited:
+            return None
+        is_cancelled = goal is not None or 0 < stamp <= self._cancelled_until
+        goal = self._goals[uuid] = Goal(text, uuid, stamp, True)
+        if is_cancelled:
+            self._end(goal, [Status1.RECALLED], now, RECALLED)
+            return None
+        self._publish()
+        return uuid
+
+    def hear_answer(self, uuid: bytes, is_accepted: bool, now: float, why: str = REJECTED) -> bool:
+        """Follow the server's answer to a goal.
+
+        :param why: it is not accepted
+        :returns: whether the goal is to be cancelled now
+        """
+        goal = self._goals.get(uuid)
+        if goal is None or not goal.is_under_way:
+            return is_accepted  # whoever wanted it was told that it is over
+        goal.is_accepted = is_accepted
+        if not is_accepted:
+            self._end(goal, [Status1.REJECTED], now, why)
+        return is_accepted and goal.is_to_be_cancelled
+
+    def hear_status(
+        self, listed: Sequence[Tuple[bytes, int, Status2]], sender: bytes, now: float
+    ) -> None:
+        """Follow the server's list.
+
+        :param listed: id, stamp in ns, and status of each goal
+        :param sender: name of the publisher
+        """
+        for uuid, stamp, status in listed:
+            if uuid not in self._goals and status in STEPS2:
+                self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, False)
+            goal = self._goals.get(uuid)
+            if goal is None or not goal.is_under_way:
+                continue
+            goal.sender = sender
+            if status in STEPS2:
+                goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
+            elif status in OVER2 and not goal.is_ours:  # of ours the result tells
+                self._end(goal, TO_ROS1[status], now)
+        self._publish()
+
+    def hear_result(
+        self, uuid: bytes, status: Status2, result: Optional[bytes], now: float
+    ) -> None:
+        """End a goal of ROS 1.
+
+        :param result: passed on
+        """
+        goal = self._goals.get(uuid)
+        if goal is not None and goal.is_under_way:
+            last = status if status in OVER2 else Status2.UNKNOWN
+            self._end(goal, TO_ROS1[last], now, result=result)
+
+    def request_cancel(self, wanted: str, until: int, now: float) -> List[bytes]:
+        """Cancel goals: see :func:`.is_meant`. One that is not accepted yet is, as soon as it is.
+
+        :returns: the ids of those that are to be cancelled at once; that of no goal for all
+        """
+        self._cancelled_until = max(self._cancelled_until, until)
+        if wanted and bytes_of(wanted) not in self._goals:  # it has overtaken the goal
+            early = self._goals[bytes_of(wanted)] = Goal(wanted, bytes_of(wanted), until, False)
+            early.status, early.is_awaited, early.ended = Status1.RECALLING, True, now
+            self._publish()
+        meant = []
+        for goal in self._goals.values():
+            if goal.is_under_way and is_meant(goal.text, goal.stamp, wanted, until):
+                goal.is_to_be_cancelled = True
+                if goal.is_accepted:
+                    meant.append(goal.uuid)
+        return meant if wanted or until else [NO_GOAL]
+
+    def lose_goals(self, senders: Collection[bytes], now: float) -> None:
+        """End the goals whose server has gone.
+
+        :param senders: names of the publishers of the list that are there
+        """
+        for goal in self.listed():
+            is_there = goal.sender in senders if goal.sender is not None else bool(senders)
+            if goal.is_under_way and not is_there:
+                self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
+
+    def is_any_under_way(self) -> bool:
+        """Tell whether any goal is under way."""
+        return any(goal.is_under_way for goal in self._goals.values())
+
+    def under_way(self, uuid: bytes) -> Optional[Goal]:
+        """Return a goal under way, None where there is none."""
+        goal = self._goals.get(uuid)
+        return goal if goal is not None and goal.is_under_way else None
+
+    def forget_old(self, now: float) -> None:
+        """Forget what was over long ago."""
+        for goal in self.listed():
+            if goal.ended is not None and now > goal.ended + LISTED_S:
+                del self._goals[goal.uuid]
+
+    def _end(
+        self,
+        goal: Goal,
+        wanted: Collection[Status1],
+        now: float,
+        why: str = "",
+        result: Optional[bytes] = None,
+    ) -> None:
+        goal.status, goal.why = nearest(STEPS1, goal.status, wanted), why
+        goal.ended = now
+        if goal.is_ours:
+            self._publish_result(goal, result)
+        self._publish()
+
+    def _publish(self) -> None:
+        self._publish_status(self.listed())

@@ -1,0 +1,106 @@
+"""The states of a goal in either ROS, and each state's translation."""
+
+import enum
+from typing import AbstractSet, Collection, FrozenSet, Mapping, Sequence, TypeVar
+
+
+class Status1(enum.IntEnum):
+    """ROS 1's, numbered as in actionlib_msgs/GoalStatus."""
+
+    PENDING = 0
+    ACTIVE = 1
+    PREEMPTED = 2
+    SUCCEEDED = 3
+    ABORTED = 4
+    REJECTED = 5
+    PREEMPTING = 6
+    RECALLING = 7
+    RECALLED = 8
+    LOST = 9
+
+
+class Status2(enum.IntEnum):
+    """ROS 2's, numbered as in action_msgs/GoalStatus."""
+
+    UNKNOWN = 0
+    ACCEPTED = 1
+    EXECUTING = 2
+    CANCELING = 3
+    SUCCEEDED = 4
+    CANCELED = 5
+    ABORTED = 6
+
+
+#: What a goal can become next, as actionlib's server and rcl's have it. LOST is what a client of
+#: ROS 1 finds by itself.
+STEPS1: Mapping[Status1, AbstractSet[Status1]] = {
+    Status1.PENDING: {
+        Status1.ACTIVE,
+        Status1.RECALLING,
+        Status1.RECALLED,
+        Status1.REJECTED,
+    },
+    Status1.RECALLING: {Status1.PREEMPTING, Status1.RECALLED, Status1.REJECTED},
+    Status1.ACTIVE: {
+        Status1.PREEMPTING,
+        Status1.PREEMPTED,
+        Status1.SUCCEEDED,
+        Status1.ABORTED,
+    },
+    Status1.PREEMPTING: {Status1.PREEMPTED, Status1.SUCCEEDED, Status1.ABORTED},
+}
+STEPS2: Mapping[Status2, AbstractSet[Status2]] = {
+    Status2.ACCEPTED: {Status2.EXECUTING, Status2.CANCELING},
+    Status2.EXECUTING: {Status2.CANCELING, Status2.SUCCEEDED, Status2.ABORTED},
+    Status2.CANCELING: {Status2.CANCELED, Status2.SUCCEEDED, Status2.ABORTED},
+}
+
+#: What each state is in the other ROS. ROS 2 rejects a goal before it has a state; one that is
+#: rejected after it was accepted there is aborted.
+TO_ROS2: Mapping[Status1, Status2] = {
+    Status1.PENDING: Status2.ACCEPTED,
+    Status1.ACTIVE: Status2.EXECUTING,
+    Status1.PREEMPTED: Status2.CANCELED,
+    Status1.SUCCEEDED: Status2.SUCCEEDED,
+    Status1.ABORTED: Status2.ABORTED,
+    Status1.REJECTED: Status2.ABORTED,
+    Status1.PREEMPTING: Status2.CANCELING,
+    Status1.RECALLING: Status2.CANCELING,
+    Status1.RECALLED: Status2.CANCELED,
+    Status1.LOST: Status2.ABORTED,
+}
+#: Of two states of ROS 1 it is the one that fewer steps lead to: what was never active is recalled,
+#: all else is preempted.
+TO_ROS1: Mapping[Status2, Sequence[Status1]] = {
+    Status2.UNKNOWN: (Status1.ABORTED,),
+    Status2.ACCEPTED: (Status1.PENDING,),
+    Status2.EXECUTING: (Status1.ACTIVE,),
+    Status2.CANCELING: (Status1.RECALLING, Status1.PREEMPTING),
+    Status2.SUCCEEDED: (Status1.SUCCEEDED,),
+    Status2.CANCELED: (Status1.RECALLED, Status1.PREEMPTED),
+    Status2.ABORTED: (Status1.ABORTED,),
+}
+
+#: The last states. Those that have steps are open.
+OVER1: FrozenSet[Status1] = frozenset(set(Status1).difference(STEPS1))
+OVER2: FrozenSet[Status2] = frozenset(set(Status2).difference(STEPS2, {Status2.UNKNOWN}))
+
+_Status = TypeVar("_Status", Status1, Status2)
+
+
+def nearest(
+    steps: Mapping[_Status, AbstractSet[_Status]], now: _Status, wanted: Collection[_Status]
+) -> _Status:
+    """Return the state that a goal has after some news: news may be late, or some may be missing.
+
+    :param steps: what a goal can become next
+    :param now: its state before
+    :param wanted: what it is now, by a translation
+    :returns: the one of these that fewest steps lead to; the state before if none is reached
+    """
+    reached = [now]  # in order of steps; grows while it is gone through
+    for state in reached:
+        if state in wanted:
+            return state
+        reached += [one for one in sorted(steps.get(state, ())) if one not in reached]
+    return now

@@ -1,0 +1,260 @@
+"""The goals of a server of ROS 1, as clients of ROS 2 see them."""
+
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
+from ros2_bridge.actions.goals_of_ros1 import (
+    DONE,
+    GOAL_IS_OVER,
+    KEPT_S,
+    REJECTED,
+    RESULT_S,
+    UNKNOWN_GOAL,
+    Goal,
+    GoalsOfRos1,
+)
+from ros2_bridge.actions.states import OVER1, STEPS2, Status1, Status2, nearest
+
+ONE, TWO = bytes([1]) * 16, bytes([2]) * 16
+PATIENCE_S = 5.0
+
+
+class Clients:
+    """What the clients of ROS 2 are told."""
+
+    def __init__(self) -> None:
+        self.goals = GoalsOfRos1(lambda: PATIENCE_S, self._publish)
+        self.accepted: Dict[bytes, List[bool]] = {}
+        self.results: Dict[bytes, List[Tuple[Status2, bytes]]] = {}
+        self.cancelled: List[Tuple[int, List[bytes]]] = []
+        self.status: Dict[bytes, Status2] = {}
+
+    def _publish(self, goals: Sequence[Goal]) -> None:
+        self.status, before = {}, self.status
+        for goal in goals:
+            assert goal.status is not None
+            self.status[goal.uuid] = goal.status
+            first = before.get(goal.uuid, Status2.ACCEPTED)
+            assert nearest(STEPS2, first, [goal.status]) == goal.status, (first, goal.status)
+
+    def send(self, uuid: bytes, stamp: int = 1, now: float = 0.0) -> str:
+        answers = self.accepted.setdefault(uuid, [])
+        return self.goals.request_goal(uuid, stamp, now, answers.append)
+
+    def ask(self, uuid: bytes) -> None:
+        answers = self.results.setdefault(uuid, [])
+        self.goals.request_result(uuid, lambda *answer: answers.append(answer))
+
+    def cancel(self, uuid: bytes, until: int = 0, now: float = 0.0) -> Optional[str]:
+        def hear(code: int, goals: Sequence[Goal]) -> None:
+            self.cancelled.append((code, [goal.uuid for goal in goals]))
+
+        return self.goals.request_cancel(uuid, until, now, hear)
+
+    def list_goals(self, now: float = 0.0, **status: Status1) -> None:
+        uuids = {"one": ONE, "two": TWO}
+        listed = [(text_of(uuids[name]), 1, one) for name, one in status.items()]
+        self.goals.hear_status(listed, now)
+
+    def end(self, uuid: bytes, status: Status1, result: bytes = b"", now: float = 0.0) -> None:
+        self.goals.hear_result(text_of(uuid), status, result, now)
+
+
+@pytest.fixture
+def clients() -> Clients:
+    return Clients()
+
+
+def test_goal_goes_from_sending_to_its_result(clients: Clients) -> None:
+    assert clients.send(ONE) == text_of(ONE)
+    clients.list_goals(one=Status1.PENDING)
+    assert clients.accepted == {ONE: []} and not clients.status
+    clients.list_goals(one=Status1.ACTIVE)
+    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.EXECUTING}
+    clients.ask(ONE)
+    clients.list_goals(one=Status1.SUCCEEDED)
+    assert clients.results == {ONE: []} and clients.status == {ONE: Status2.EXECUTING}
+    clients.end(ONE, Status1.SUCCEEDED, b"far")
+    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"far")]}
+    assert clients.status == {ONE: Status2.SUCCEEDED}
+    clients.list_goals(one=Status1.ACTIVE)  # older than the result
+    clients.ask(ONE)
+    assert clients.results[ONE] == 2 * [(Status2.SUCCEEDED, b"far")]
+
+
+def test_result_that_is_there_before_any_status_ends_the_goal(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.end(ONE, Status1.ABORTED, b"near")
+    clients.ask(ONE)
+    assert clients.accepted == {ONE: [True]}
+    assert clients.results == {ONE: [(Status2.ABORTED, b"near")]}
+
+
+def test_rejected_goal_has_no_state(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.send(TWO)
+    clients.list_goals(one=Status1.REJECTED)
+    clients.end(TWO, Status1.REJECTED)
+    clients.list_goals(one=Status1.REJECTED, two=Status1.REJECTED)
+    assert clients.accepted == {ONE: [False], TWO: [False]}
+    assert not clients.status
+    clients.ask(ONE)
+    assert clients.results == {ONE: [(Status2.UNKNOWN, b"")]}
+
+
+def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status1.PENDING)
+    assert clients.goals.end_waits(PATIENCE_S) == [] and clients.accepted == {ONE: []}
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == []
+    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.ACCEPTED}
+    clients.end(ONE, Status1.REJECTED)
+    assert clients.status == {ONE: Status2.ABORTED}
+
+
+def test_goal_that_the_server_never_lists_is_given_up(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals()
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == [text_of(ONE)]
+    assert clients.accepted == {ONE: [False]}
+    clients.list_goals(one=Status1.RECALLING)
+    clients.list_goals(one=Status1.RECALLED)
+    assert not clients.status
+
+
+def test_goal_that_is_listed_no_longer_is_lost(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status1.ACTIVE)
+    clients.ask(ONE)
+    clients.list_goals()
+    assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
+
+
+def test_result_that_never_comes_is_empty(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status1.SUCCEEDED, now=1.0)
+    clients.ask(ONE)
+    clients.list_goals(now=1.5)
+    clients.goals.end_waits(1.0 + RESULT_S)
+    assert clients.results == {ONE: []}
+    clients.goals.end_waits(1.1 + RESULT_S)
+    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"")]}
+
+
+def test_result_is_kept_for_a_time(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.end(ONE, Status1.SUCCEEDED, b"far", now=10.0)
+    clients.goals.end_waits(10.0 + KEPT_S)
+    assert clients.status
+    clients.goals.end_waits(10.1 + KEPT_S)
+    clients.ask(ONE)
+    assert clients.results == {ONE: [(Status2.UNKNOWN, b"")]} and not clients.status
+
+
+def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
+    clients.send(ONE)
+    assert clients.send(ONE) == "" and clients.accepted == {ONE: [False]}
+    assert clients.send(NO_GOAL) == "" and clients.accepted[NO_GOAL] == [False]
+
+
+def test_goals_of_ros1_are_there_too(clients: Clients) -> None:
+    clients.goals.hear_status([("/node-1-7.5", 7, Status1.ACTIVE)], 0.0)
+    uuid = bytes_of("/node-1-7.5")
+    assert clients.status == {uuid: Status2.EXECUTING}
+    assert clients.cancel(uuid) == "/node-1-7.5"
+    clients.ask(uuid)
+    clients.goals.hear_result("/node-1-7.5", Status1.PREEMPTED, b"far", 0.0)
+    assert clients.results == {uuid: [(Status2.CANCELED, b"far")]}
+    assert clients.cancelled == [(DONE, [uuid])]
+
+
+def test_cancellation_is_answered_once_all_have_followed(clients: Clients) -> None:
+    clients.send(ONE, 1)
+    clients.send(TWO, 2)
+    clients.list_goals(one=Status1.ACTIVE, two=Status1.ACTIVE)
+    assert clients.cancel(NO_GOAL, 1) == ""
+    assert clients.cancel(NO_GOAL) == ""
+    assert clients.cancelled == []
+    clients.list_goals(one=Status1.PREEMPTING, two=Status1.ACTIVE)
+    assert clients.cancelled == [(DONE, [ONE])]
+    clients.end(TWO, Status1.SUCCEEDED)
+    assert clients.cancelled[1:] == [(DONE, [ONE])]
+
+
+def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status1.ACTIVE)
+    assert clients.cancel(ONE, now=1.0) == text_of(ONE)
+    clients.goals.end_waits(1.0 + PATIENCE_S)
+    assert clients.cancelled == []
+    clients.goals.end_waits(1.1 + PATIENCE_S)
+    assert clients.cancelled == [(REJECTED, [])]
+
+
+def test_cancellation_of_what_is_not_there_is_not_sent(clients: Clients) -> None:
+    assert clients.cancel(ONE) is None
+    clients.send(ONE)
+    clients.end(ONE, Status1.SUCCEEDED)
+    assert clients.cancel(ONE) is None
+    assert clients.cancelled == [(UNKNOWN_GOAL, []), (GOAL_IS_OVER, [])]
+    assert clients.cancel(TWO, 5) == text_of(TWO)  # those until then, and this one if it comes
+    assert clients.cancelled[2:] == [(DONE, [])]
+
+
+def test_server_that_goes_takes_all_goals_with_it(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status1.ACTIVE)
+    clients.ask(ONE)
+    clients.cancel(ONE)
+    clients.send(TWO)
+    clients.goals.lose_server(3.0)
+    assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
+    assert clients.accepted == {ONE: [True], TWO: [False]}
+    assert clients.cancelled == [(REJECTED, [])]
+
+
+EVENTS = st.lists(
+    st.tuples(
+        st.sampled_from(["send", "ask", "cancel", "status", "end", "wait"]),
+        st.sampled_from([ONE, TWO]),
+        st.lists(st.sampled_from(Status1), min_size=2, max_size=2),
+        st.floats(0.0, 2.0),
+    ),
+    max_size=30,
+)
+
+
+@given(EVENTS)
+def test_whatever_a_server_says_each_question_has_one_answer(events: List[Any]) -> None:
+    clients, now = Clients(), 0.0
+    sent: List[bytes] = []
+    asked = cancelled = 0
+    for what, uuid, (one, two), pause in events:
+        now += pause
+        if what == "send" and uuid not in sent:
+            sent.append(uuid)
+            clients.send(uuid, int(now), now)
+        elif what == "ask":
+            asked += 1
+            clients.ask(uuid)
+        elif what == "cancel":
+            cancelled += 1
+            clients.cancel(uuid, 0, now)
+        elif what == "status":
+            clients.list_goals(now, one=one, two=two)
+        elif what == "end" and one in OVER1:
+            clients.end(uuid, one, b"far", now)
+        else:
+            clients.goals.end_waits(now)
+    clients.goals.lose_server(now)
+    clients.goals.end_waits(now + PATIENCE_S + 0.1)
+    assert all(len(answers) == 1 for answers in clients.accepted.values())
+    assert sum(map(len, clients.results.values())) == asked
+    assert len(clients.cancelled) == cancelled
+    for uuid, answers in clients.results.items():
+        known = {status for status, _ in answers if status != Status2.UNKNOWN}
+        assert len(known) <= 1 and not known.intersection(STEPS2)

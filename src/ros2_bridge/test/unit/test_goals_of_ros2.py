@@ -1,0 +1,210 @@
+"""The goals of a server of ROS 2, as clients of ROS 1 see them."""
+
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
+from ros2_bridge.actions.goals_of_ros2 import GONE, LISTED_S, RECALLED, REJECTED, Goal, GoalsOfRos2
+from ros2_bridge.actions.states import OVER1, OVER2, STEPS1, Status1, Status2, nearest
+
+ONE, TWO = "/node-1-7.5", "/node-2-7.5"
+SENDER, OTHER = b"s" * 16, b"o" * 16
+
+
+class Clients:
+    """What the clients of ROS 1 are told."""
+
+    def __init__(self) -> None:
+        self.goals = GoalsOfRos2(self._end, self._publish)
+        self.status: Dict[str, Status1] = {}
+        self.results: List[Tuple[str, Status1, str, Optional[bytes]]] = []
+
+    def _publish(self, goals: Sequence[Goal]) -> None:
+        self.status, before = {}, self.status
+        for goal in goals:
+            self.status[goal.text] = goal.status
+            first = before.get(goal.text, Status1.PENDING)
+            reached = nearest(STEPS1, first, [goal.status]) == goal.status
+            assert reached or goal.is_awaited, (first, goal.status)
+
+    def _end(self, goal: Goal, result: Optional[bytes]) -> None:
+        self.results.append((goal.text, goal.status, goal.why, result))
+
+    def send(self, text: str, stamp: int = 1, now: float = 0.0) -> Optional[bytes]:
+        return self.goals.request_goal(text, stamp, now)
+
+    def answer(self, text: str, is_accepted: bool = True) -> bool:
+        return self.goals.hear_answer(bytes_of(text), is_accepted, 0.0)
+
+    def list_goals(self, sender: bytes = SENDER, **status: Status2) -> None:
+        uuids = {"one": bytes_of(ONE), "two": bytes_of(TWO), "theirs": b"t" * 16}
+        listed = [(uuids[name], 1, one) for name, one in status.items()]
+        self.goals.hear_status(listed, sender, 0.0)
+
+    def end(self, text: str, status: Status2, result: bytes = b"far") -> None:
+        self.goals.hear_result(bytes_of(text), status, result, 0.0)
+
+
+@pytest.fixture
+def clients() -> Clients:
+    return Clients()
+
+
+def test_goal_goes_from_sending_to_its_result(clients: Clients) -> None:
+    assert clients.send(ONE) == bytes_of(ONE)
+    assert clients.status == {ONE: Status1.PENDING}
+    assert clients.answer(ONE) is False
+    clients.list_goals(one=Status2.EXECUTING)
+    assert clients.status == {ONE: Status1.ACTIVE}
+    clients.list_goals(one=Status2.SUCCEEDED)
+    assert clients.status == {ONE: Status1.ACTIVE} and not clients.results
+    clients.end(ONE, Status2.SUCCEEDED)
+    assert clients.results == [(ONE, Status1.SUCCEEDED, "", b"far")]
+    assert clients.status == {ONE: Status1.SUCCEEDED}
+    clients.end(ONE, Status2.ABORTED)
+    clients.list_goals(one=Status2.EXECUTING)
+    assert len(clients.results) == 1 and clients.status == {ONE: Status1.SUCCEEDED}
+    assert clients.send(ONE) is None
+
+
+def test_rejected_goal_says_why(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.answer(ONE, False)
+    clients.send(TWO)
+    clients.goals.hear_answer(bytes_of(TWO), False, 0.0, "not there")
+    assert clients.results == [
+        (ONE, Status1.REJECTED, REJECTED, None),
+        (TWO, Status1.REJECTED, "not there", None),
+    ]
+
+
+@pytest.mark.parametrize("is_active", [True, False])
+def test_cancelled_goal_is_preempted_or_recalled(clients: Clients, is_active: bool) -> None:
+    clients.send(ONE)
+    clients.answer(ONE)
+    clients.list_goals(one=Status2.EXECUTING if is_active else Status2.ACCEPTED)
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
+    clients.list_goals(one=Status2.CANCELING)
+    first = Status1.PREEMPTING if is_active else Status1.RECALLING
+    assert clients.status == {ONE: first}
+    clients.end(ONE, Status2.CANCELED)
+    last = Status1.PREEMPTED if is_active else Status1.RECALLED
+    assert clients.results == [(ONE, last, "", b"far")]
+
+
+def test_cancellation_waits_for_the_answer(clients: Clients) -> None:
+    clients.send(ONE)
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == []
+    assert clients.answer(ONE) is True
+
+
+def test_cancellation_that_overtakes_its_goal_recalls_it(clients: Clients) -> None:
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == []
+    assert clients.status == {ONE: Status1.RECALLING}
+    assert clients.send(ONE) is None
+    assert clients.results == [(ONE, Status1.RECALLED, RECALLED, None)]
+    assert not clients.answer(ONE, False)
+
+
+def test_cancellation_is_not_kept_for_ever(clients: Clients) -> None:
+    clients.goals.request_cancel(ONE, 0, 0.0)
+    clients.goals.forget_old(LISTED_S + 0.1)
+    clients.status.clear()
+    assert clients.send(ONE) == bytes_of(ONE)
+
+
+def test_goals_until_a_time_are_cancelled_also_those_that_come_later(clients: Clients) -> None:
+    for stamp, text in enumerate((ONE, TWO), start=1):
+        clients.send(text, stamp)
+        clients.answer(text)
+    assert clients.goals.request_cancel("", 1, 0.0) == [bytes_of(ONE)]
+    assert clients.goals.request_cancel("", 2, 0.0) == [bytes_of(ONE), bytes_of(TWO)]
+    assert clients.send("late", 2) is None
+    assert clients.results == [("late", Status1.RECALLED, RECALLED, None)]
+    assert clients.send("later", 3) is not None
+    assert clients.send("without a time", 0) is not None
+
+
+def test_all_are_cancelled_by_one_request(clients: Clients) -> None:
+    clients.send(ONE)
+    assert clients.goals.request_cancel("", 0, 0.0) == [NO_GOAL]
+    assert clients.answer(ONE) is True
+
+
+def test_goals_of_ros2_are_listed_too(clients: Clients) -> None:
+    theirs = text_of(b"t" * 16)
+    clients.list_goals(theirs=Status2.EXECUTING)
+    assert clients.status == {theirs: Status1.ACTIVE}
+    assert clients.goals.request_cancel(theirs, 0, 0.0) == [b"t" * 16]
+    assert clients.goals.under_way(b"t" * 16) is not None
+    clients.list_goals(theirs=Status2.SUCCEEDED)
+    assert clients.status == {theirs: Status1.SUCCEEDED} and not clients.results
+    assert clients.goals.under_way(b"t" * 16) is None
+    clients.goals.forget_old(LISTED_S)
+    assert clients.goals.listed()
+    clients.goals.forget_old(LISTED_S + 0.1)
+    clients.list_goals(theirs=Status2.SUCCEEDED)
+    assert clients.status == {}
+
+
+def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.send(TWO)
+    clients.answer(ONE)
+    clients.list_goals(one=Status2.EXECUTING)
+    clients.goals.lose_goals({SENDER}, 0.0)
+    assert not clients.results and clients.goals.is_any_under_way()
+    clients.goals.lose_goals({OTHER}, 0.0)  # a new one
+    assert clients.results == [(ONE, Status1.ABORTED, GONE, None)]
+    clients.goals.lose_goals(set(), 0.0)
+    assert clients.results[1:] == [(TWO, Status1.ABORTED, GONE, None)]
+    assert not clients.goals.is_any_under_way()
+    assert clients.answer(TWO) is True  # accepted after all: it is to be cancelled
+    assert clients.answer(TWO, False) is False
+
+
+def test_goal_that_the_server_has_forgotten_is_aborted(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.answer(ONE)
+    clients.end(ONE, Status2.UNKNOWN)
+    assert clients.results == [(ONE, Status1.ABORTED, "", b"far")]
+
+
+EVENTS = st.lists(
+    st.tuples(
+        st.sampled_from(["send", "accept", "reject", "cancel", "status", "end", "wait"]),
+        st.sampled_from([ONE, TWO]),
+        st.lists(st.sampled_from(Status2), min_size=3, max_size=3),
+        st.floats(0.0, 2.0),
+    ),
+    max_size=30,
+)
+
+
+@given(EVENTS)
+def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> None:
+    clients, now = Clients(), 0.0
+    sent: List[str] = []
+    for what, text, (one, two, theirs), pause in events:
+        now += pause
+        if what == "send" and text not in sent:
+            sent.append(text)
+            clients.send(text, 1, now)
+        elif what in ("accept", "reject"):
+            clients.answer(text, what == "accept")
+        elif what == "cancel":
+            clients.goals.request_cancel(text, 0, now)
+        elif what == "status":
+            clients.list_goals(one=one, two=two, theirs=theirs)
+        elif what == "end" and one in OVER2:
+            clients.end(text, one)
+        else:
+            clients.goals.forget_old(now)
+    clients.goals.lose_goals(set(), now)
+    clients.goals.forget_old(now + LISTED_S + 0.1)
+    ended = [text for text, status, _, _ in clients.results if status in OVER1]
+    assert sorted(ended) == sorted(sent)
+    assert not clients.goals.listed()

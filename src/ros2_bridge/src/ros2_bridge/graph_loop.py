@@ -9,6 +9,7 @@ import rospy
 
 from nodekit import LiveParameters, MasterUnreachable, Node
 from nodekit.master import MISSING, MasterClient
+from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph, read_graph
 from ros2_bridge.ros1.nodes import Entry, NodesInRos1
@@ -65,6 +66,9 @@ class GraphLoop:
             self._skipped,
             lambda: parameters.values.service_timeout,
         )
+        self._actions = ActionBridge(
+            node, side, types, self._skipped, lambda: parameters.values.service_timeout
+        )
         self._rosout, self._nodes_in_ros1 = Rosout(node, side, names), NodesInRos1(node.name)
         self._master_pid = 0
         self._ended = threading.Event()
@@ -83,6 +87,7 @@ class GraphLoop:
                     self._poll_graphs()
                 else:
                     self._topics.follow_subscribers1()
+                    self._actions.follow()
             except MasterUnreachable as error:  # all stays as it is until it is back
                 rospy.logwarn_throttle(10.0, f"nothing new is bridged: {error}")
             except Exception:
@@ -106,6 +111,7 @@ class GraphLoop:
         self._rosout.subscription.switch(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
         self._topics.update_topics(rules, ros1, topics, owners)
         self._services.update_services(rules, ros1, services, owners)
+        self._actions.update_actions(rules, ros1, services, owners)
         entries = self._entries(in_ros2, topics)
         self._nodes_in_ros1.register(entries, ros1.nodes(), is_restarted)
         self._report_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})

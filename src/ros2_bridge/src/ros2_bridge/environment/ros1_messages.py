@@ -4,8 +4,9 @@ A module of its own, as it is imported after rospy and before rclpy, while these
 1's: see :mod:`ros2_bridge.environment.side_by_side`.
 """
 
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
-__all__ = ["Log", "String", "Trigger"]
+__all__ = ["GoalID", "GoalStatus", "GoalStatusArray", "Header", "Log", "String", "Trigger"]

@@ -8,7 +8,8 @@ from ros2_bridge.rules.settings import BridgeParameters
 _HEAD = """\
 usage: bridge [--print-pairs] [_PARAMETER:=VALUE ...]
 
-Bridge topics, services, parameters and managed nodes between ROS 1 and ROS 2, until Ctrl-C.
+Bridge topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2,
+until Ctrl-C.
 
 options:
   -h, --help     print this and end

@@ -1,6 +1,7 @@
 """The bridge: what is there in one ROS, is there in the other."""
 
 import sys
+from typing import Any, Callable, Dict
 
 import yaml
 
@@ -14,7 +15,7 @@ from ros2_bridge.types.types import Types, shared_types
 
 
 class Bridge:
-    """Bridges topics, services, parameters and managed nodes between ROS 1 and ROS 2.
+    """Bridges topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2.
 
     :ROS Publishers:
         - ``~statistics`` (std_msgs/String): each second what has gone through, as YAML
@@ -41,9 +42,14 @@ class Bridge:
 def print_pairs() -> None:
     """Print each pair of types; what has the same name and differs, on standard error."""
     types = Types()
+    finders: Dict[str, Callable[[str], Any]] = {
+        "msg": types.message,
+        "srv": types.service,
+        "action": types.action,
+    }
     for kind, name in shared_types():
         try:
-            other = types.message(name).ros2 if kind == "msg" else types.service(name).ros2
+            other = finders[kind](name).ros2
         except Unbridgeable as reason:
             print(f"not bridged: {reason}", file=sys.stderr)
             continue

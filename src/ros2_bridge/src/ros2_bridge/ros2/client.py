@@ -18,19 +18,51 @@ class Ros2Client:
     :param side: the bridge in ROS 2
     :param cls: class of the service
     :param name: of the service
+    :param depth: how many responses are kept in a burst
     """
 
-    def __init__(self, side: Ros2, cls: Any, name: str) -> None:
+    def __init__(self, side: Ros2, cls: Any, name: str, depth: int = 10) -> None:
         self._cls, self._name = cls, name
         self._lock = threading.Lock()
         self._waiting: Dict[int, Callable[[Any], None]] = {}
-        self._client, self.close = side.client(cls, name, self._receive)
+        self._client, self.close = side.client(cls, name, self._receive, depth)
+
+    def is_ready(self) -> bool:
+        """Tell whether somebody offers the service."""
+        try:
+            return bool(self._client.service_is_ready())
+        except _rclpy.InvalidHandle:
+            return False
+
+    def send(self, request: Any, receive: Callable[[Any], None]) -> int:
+        """Call the service without waiting.
+
+        :param receive: called with the response, in the loop's thread
+        :returns: number of the call, for :meth:`forget`
+        :raises NoResponse: if nobody offers it
+        """
+        try:
+            if not self._client.service_is_ready():
+                raise NoResponse(f"{self._name} is not offered in ROS 2")
+            with self._lock:  # or the response could come before it is waited for
+                number: int = self._client.handle.send_request(request)
+                self._waiting[number] = receive
+        except _rclpy.InvalidHandle:
+            raise NoResponse(
+                f"{self._name} in ROS 2: the bridge has just closed its client"
+            ) from None
+        return number
+
+    def forget(self, number: int) -> None:
+        """Wait for a response no longer."""
+        with self._lock:
+            self._waiting.pop(number, None)
 
     def call(self, request: Any, timeout: float) -> Any:
         """Call the service and wait for the response.
 
         :param timeout: longest wait, s
-                :raises NoResponse: if nobody offers it, or nobody responds in time
+        :raises NoResponse: if nobody offers it, or nobody responds in time
         """
         responses: List[Any] = []
         came = threading.Event()
@@ -39,19 +71,9 @@ class Ros2Client:
             responses.append(response)
             came.set()
 
-        try:
-            if not self._client.service_is_ready():
-                raise NoResponse(f"{self._name} is not offered in ROS 2")
-            with self._lock:  # or the response could come before it is waited for
-                number = self._client.handle.send_request(request)
-                self._waiting[number] = receive
-        except _rclpy.InvalidHandle:
-            raise NoResponse(
-                f"{self._name} in ROS 2: the bridge has just closed its client"
-            ) from None
+        number = self.send(request, receive)
         if not came.wait(timeout):
-            with self._lock:
-                self._waiting.pop(number, None)
+            self.forget(number)
             raise NoResponse(f"{self._name} in ROS 2: no answer within {timeout:g} s")
         return responses[0]
 

@@ -24,6 +24,8 @@ from ros2_bridge.rules.settings import Quality
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
 _PARTICIPANT = 12
+#: How many calls of a service are kept in a burst, as by rclpy.
+_CALLS = 10
 #: Longest time for disconnecting, s: Ctrl-C ends the bridge within 2 s.
 _DISCONNECT_S = 0.7
 #: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
@@ -151,17 +153,25 @@ class Ros2:
         return self._attach(self.messages, waitable, destroy)
 
     def serve(
-        self, node: Node, cls: Any, name: str, answer: Callable[[Any, Callable[[Any], None]], None]
+        self,
+        node: Node,
+        cls: Any,
+        name: str,
+        answer: Callable[[Any, Callable[[Any], None]], None],
+        depth: int = _CALLS,
     ) -> Callable[[], None]:
         """Offer a service.
 
         :param node: whose it is
+        :param depth: how many requests are kept in a burst
         :param answer: called in the loop's thread with the request and what sends the response,
             once and from any thread
         :returns: what ends it
         """
         with self._lock:
-            service = node.create_service(cls, name, lambda request, response: response)
+            service = node.create_service(
+                cls, name, lambda request, response: response, qos_profile=QoSProfile(depth=depth)
+            )
             _forget_failures()
 
         def receive_requests(most: int) -> None:
@@ -175,16 +185,17 @@ class Ros2:
         return self._attach(self.calls, waitable, lambda: node.destroy_service(service))
 
     def client(
-        self, cls: Any, name: str, receive: Callable[[int], None]
+        self, cls: Any, name: str, receive: Callable[[int], None], depth: int = _CALLS
     ) -> Tuple[Any, Callable[[], None]]:
         """Make what calls a service.
 
+        :param depth: how many responses are kept in a burst
         :param receive: takes responses that have arrived, up to so many; called in the loop's
             thread
         :returns: rclpy's client, and what ends it
         """
         with self._lock:
-            client = self.node.create_client(cls, name)
+            client = self.node.create_client(cls, name, qos_profile=QoSProfile(depth=depth))
             _forget_failures()
         waitable = Waitable("client", client, receive)
         return client, self._attach(self.calls, waitable, lambda: self.node.destroy_client(client))

@@ -24,17 +24,19 @@ class BridgeParameters(ParameterSet):
     """The parameters of the bridge."""
 
     direction = EnumParameter(
-        "both", choices=("both", "to_ros2", "to_ros1"), help="which way topics and services go"
+        "both",
+        choices=("both", "to_ros2", "to_ros1"),
+        help="which way topics, services and actions go",
     )
     allow = ListParameter(
         ("*",),
         element=StringParameter("", help="a pattern"),
-        help="patterns of topics and services that are bridged",
+        help="patterns of topics, services and actions that are bridged",
     )
     deny = ListParameter(
         (),
         element=StringParameter("", help="a pattern"),
-        help="patterns of topics and services that are not bridged",
+        help="patterns of topics, services and actions that are not bridged",
     )
     remap = read_once(
         ListParameter(
@@ -68,7 +70,11 @@ class BridgeParameters(ParameterSet):
         help="most nodes of ROS 1 shown in ROS 2, and of ROS 2 with parameters shown in ROS 1",
     )
     service_timeout = FloatParameter(
-        5.0, unit="s", above=0.0, maximum=3600.0, help="longest wait for a service's response"
+        5.0,
+        unit="s",
+        above=0.0,
+        maximum=3600.0,
+        help="longest wait for a service's response, or for word of a goal",
     )
 
     @rule("remap")

@@ -7,6 +7,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
+from ros2_bridge.actions.finding import is_of_action
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.side import Ros2
@@ -46,8 +47,10 @@ class TopicBridge(PairBridge[_Pair]):
         :param owners: the nodes of ROS 1 that appear in ROS 2
         """
         self._rules, self._ros1, self._ros2, self._owners = rules, ros1, ros2, owners
+        of_actions = {name for name, kind in ros1.types.items() if is_of_action(name, kind)}
+        published1 = set(ros1.publishers) - of_actions
         published2 = {name for name, topic in ros2.items() if topic.publishers}
-        self.update_pairs(wanted(rules, set(ros1.publishers), published2))
+        self.update_pairs(wanted(rules, published1, published2))
         for way, pair in self.pairs.items():
             pair.limit.set_rate(rules.max_rates.of(way.name))
             if isinstance(pair, TopicToRos2):

@@ -57,6 +57,27 @@ class ServiceType(NamedTuple):
     response: Codec
 
 
+class ActionType(NamedTuple):
+    """A type of actions.
+
+    :param ros1, ros2: its names
+    :param cls: ROS 2's class
+    :param goal, result, feedback: codecs of what the user has defined
+    :param raw_goal, raw_result, raw_feedback: classes of ROS 1's messages, which hold their bytes:
+        header and id, or header and status, and then what the user has defined
+    """
+
+    ros1: str
+    ros2: str
+    cls: Any
+    goal: Codec
+    result: Codec
+    feedback: Codec
+    raw_goal: Any
+    raw_result: Any
+    raw_feedback: Any
+
+
 class Types:
     """Finds types and keeps them; may be used from several threads."""
 
@@ -91,6 +112,14 @@ class Types:
         :raises Unbridgeable: if one of the ROSes does not know it, or they differ
         """
         return self._find("srv", name, self._make_service)
+
+    def action(self, name: str) -> ActionType:
+        """Return the type of actions that ROS 1 has under a name.
+
+        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        """
+        found: ActionType = self._find("action", name, self._make_action)
+        return found
 
     def _find(self, kind: str, name: str, make: Callable[[str], Any]) -> Any:
         with self._lock:
@@ -133,20 +162,40 @@ class Types:
         raw = type("Raw", (), attributes)
         return ServiceType(name, self.ros2_name(name), raw, cls, request, response)
 
-    def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
-        """Return codec and raw class of a message, or of one half of a service."""
+    def _make_action(self, name: str) -> ActionType:
+        context = genmsg.MsgContext.create_default()
+        cls = self._import(name, "action")
+        codecs, raws = [], []
+        for part in ("Goal", "Result", "Feedback"):
+            with _explaining(f"action type {name} is not installed in ROS 1"):
+                spec, whole = (
+                    genmsg.msg_loader.load_msg_by_type(context, f"{name}{kind}", self._folders)
+                    for kind in (part, f"Action{part}")
+                )
+            codecs.append(self._part(context, spec, name + part, getattr(cls, part))[0])
+            raws.append(self._raw(context, whole, f"{name}Action{part}"))
+        return ActionType(name, self.ros2_name(name), cls, *codecs, *raws)
+
+    def _raw(self, context: Any, spec: Any, name: str) -> Any:
+        """Return a class of messages of ROS 1 that hold their bytes."""
         with _explaining(f"invalid definition of {name} in ROS 1"):
             genmsg.msg_loader.load_depends(context, spec, self._folders)
             md5sum = genmsg.gentools.compute_md5(context, spec)
             text = genmsg.gentools.compute_full_text(context, spec)
-            fields = parse(name, text)
+        attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
+        # Pickled by nobody, so its module does not matter.
+        return type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
+
+    def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
+        """Return codec and raw class of a message, or of a part of a service or action."""
+        raw = self._raw(context, spec, name)
+        with _explaining(f"invalid definition of {name} in ROS 1"):
+            fields = parse(name, raw._full_text)
             codec = Codec(name, fields)
         found = difference(name, fields, self.ros2_name(name), lambda its: self._describe(its, cls))
         if found:
             raise Unbridgeable(f"{name} differs between ROS 1 and ROS 2: {found}")
-        attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
-        # Pickled by nobody, so its module does not matter.
-        return codec, type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
+        return codec, raw
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
@@ -186,7 +235,7 @@ def shared_types() -> Iterator[Tuple[str, str]]:
         place = package_folder(packages, package)
         if place is None:
             continue
-        for kind in ("msg", "srv"):
+        for kind in ("msg", "srv", "action"):
             for path in sorted(place.glob(f"{kind}/*.{kind}")):
                 yield kind, f"{package}/{path.stem}"
 

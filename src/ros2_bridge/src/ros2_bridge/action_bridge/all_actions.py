@@ -1,0 +1,91 @@
+"""All actions: finds those that others serve, and bridges them until they go."""
+
+from typing import Callable, Dict, Optional, Tuple, Union
+
+from rclpy.node import Node as Ros2Node
+from rclpy.validate_full_topic_name import validate_full_topic_name
+
+from nodekit import Node
+from ros2_bridge.action_bridge.server_to_ros1 import ActionToRos1
+from ros2_bridge.action_bridge.server_to_ros2 import ActionToRos2
+from ros2_bridge.actions.finding import Server, servers_in_ros1, servers_in_ros2
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.rules.pairing import Rules, Way, wanted
+from ros2_bridge.rules.pairs import PairBridge
+from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.types.types import Types
+
+_Pair = Union[ActionToRos1, ActionToRos2]
+
+
+class ActionBridge(PairBridge[_Pair]):
+    """Keeps the pairs of actions as both graphs want them.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param timeout: returns the longest wait for a server of ROS 1, s
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        types: Types,
+        skipped: SkipLog,
+        timeout: Callable[[], float],
+    ) -> None:
+        super().__init__(skipped)
+        self._node, self._side, self._types, self._timeout = node, side, types, timeout
+
+    def update_actions(
+        self,
+        rules: Rules,
+        ros1: Ros1Graph,
+        services2: Dict[str, Tuple[str, str]],
+        owners: Dict[str, Ros2Node],
+    ) -> None:
+        """Begin and end what this poll of both graphs asks for.
+
+        :param services2: type and node of each service of ROS 2
+        :param owners: the nodes of ROS 1 that appear in ROS 2
+        """
+        self._names, self._owners = rules.names, owners
+        self._ros1 = servers_in_ros1(ros1.publishers, ros1.subscribers, ros1.types)
+        self._ros2: Dict[str, Server] = {}
+        for name, server in servers_in_ros2(services2).items():
+            self._ros2[rules.names.in_ros1(name) or ""] = server
+        in_ros1, in_ros2 = set(self._ros1), set(self._ros2) - {""}
+        # A name that both sides have is not served for the other.
+        self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+        self.follow()
+
+    def follow(self) -> None:
+        """Have each pair follow its server."""
+        for pair in list(self.pairs.values()):
+            pair.follow()
+
+    def _has_same_type(self, way: Way, pair: _Pair) -> bool:
+        return self._type(way) == pair.kind.ros1
+
+    def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
+        return isinstance(pair, ActionToRos1) or pair.owner is self._owner(way)
+
+    def _begin(self, way: Way) -> Optional[_Pair]:
+        name, other = way.name, self._names.in_ros2(way.name) or way.name
+        validate_full_topic_name(f"{other}/_action/status")
+        kind = self._types.action(self._type(way))
+        if way.to_ros2:
+            owner = self._owner(way)
+            return ActionToRos2(self._node, self._side, owner, name, other, kind, self._timeout)
+        return ActionToRos1(self._node, self._side, name, other, kind)
+
+    def _owner(self, way: Way) -> Ros2Node:
+        """Return the node that offers an action of ROS 1 in ROS 2."""
+        return self._owners.get(self._ros1[way.name].node, self._side.node)
+
+    def _type(self, way: Way) -> str:
+        """Return ROS 1's name of an action's type."""
+        if way.to_ros2:
+            return self._ros1[way.name].kind
+        return self._types.ros1_name(self._ros2[way.name].kind)

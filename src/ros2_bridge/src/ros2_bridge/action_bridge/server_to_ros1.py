@@ -1,0 +1,195 @@
+"""An action server of ROS 2, offered in ROS 1."""
+
+import contextlib
+import itertools
+import threading
+import time
+from functools import partial
+from typing import Any, List, Optional, Sequence, Set
+
+import rospy
+from action_msgs.msg import GoalInfo
+from action_msgs.msg import GoalStatusArray as GoalStatusArray2
+from action_msgs.srv import CancelGoal
+from rclpy.serialization import deserialize_message, serialize_message
+from unique_identifier_msgs.msg import UUID
+
+from nodekit import Node
+from ros2_bridge.action_bridge import wire
+from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
+from ros2_bridge.actions.goals_of_ros2 import Goal, GoalsOfRos2
+from ros2_bridge.actions.states import Status2
+from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
+from ros2_bridge.ros2.client import NoResponse, Ros2Client
+from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.rules.settings import Quality
+from ros2_bridge.types.codec import ConversionError
+from ros2_bridge.types.types import ActionType
+
+#: How many responses, and pieces of feedback, are kept in a burst.
+DEPTH = 1000
+#: How often all goals are listed, Hz: actionlib's server does so by default.
+_RATE_HZ = 5.0
+
+
+class ActionToRos1:
+    """An action server of ROS 2, offered in ROS 1 as soon as all its services are there.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param name, other: its name in ROS 1 and in ROS 2
+    """
+
+    def __init__(self, node: Node, side: Ros2, name: str, other: str, kind: ActionType) -> None:
+        self._node, self._side, self._name, self.kind = node, side, name, kind
+        self._lock = threading.RLock()
+        self._goals = GoalsOfRos2(self._publish_result, self._publish_status)
+        self._numbers = itertools.count(1)
+        self._made = node.lifetime()
+        self._is_offered = False
+        impl, path = kind.cls.Impl, f"{other}/_action"
+        self._send_type, self._get_type = impl.SendGoalService, impl.GetResultService
+        self._send = Ros2Client(side, self._send_type, f"{path}/send_goal", DEPTH)
+        self._get = Ros2Client(side, self._get_type, f"{path}/get_result", DEPTH)
+        self._cancel = Ros2Client(side, CancelGoal, f"{path}/cancel_goal", DEPTH)
+        self._clients = (self._send, self._get, self._cancel)
+        self._nothing = kind.result.to_ros1(serialize_message(kind.cls.Result()))
+        self._status2 = f"{path}/status"
+        quality = Quality(1, latched=True)
+        self._ends = [
+            side.subscribe(GoalStatusArray2, self._status2, quality, self._hear_status),
+            side.subscribe(
+                impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH), self._hear_feedback
+            ),
+        ]
+
+    def follow(self) -> None:
+        """Offer it once the server is there, and end the goals of one that has gone."""
+        now, is_there = time.monotonic(), all(client.is_ready() for client in self._clients)
+        if not self._is_offered and is_there and self._senders():
+            self._offer()
+        with self._lock:
+            is_needed = self._goals.is_any_under_way()
+        senders = self._senders() if is_needed else set()
+        with self._lock:
+            self._goals.lose_goals(senders if is_there else set(), now)
+            self._goals.forget_old(now)
+
+    def _senders(self) -> Set[bytes]:
+        """Return the names of those who list the goals in ROS 2."""
+        found = self._side.node.get_publishers_info_by_topic(self._status2)
+        return {bytes(one.endpoint_gid) for one in found}
+
+    def _offer(self) -> None:
+        name, kind, made = self._name, self.kind, self._made
+        self._status1 = made.publisher(f"{name}/status", GoalStatusArray, latch=True)
+        self._feedback1 = made.publisher(f"{name}/feedback", kind.raw_feedback)
+        self._result1 = made.publisher(f"{name}/result", kind.raw_result)
+        self._is_offered = True
+        group = made.group(exclusive=False)
+        made.subscribe(f"{name}/cancel", GoalID, self._hear_cancel, group=group)
+        made.subscribe(f"{name}/goal", kind.raw_goal, self._hear_goal, group=group)
+        made.every(_RATE_HZ, self._list_goals, steady=True, group=group)
+
+    def _hear_goal(self, message: Any) -> None:
+        text, stamp, content = wire.read_goal(message._buff)
+        began = rospy.Time.now().to_nsec()
+        text = text or f"{self._node.name}-{next(self._numbers)}-{began}"
+        with self._lock:
+            uuid = self._goals.request_goal(text, stamp or began, time.monotonic())
+        if uuid is None:
+            return
+        try:
+            goal = deserialize_message(self.kind.goal.to_cdr(content), self.kind.cls.Goal)
+            request = self._send_type.Request(goal_id=UUID(uuid=list(uuid)), goal=goal)
+            self._send.send(request, partial(self._hear_answer, uuid))
+        except (NoResponse, ConversionError) as error:
+            with self._lock:
+                self._goals.hear_answer(uuid, False, time.monotonic(), str(error))
+
+    def _hear_answer(self, uuid: bytes, response: Any) -> None:
+        with self._lock:
+            is_cancelled = self._goals.hear_answer(uuid, response.accepted, time.monotonic())
+        if response.accepted:
+            with contextlib.suppress(NoResponse):  # it has just gone, which is noticed soon
+                request = self._get_type.Request(goal_id=UUID(uuid=list(uuid)))
+                self._get.send(request, partial(self._hear_result, uuid))
+        if is_cancelled:
+            self._cancel_goal(uuid)
+
+    def _hear_result(self, uuid: bytes, response: Any) -> None:
+        content = self.kind.result.to_ros1(serialize_message(response.result))
+        with self._lock:
+            self._goals.hear_result(uuid, Status2(response.status), content, time.monotonic())
+
+    def _hear_cancel(self, message: Any) -> None:
+        until = message.stamp.to_nsec()
+        with self._lock:
+            goals = self._goals.request_cancel(message.id, until, time.monotonic())
+        for uuid in goals:
+            self._cancel_goal(uuid)
+
+    def _cancel_goal(self, uuid: bytes) -> None:
+        """Have the server cancel a goal, or all goals."""
+
+        def hear(response: Any) -> None:
+            if uuid != NO_GOAL and not response.goals_canceling:
+                rospy.logwarn(f"{self._name}: the server in ROS 2 does not cancel {text_of(uuid)}")
+
+        info = GoalInfo(goal_id=UUID(uuid=list(uuid)))
+        with contextlib.suppress(NoResponse):
+            self._cancel.send(CancelGoal.Request(goal_info=info), hear)
+
+    def _hear_status(self, arrived: List[Arrived]) -> None:
+        for one in arrived:
+            message = deserialize_message(one.data, GoalStatusArray2)
+            listed = [
+                (bytes(each.goal_info.goal_id.uuid), _stamp(each), Status2(each.status))
+                for each in message.status_list
+            ]
+            with self._lock:
+                self._goals.hear_status(listed, one.sender, time.monotonic())
+
+    def _hear_feedback(self, arrived: List[Arrived]) -> None:
+        for one in arrived:
+            with self._lock:
+                goal = self._goals.under_way(one.data[4:20])
+            if goal is None or not self._is_offered:
+                continue
+            try:
+                content = self.kind.feedback.to_ros1(one.data[:4] + one.data[20:])
+            except ConversionError as error:
+                rospy.logwarn_throttle(1.0, f"{self._name}: feedback to ROS 1: {error}")
+                continue
+            report = _report(goal, content)
+            self._feedback1.publish(wire.write_report(self.kind.raw_feedback, report))
+
+    def _publish_result(self, goal: Goal, result: Optional[bytes]) -> None:
+        report = _report(goal, self._nothing if result is None else result)
+        self._result1.publish(wire.write_report(self.kind.raw_result, report))
+
+    def _publish_status(self, goals: Sequence[Goal]) -> None:
+        if self._is_offered:
+            self._status1.publish(wire.write_statuses([_report(goal, b"") for goal in goals]))
+
+    def _list_goals(self, _: float) -> None:
+        with self._lock:
+            self._publish_status(self._goals.listed())
+
+    def close(self) -> None:
+        """End it."""
+        with self._lock:
+            self._goals.lose_goals(set(), time.monotonic())
+        self._made.close()
+        for end in (*self._ends, *(client.close for client in self._clients)):
+            end()
+
+
+def _report(goal: Goal, content: bytes) -> wire.Reported:
+    return wire.Reported(goal.text, goal.stamp, goal.status, goal.why, content)
+
+
+def _stamp(status: Any) -> int:
+    stamp = status.goal_info.stamp
+    return int(stamp.sec * 10**9 + stamp.nanosec)

@@ -1,0 +1,201 @@
+"""An action server of ROS 1, offered in ROS 2."""
+
+import threading
+import time
+from functools import partial
+from typing import Any, Callable, List, Sequence
+
+import rospy
+from action_msgs.msg import GoalInfo
+from action_msgs.msg import GoalStatus as GoalStatus2
+from action_msgs.msg import GoalStatusArray as GoalStatusArray2
+from builtin_interfaces.msg import Time
+from rclpy.node import Node as Ros2Node
+from rclpy.serialization import deserialize_message, serialize_message
+from unique_identifier_msgs.msg import UUID
+
+from nodekit import Node
+from ros2_bridge.action_bridge import wire
+from ros2_bridge.actions.goal_ids import bytes_of
+from ros2_bridge.actions.goals_of_ros1 import Goal, GoalsOfRos1
+from ros2_bridge.actions.states import Status2
+from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
+from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.rules.settings import Quality
+from ros2_bridge.types.codec import ConversionError
+from ros2_bridge.types.types import ActionType
+
+#: How many requests, and pieces of feedback, are kept in a burst.
+DEPTH = 1000
+#: How long a server may be without a connection until its goals are lost, s.
+_GONE_S = 1.0
+
+
+class ActionToRos2:
+    """An action server of ROS 1, offered in ROS 2 as soon as all its topics are connected.
+
+    :param node: the bridge in ROS 1
+    :param side: the bridge in ROS 2
+    :param owner: node of ROS 2 that offers it
+    :param name, other: its name in ROS 1 and in ROS 2
+    :param timeout: returns the longest wait for the server's word on a goal or a cancellation, s
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        owner: Ros2Node,
+        name: str,
+        other: str,
+        kind: ActionType,
+        timeout: Callable[[], float],
+    ) -> None:
+        self._side, self.owner, self._name, self._other = side, owner, name, other
+        self.kind = kind
+        self._lock = threading.RLock()
+        self._goals = GoalsOfRos1(timeout, self._publish_status)
+        self._ends: List[Callable[[], None]] = []
+        self._connected = time.monotonic()
+        self._made = made = node.lifetime()
+        group = made.group(exclusive=False)
+        self._goal = made.publisher(f"{name}/goal", kind.raw_goal)
+        self._cancel = made.publisher(f"{name}/cancel", GoalID)
+        self._links: List[Any] = [
+            self._goal,
+            self._cancel,
+            made.subscribe(f"{name}/status", GoalStatusArray, self._hear_status, group=group),
+            made.subscribe(f"{name}/feedback", kind.raw_feedback, self._hear_feedback, group=group),
+            made.subscribe(f"{name}/result", kind.raw_result, self._hear_result, group=group),
+        ]
+
+    def follow(self) -> None:
+        """Offer it once the server is connected, and end what has waited for too long."""
+        now, is_connected = time.monotonic(), self._is_connected()
+        if is_connected:
+            self._connected = now
+            if not self._ends:
+                self._offer()
+        with self._lock:
+            if now > self._connected + _GONE_S:
+                self._goals.lose_server(now)
+            given_up = self._goals.end_waits(now)
+        for text in given_up:
+            rospy.logwarn(f"{self._name} says nothing about a goal of ROS 2, which is given up")
+            self._cancel.publish(wire.goal_id(text, 0))
+
+    def _is_connected(self) -> bool:
+        return all(link.get_num_connections() for link in self._links)
+
+    def _offer(self) -> None:
+        side, owner, impl = self._side, self.owner, self.kind.cls.Impl
+        path, quality = f"{self._other}/_action", Quality(1, latched=True)
+        self._status2 = side.publisher(owner, GoalStatusArray2, f"{path}/status", quality)
+        self._feedback2 = side.publisher(
+            owner, impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH)
+        )
+        for publisher in (self._status2, self._feedback2):
+            self._ends.append(partial(side.destroy_publisher, owner, publisher))
+        for cls, name, answer in (
+            (impl.CancelGoalService, "cancel_goal", self._answer_cancel),
+            (impl.GetResultService, "get_result", self._answer_result),
+            (impl.SendGoalService, "send_goal", self._answer_goal),
+        ):
+            self._ends.append(side.serve(owner, cls, f"{path}/{name}", answer, DEPTH))
+
+    def _answer_goal(self, request: Any, send: Callable[[Any], None]) -> None:
+        stamp = rospy.Time.now().to_nsec()
+
+        def answer(is_accepted: bool) -> None:
+            response = self.kind.cls.Impl.SendGoalService.Response(accepted=is_accepted)
+            response.stamp = _time(stamp)
+            send(response)
+
+        if not self._is_connected():
+            rospy.logwarn(f"{self._name} is not connected: a goal of ROS 2 is rejected")
+            answer(False)
+            return
+        try:
+            content = self.kind.goal.to_ros1(serialize_message(request.goal))
+        except ConversionError as error:
+            rospy.logwarn(f"{self._name}: a goal of ROS 2 is rejected: {error}")
+            answer(False)
+            return
+        uuid = bytes(request.goal_id.uuid)
+        with self._lock:
+            text = self._goals.request_goal(uuid, stamp, time.monotonic(), answer)
+        if text:
+            self._goal.publish(wire.write_goal(self.kind.raw_goal, text, stamp, content))
+
+    def _answer_result(self, request: Any, send: Callable[[Any], None]) -> None:
+        def answer(status: Status2, content: bytes) -> None:
+            response = self.kind.cls.Impl.GetResultService.Response(status=int(status))
+            if content:
+                cdr = self.kind.result.to_cdr(content)
+                response.result = deserialize_message(cdr, self.kind.cls.Result)
+            send(response)
+
+        with self._lock:
+            self._goals.request_result(bytes(request.goal_id.uuid), answer)
+
+    def _answer_cancel(self, request: Any, send: Callable[[Any], None]) -> None:
+        def answer(code: int, goals: Sequence[Goal]) -> None:
+            response = self.kind.cls.Impl.CancelGoalService.Response(return_code=code)
+            response.goals_canceling = [_info(goal) for goal in goals]
+            send(response)
+
+        asked = request.goal_info
+        uuid, until = bytes(asked.goal_id.uuid), asked.stamp.sec * 10**9 + asked.stamp.nanosec
+        with self._lock:
+            text = self._goals.request_cancel(uuid, until, time.monotonic(), answer)
+        if text is not None:
+            self._cancel.publish(wire.goal_id(text, until))
+
+    def _hear_status(self, message: Any) -> None:
+        listed = wire.read_statuses(message)
+        with self._lock:
+            self._goals.hear_status(listed, time.monotonic())
+
+    def _hear_result(self, message: Any) -> None:
+        report = wire.read_report(message._buff)
+        try:
+            self.kind.result.to_cdr(report.content)
+        except ConversionError as error:
+            rospy.logwarn(f"{self._name}: a result is refused: {error}")
+            report = report._replace(content=b"")
+        with self._lock:
+            self._goals.hear_result(report.text, report.status, report.content, time.monotonic())
+
+    def _hear_feedback(self, message: Any) -> None:
+        report = wire.read_report(message._buff)
+        if not self._ends:
+            return
+        try:
+            cdr = self.kind.feedback.to_cdr(report.content)
+        except ConversionError as error:
+            rospy.logwarn_throttle(1.0, f"{self._name}: feedback to ROS 2: {error}")
+            return
+        # An id of 16 bytes moves nothing: what is behind it is aligned as it was.
+        self._feedback2.publish(cdr[:4] + bytes_of(report.text) + cdr[4:])
+
+    def _publish_status(self, goals: Sequence[Goal]) -> None:
+        if self._ends:
+            listed = [GoalStatus2(goal_info=_info(goal), status=goal.status) for goal in goals]
+            self._status2.publish(GoalStatusArray2(status_list=listed))
+
+    def close(self) -> None:
+        """End it."""
+        with self._lock:
+            self._goals.lose_server(time.monotonic())
+            ends, self._ends = self._ends, []
+        self._made.close()
+        for end in ends:
+            end()
+
+
+def _time(stamp: int) -> Any:
+    return Time(sec=stamp // 10**9, nanosec=stamp % 10**9)
+
+
+def _info(goal: Goal) -> Any:
+    return GoalInfo(goal_id=UUID(uuid=list(goal.uuid)), stamp=_time(goal.stamp))

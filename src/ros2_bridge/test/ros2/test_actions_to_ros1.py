@@ -1,0 +1,114 @@
+"""Action servers of ROS 2, used from ROS 1."""
+
+import random
+from typing import Iterator
+
+import both
+import pytest
+from action_parts import Client1 as Client
+from action_server2 import ABORT, PERSIST, REJECT, SUCCEED, Server
+from rclpy.node import Node
+
+from nodekit.testing.waiting import wait_until
+from ros2_bridge.actions.goals_of_ros2 import REJECTED
+
+
+@pytest.fixture(scope="module")
+def server(ros: both.Both, bridge: both.Bridge) -> Iterator[None]:
+    node = Node("grabber")
+    Server(node, "/hand/grab")
+    ros.executor.add_node(node)
+    yield
+    ros.executor.remove_node(node)
+    node.destroy_node()
+
+
+@pytest.fixture(scope="module")
+def client(server: None) -> Iterator[Client]:
+    with Client("/hand/grab") as running:
+        yield running
+
+
+def test_goal_runs_with_feedback_to_its_result(client: Client) -> None:
+    client.tell(f"send one 0.6 {SUCCEED}")
+    assert client.end_of("one") == "SUCCEEDED one"
+    heard = client.feedback("one")
+    assert len(heard) > 3 and heard == sorted(heard, reverse=True) and max(heard) <= 0.6
+
+
+def test_goals_end_as_the_server_ends_them(client: Client) -> None:
+    client.tell(f"send bad 0.1 {ABORT}")
+    client.tell(f"send no 0.1 {REJECT}")
+    assert client.end_of("bad") == "ABORTED bad"
+    assert client.end_of("no") == f"REJECTED - {REJECTED}"
+
+
+def test_one_of_several_is_cancelled(client: Client) -> None:
+    client.tell("send stays 1.0")
+    client.tell("send goes 60.0")
+    wait_until(lambda: client.feedback("goes") and client.feedback("stays"), lambda: "no feedback")
+    client.tell("cancel goes")
+    assert client.end_of("goes") == "PREEMPTED goes"
+    assert client.end_of("stays") == "SUCCEEDED stays"
+
+
+def test_those_until_a_time_and_all_are_cancelled(client: Client) -> None:
+    for key in ("first", "second", "third"):
+        client.tell(f"send {key} 60.0")
+    wait_until(lambda: client.feedback("third"), lambda: "no feedback")
+    client.tell("cancel_until second")
+    assert client.end_of("first") == "PREEMPTED first"
+    assert client.end_of("second") == "PREEMPTED second"
+    assert not client.ended("third")
+    client.tell("cancel_all")
+    assert client.end_of("third") == "PREEMPTED third"
+
+
+def test_server_that_refuses_to_cancel_goes_on(bridge: both.Bridge, client: Client) -> None:
+    client.tell(f"send stubborn 1.0 {PERSIST}")
+    wait_until(lambda: client.feedback("stubborn"), lambda: "no feedback")
+    client.tell("cancel stubborn")
+    bridge.wait_for_log("/hand/grab: the server in ROS 2 does not cancel")
+    assert client.end_of("stubborn") == "SUCCEEDED stubborn"
+
+
+def test_goals_are_listed_five_times_a_second(ros: both.Both, client: Client) -> None:
+    ear = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
+    ear.wait(4)
+    stamps = [int.from_bytes(m._buff[8:12], "little") for m in ear.heard]
+    seconds = [int.from_bytes(m._buff[4:8], "little") for m in ear.heard]
+    times = [whole + 1e-9 * part for whole, part in zip(seconds, stamps)]
+    assert min(late - early for early, late in zip(times[1:], times[2:])) > 0.1
+    ear.end()
+
+
+def test_none_of_many_is_lost_or_invented(client: Client) -> None:
+    chance, keys = random.Random(2), [f"many{number}" for number in range(200)]
+    for key in keys:
+        client.tell(f"send {key} {chance.uniform(0.0, 1.0)} {chance.choice((SUCCEED, ABORT))}")
+        if chance.random() < 0.5:
+            client.tell(f"cancel {key}")
+    ends = [client.end_of(key) for key in keys]
+    for key, end in zip(keys, ends):
+        state, _, rest = end.partition(" ")
+        is_right = rest == key or (state == "RECALLED" and rest.startswith(("-", key)))
+        assert is_right, (key, end)
+    assert {"SUCCEEDED", "ABORTED"} < {end.partition(" ")[0] for end in ends}
+    assert not client.logged("already in the DONE state")
+
+
+def test_client_that_is_killed_leaves_the_goal_to_the_server(
+    ros: both.Both, client: Client
+) -> None:
+    with Client("/hand/grab") as other:
+        other.tell("send orphan 60.0")
+        wait_until(lambda: other.feedback("orphan"), lambda: "no feedback")
+    client.tell("cancel_all")
+
+    def listed() -> bool:
+        ear = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
+        ear.wait(1)
+        ear.end()
+        return b"action_client1" in ear.heard[-1]._buff
+
+    wait_until(lambda: not listed(), lambda: "the goal goes on")

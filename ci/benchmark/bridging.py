@@ -16,7 +16,7 @@ from observers import wait_until
 from peers import RCLPY as PYTHON_OF_ROS2
 from peers import SCRIPTS, WORKSPACE, rclpy_environment
 from processes import Session
-from stacks import RCLPY
+from stacks import RCLPY, RCLPY_EVENTS
 
 ROSPY, TO_ROS2, TO_ROS1 = "rospy", "to_ros2", "to_ros1"
 #: Bare rospy and rclpy in one process, from ROS 1 to ROS 2: the least that a bridge can take.
@@ -25,6 +25,7 @@ BARE = "bare"
 ENDS: Dict[str, Tuple[str, str]] = {
     ROSPY: ("1", "1"),
     RCLPY: ("2", "2"),
+    RCLPY_EVENTS: ("2", "2"),
     TO_ROS2: ("1", "2"),
     TO_ROS1: ("2", "1"),
     BARE: ("1", "2"),
@@ -48,10 +49,17 @@ def load(bench: Bench, subject: str) -> Figures:
     """Measure what is lost at 4000 messages a second, and what fifty topics cost."""
     quick = _hop(bench, subject, 4000.0, bench.seconds(4.0, 2.0), 1)
     fifty = _hop(bench, subject, 20.0, bench.seconds(4.0, 2.0), 50)
-    figures = {"lost": quick["lost"], "fifty_lost": fifty["lost"]}
-    if subject != RCLPY:  # which shows what whoever hears loses by itself
+    figures = {"lost": quick["lost"], "fifty_lost": fifty["lost"], "dropped": quick["dropped"]}
+    if subject in PROGRAMS:  # the others show what whoever hears loses by itself
         figures.update(quick_cpu=quick["cpu_percent"], fifty_cpu=fifty["cpu_percent"])
     return figures
+
+
+def many(bench: Bench, subject: str) -> Figures:
+    """Measure what is lost of a hundred topics at 50 Hz, and what they cost."""
+    heard = _hop(bench, subject, 50.0, bench.seconds(4.0, 2.0), 100)
+    names = ("lost", "p50_us", "p99_us", "cpu_percent")
+    return {name: heard[name] for name in names if name in heard}
 
 
 def rest(bench: Bench, subject: str) -> Figures:
@@ -91,7 +99,10 @@ def ends(
         for what, ros in (("hear", hearer), ("send", sender)):
             python = str(PYTHON_OF_ROS2) if ros == "2" else sys.executable
             script = str(SCRIPTS / "bridge" / "hop.py")
-            environment = rclpy_environment() if ros == "2" else session.environment
+            environment = session.environment
+            if ros == "2":
+                environment = rclpy_environment(events=subject == RCLPY_EVENTS)
+                environment["PYTHONPATH"] = str(SCRIPTS / "ros2")
             command = [python, script, what, ros, *numbers, str(file)]
             running.append(session.start(command, environment))
         yield
@@ -117,5 +128,5 @@ def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -
     heard: Any = json.loads(file.read_text("utf-8"))
     figures["p50_us"] = percentile(heard["took"], 0.5)
     figures["p99_us"] = percentile(heard["took"], 0.99)
-    figures["lost"] = heard["lost"]
+    figures["lost"], figures["dropped"] = heard["lost"], heard["dropped"]
     return figures

@@ -6,7 +6,7 @@ from typing import Dict
 
 from context import Bench, Figures
 from peers import SCRIPTS, rclpy_environment
-from stacks import RCLPY
+from stacks import OURS, RCLPY_EVENTS
 
 from nodekit import Group, MultiThreadedExecutor, Names, Node, SingleThreadedExecutor
 from nodekit.testing.costs import delay, processor_time
@@ -19,7 +19,7 @@ LIMIT = 120.0
 
 def call(bench: Bench, subject: str) -> Figures:
     """Measure executors, of one thread and of several."""
-    return _rclpy(bench) if subject == RCLPY else _ours()
+    return _ours() if subject == OURS else _rclpy(bench, subject)
 
 
 def _ours() -> Figures:
@@ -34,9 +34,9 @@ def _ours() -> Figures:
     return figures
 
 
-def _rclpy(bench: Bench) -> Figures:
+def _rclpy(bench: Bench, subject: str) -> Figures:
     command = [str(bench.peers.rclpy), str(SCRIPTS / "ros2" / "executors.py"), str(THREADS)]
-    environment = rclpy_environment()
+    environment = rclpy_environment(events=subject == RCLPY_EVENTS)
     done = subprocess.run(
         command, env=environment, stdout=subprocess.PIPE, timeout=LIMIT, check=True
     )

@@ -14,7 +14,7 @@ from analysis import Interval, interval
 from floor import FLOOR
 from loop import LOOP
 from results import Results
-from stacks import COURSE, MANAGED, OURS, RCLPY, RELAY, ROSCPP
+from stacks import COURSE, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
 
 
 #: Least turns that say something, of a measurement that takes more than one.
@@ -194,6 +194,8 @@ def _bridge(way: str, to: str, cpu: float) -> List[Goal]:
         _itself("bridge", f"memory, to {to}", 110.0, "resident_mb", " MB", subject=way),
         _itself("bridge-load", f"lost of 4000/s to {to}", 0.0, "lost", "", subject=way),
         _itself("bridge-load", f"CPU, 50 topics to {to}", 25.0, "fifty_cpu", " %", subject=way),
+        _itself("bridge-many", f"lost of 100 topics to {to}", 0.0, "lost", "", subject=way),
+        _itself("bridge-many", f"CPU, 100 topics to {to}", 90.0, "cpu_percent", " %", subject=way),
     ]
 
 
@@ -204,6 +206,7 @@ GOALS: List[Goal] = [
     _against("latency-100hz", "p50 at 100 Hz", 1.0, "p50_us", " us", OURS, RELAY),
     _against("latency-1khz", "p99 at 1 kHz", 1.0, "p99_us", " us", OURS, ROSCPP),
     _against("latency-1khz", "p50 at 1 kHz", 0.25, "p50_us", " us", OURS, RCLPY),
+    _against("latency-1khz", "p50 at 1 kHz", 0.5, "p50_us", " us", OURS, RCLPY_EVENTS),
     _times_better("latency-10hz", "faster at 10 Hz", 150.0, "p50_us", " us", COURSE, OURS),
     _itself("throughput", "rate without loss", 50000.0, "rate", " msg/s", at_most=False),
     _times_better("throughput", "rate without loss", 3.0, "rate", " msg/s", OURS, ROSCPP),
@@ -221,6 +224,7 @@ GOALS: List[Goal] = [
     _itself("thousand", "1000 groups: CPU", 60.0, "cpu_percent", " %"),
     _itself("callback", "callback in a group that is free", 2.0, "group_us", " us"),
     _against("executor", "CPU of a call, one thread", 0.1, "single_us", " us", OURS, RCLPY),
+    _against("executor", "CPU of a call, one thread", 0.5, "single_us", " us", OURS, RCLPY_EVENTS),
     _against("executor", "CPU of a call, two threads", 0.1, "multi_us", " us", OURS, RCLPY),
     _itself("executor", "to an idle thread of an executor", 100.0, "hop_us", " us"),
     _itself("overlap", "scenarios as they should be", 6.0, "agree", "", at_most=False),

@@ -41,7 +41,15 @@ MEASUREMENTS = [
     Measurement(
         "latency-1khz",
         "generator -> process -> observer at 1 kHz",
-        [stacks.OURS, stacks.MANAGED, floor.FLOOR, stacks.ROSCPP, stacks.RELAY, stacks.RCLPY],
+        [
+            stacks.OURS,
+            stacks.MANAGED,
+            floor.FLOOR,
+            stacks.ROSCPP,
+            stacks.RELAY,
+            stacks.RCLPY,
+            stacks.RCLPY_EVENTS,
+        ],
         latency.at_1_khz,
         warm_up=True,
     ),
@@ -119,7 +127,7 @@ MEASUREMENTS = [
     Measurement(
         "executor",
         "a call by an executor",
-        [stacks.OURS, stacks.RCLPY],
+        [stacks.OURS, stacks.RCLPY, stacks.RCLPY_EVENTS],
         executors.call,
         repeats=1,
     ),
@@ -157,15 +165,29 @@ MEASUREMENTS = [
     Measurement(
         "bridge",
         "a message at 1 kHz from one ROS to the other, and within each",
-        [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1, bridging.BARE],
+        [
+            bridging.ROSPY,
+            stacks.RCLPY,
+            stacks.RCLPY_EVENTS,
+            bridging.TO_ROS2,
+            bridging.TO_ROS1,
+            bridging.BARE,
+        ],
         bridging.at_1_khz,
         repeats=3,
     ),
     Measurement(
         "bridge-load",
         "the bridge with 4000 messages a second, and with fifty topics at 20 Hz",
-        [stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
+        [stacks.RCLPY, stacks.RCLPY_EVENTS, bridging.TO_ROS2, bridging.TO_ROS1],
         bridging.load,
+        repeats=2,
+    ),
+    Measurement(
+        "bridge-many",
+        "the bridge with a hundred topics at 50 Hz",
+        [stacks.RCLPY, stacks.RCLPY_EVENTS, bridging.TO_ROS2, bridging.TO_ROS1],
+        bridging.many,
         repeats=2,
     ),
     Measurement(

@@ -14,7 +14,11 @@ WORKSPACE = HERE.parents[1]
 BUILD = WORKSPACE / "build" / "benchmark"
 
 #: What is left out where there is no rclpy.
-NEED_RCLPY = ("rclpy", "to_ros2", "to_ros1", "bare")
+NEED_RCLPY = ("rclpy", "rclpy_events", "to_ros2", "to_ros1", "bare")
+#: Least calls of a timer of 1 ms in a second of an executor that works.
+_LEAST_CALLS = 100
+#: Longest time for finding that out, s.
+_PROBE_S = 20.0
 #: Python of the environment that ./ci/ros2 makes
 RCLPY = WORKSPACE / "build" / "ros2" / "bin" / "python"
 
@@ -45,6 +49,10 @@ def prepare(fetch: bool) -> Peers:
     reason = make_rclpy() if fetch else "" if RCLPY.exists() else "not fetched yet"
     if reason:
         left_out.update(dict.fromkeys(NEED_RCLPY, reason))
+    else:
+        events = try_events_executor()
+        if events:
+            left_out["rclpy_events"] = events
     return Peers(BUILD / "roscpp", relay, None if reason else RCLPY, left_out)
 
 
@@ -88,8 +96,35 @@ def make_rclpy() -> str:
     return lines[-1] if result.returncode else ""
 
 
-def rclpy_environment() -> Dict[str, str]:
-    """Return an environment without ROS 1, whose std_msgs would hide that of ROS 2."""
+def try_events_executor() -> str:
+    """Have rclpy's EventsExecutor call a timer: with some wheels it is there, and does nothing.
+
+    :returns: why it is left out; empty if it works
+    """
+    command = [str(RCLPY), str(SCRIPTS / "ros2" / "events_probe.py")]
+    try:
+        done = subprocess.run(
+            command,
+            env=rclpy_environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=_PROBE_S,
+        )
+    except subprocess.TimeoutExpired:
+        return "this rclpy's EventsExecutor hangs"
+    calls = int(done.stdout or -1)
+    if calls < 0:
+        return "this rclpy has no EventsExecutor"
+    if calls < _LEAST_CALLS:
+        return f"this rclpy's EventsExecutor calls a timer of 1 ms {calls} times in a second"
+    return ""
+
+
+def rclpy_environment(events: bool = False) -> Dict[str, str]:
+    """Return an environment without ROS 1, whose std_msgs would hide that of ROS 2.
+
+    :param events: whether nodes are spun by rclpy's EventsExecutor, as far as they are prepared
+    """
     environment = {
         name: value
         for name, value in os.environ.items()
@@ -97,4 +132,5 @@ def rclpy_environment() -> Dict[str, str]:
     }
     # Only for nodes of this machine, and away from those of other people's systems.
     environment.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_DOMAIN_ID="97")
+    environment["BENCH_EXECUTOR"] = "events" if events else "single"
     return environment

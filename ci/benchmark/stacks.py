@@ -15,6 +15,8 @@ from peers import HERE, SCRIPTS, WORKSPACE, Peers, rclpy_environment
 from processes import Session
 
 OURS, ROSCPP, RELAY, RCLPY, COURSE = "basic_comms", "roscpp", "relay", "rclpy", "course"
+#: rclpy with its experimental EventsExecutor in place of its ``spin``.
+RCLPY_EVENTS = "rclpy_events"
 #: The workspace's own, with a process node that is managed, and active.
 MANAGED = "managed"
 
@@ -96,8 +98,9 @@ def run(
     :param course_parameters: global parameters for the course's nodes
     """
     file = session.directory / f"record-{next(_numbers)}"
-    if stack == RCLPY:
-        received, cpu, until = _run_rclpy(session, peers, file, rate, seconds, warm_up)
+    if stack in (RCLPY, RCLPY_EVENTS):
+        environment = rclpy_environment(events=stack == RCLPY_EVENTS)
+        received, cpu, until = _run_rclpy(session, peers, environment, file, rate, seconds, warm_up)
     else:
         group = f"/run{next(_numbers)}"
         with session.node() as node, session.in_group(group):
@@ -129,10 +132,16 @@ def _activate(session: Session, node: str) -> None:
 
 
 def _run_rclpy(
-    session: Session, peers: Peers, file: pathlib.Path, rate: float, seconds: float, warm_up: float
+    session: Session,
+    peers: Peers,
+    environment: Dict[str, str],
+    file: pathlib.Path,
+    rate: float,
+    seconds: float,
+    warm_up: float,
 ) -> Tuple[List[Sample], float, float]:
     python = str(peers.rclpy)
-    environment = dict(rclpy_environment(), PYTHONPATH=str(HERE))
+    environment = dict(environment, PYTHONPATH=str(HERE))
     seen = file.with_suffix(".seen")
     commands = [
         [python, str(SCRIPTS / "ros2" / "observer.py"), str(seen)],

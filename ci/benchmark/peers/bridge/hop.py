@@ -1,7 +1,8 @@
 """One end of a hop within a ROS or through the bridge, written as users do.
 
 Usage: hop.py send|hear 1|2 RATE SECONDS TOPICS FILE. Each message holds the moment when it was
-sent; whoever hears writes into FILE, as JSON, how long each took, us, and how many were lost.
+sent; whoever hears writes into FILE, as JSON, how long each took, us, how many were lost, and how
+many of these ROS 2 has told of: they were dropped where they were sent, as they were not taken.
 Before that it makes an empty FILE.any when anything has come, FILE.first when a counted one has.
 """
 
@@ -25,6 +26,7 @@ class Heard:
 
     def __init__(self) -> None:
         self.took: List[float] = []
+        self.dropped = 0
         self.latest = time.monotonic()
 
     def add_sample(self, message: Any) -> None:
@@ -38,10 +40,14 @@ class Heard:
         self.took.append(1e6 * (now - message.time_x))
         self.latest = now
 
+    def keep_dropped(self, event: Any) -> None:
+        self.dropped = event.total_count
+
     def write(self) -> None:
         sent = int(RATE * SECONDS) * TOPICS
         with open(sys.argv[6], "w", encoding="utf-8") as file:
-            json.dump({"took": self.took, "lost": sent - len(self.took)}, file)
+            lost = sent - len(self.took)
+            json.dump({"took": self.took, "lost": lost, "dropped": self.dropped}, file)
 
 
 def send(publish: List[Callable[[Any], Any]], counts: List[Callable[[], int]], cls: Any) -> None:
@@ -89,8 +95,10 @@ def main(at_end: contextlib.ExitStack) -> None:
     else:
         import rclpy
         from basic_comms.msg import SignalMsg as cls2
+        from rclpy.event_handler import SubscriptionEventCallbacks
         from rclpy.executors import ExternalShutdownException
         from rclpy.signals import SignalHandlerOptions
+        from spinning import spin
 
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node("hop_" + sys.argv[1])
@@ -99,14 +107,17 @@ def main(at_end: contextlib.ExitStack) -> None:
             made = [node.create_publisher(cls2, name, 1000) for name in NAMES]
             send([one.publish for one in made], [one.get_subscription_count for one in made], cls2)
             return
+        # All may wait here until it is their turn: what is lost then is lost on the way.
+        depth = int(RATE * SECONDS) + 1000
+        events = SubscriptionEventCallbacks(message_lost=heard.keep_dropped)
         for name in NAMES:
-            node.create_subscription(cls2, name, heard.add_sample, 1000)
+            node.create_subscription(cls2, name, heard.add_sample, depth, event_callbacks=events)
 
-        def spin() -> None:
+        def spin_node() -> None:
             with contextlib.suppress(ExternalShutdownException):
-                rclpy.spin(node)
+                spin(node)
 
-        spinning = threading.Thread(target=spin, daemon=True)
+        spinning = threading.Thread(target=spin_node, daemon=True)
         at_end.callback(spinning.join, 2.0)
         at_end.callback(rclpy.shutdown)
         spinning.start()
@@ -114,7 +125,7 @@ def main(at_end: contextlib.ExitStack) -> None:
     began = time.monotonic()
     while len(heard.took) < expected:
         time.sleep(0.1)
-        patience = REST + 2.0 if heard.took else PATIENCE + SECONDS
+        patience = PATIENCE / 2.0 if heard.took else PATIENCE + SECONDS
         if time.monotonic() - max(heard.latest, began) > patience:
             break
     heard.write()

@@ -4,12 +4,14 @@ Usage: ... THREADS
 """
 
 import json
+import os
 import sys
 import time
 
 import rclpy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
+from spinning import EVENTS
 
 SECONDS = 3.0
 
@@ -36,6 +38,11 @@ def cpu_of_a_call(executor: Executor, **options: object) -> float:
 def main() -> None:
     """Measure and print."""
     rclpy.init()
+    if EVENTS:
+        from rclpy.experimental.events_executor import EventsExecutor
+
+        print(json.dumps({"single_us": cpu_of_a_call(EventsExecutor())}), flush=True)
+        os._exit(0)
     figures = {
         "single_us": cpu_of_a_call(SingleThreadedExecutor()),
         "multi_us": cpu_of_a_call(

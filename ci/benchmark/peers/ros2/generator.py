@@ -8,10 +8,10 @@ import sys
 import time
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import Float32
 
 from record import Record
+from spinning import spin_until_interrupted
 
 
 def main() -> None:
@@ -29,11 +29,7 @@ def main() -> None:
         publisher.publish(message)
 
     node.create_timer(1.0 / float(sys.argv[2]), publish)
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    record.write(sys.argv[1])
+    spin_until_interrupted(node, lambda: record.write(sys.argv[1]))
 
 
 if __name__ == "__main__":

@@ -7,10 +7,10 @@ import pathlib
 import sys
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import Float32
 
 from record import Record
+from spinning import spin_until_interrupted
 
 
 def main() -> None:
@@ -28,11 +28,7 @@ def main() -> None:
             pathlib.Path(sys.argv[1]).with_suffix(".first").touch()
 
     node.create_subscription(Float32, "proc_signal", keep, 10)
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    record.write(sys.argv[1])
+    spin_until_interrupted(node, lambda: record.write(sys.argv[1]))
 
 
 if __name__ == "__main__":

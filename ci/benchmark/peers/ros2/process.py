@@ -1,7 +1,7 @@
 """The process node as one would write it with rclpy: scaled and lifted."""
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from spinning import spin_until_interrupted
 from std_msgs.msg import Float32
 
 
@@ -17,10 +17,7 @@ def main() -> None:
         publisher.publish(output)
 
     node.create_subscription(Float32, "signal", answer, 10)
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
+    spin_until_interrupted(node, lambda: None)
 
 
 if __name__ == "__main__":

@@ -531,6 +531,33 @@ class Modules(BrowserTest):
             apart = [abs(time - known[value]) / width for time, value in drawn.tolist()]
             self.assertLess(max(apart), 0.07 if is_exact else 1.0, rate)
 
+    def test_a_reference_is_named_by_what_it_is_and_no_more_are_kept_than_eight(self) -> None:
+        values = [0, 0, 1, 1, 2, 2, 3, 3]
+        texts, can_keep, found = self.browser.call(
+            "state/references.js",
+            "await (async () => { const { State } = await import('/static/js/state/state.js');"
+            " const { TraceBuffer } = await import('/static/js/state/buffer.js');"
+            " const buffer = new TraceBuffer(); buffer.apply({ now: 104, bin: 1, reset: true,"
+            " first: 100, traces: { f: a[0] } }, 4); const state = new State(); const can = [];"
+            " const shown = { buffer, reference: 104, from: 100, to: 104 };"
+            " for (let count = 0; count < 8; count += 1) {"
+            " can.push(module.canKeep(state.values, 'f'));"
+            " module.keepReference(state, shown, 'f', new Map()); }"
+            " can.push(module.canKeep(state.values, 'f')); module.removeReference(state, 'R1');"
+            " module.moveReference(state, 'R3', { later: 1.5, offset: -10 });"
+            " module.keepReference(state, shown, 'f', new Map());"
+            " const { references } = state.values;"
+            " return [references.map((one) => module.referenceText(one).replace(/kept [\\d:]+/,"
+            " 'kept')), can, [-3.5, -0.5, -2, 0.9, 1.6].map((time) =>"
+            " module.valueOf(references[1], time))]; })()",
+            values,
+        )
+        plain = [f"R{number}: f, kept" for number in (2, 4, 5, 6, 7, 8, 1)]
+        self.assertEqual(texts, [plain[0], "R3: f, kept, − 10, 1.5 s later", *plain[1:]])
+        self.assertEqual(can_keep, [True] * 8 + [False])
+        # Moved by 1.5 s: nothing before, nothing after.
+        self.assertEqual(found, [None, -8, -10, -7, None])
+
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
         rows = self.browser.call(

@@ -448,7 +448,7 @@ class Plots(PageTest):
         self.assertFalse(self.browser.find("#overlay").is_displayed())
 
     def strokes(self) -> Any:
-        """Return the lines of the next drawing: of each its colour, dashes and points, pixels."""
+        """Return the lines of the next drawing: colours, dashes, points and widths, pixels."""
         return self.browser.driver.execute_async_script(
             "const [done] = arguments; const kind = CanvasRenderingContext2D.prototype;"
             "const { beginPath, moveTo, lineTo, stroke } = kind; const lines = []; let points = [];"
@@ -456,13 +456,100 @@ class Plots(PageTest):
             "kind.moveTo = function(x, y) { points.push([x, y, 0]); moveTo.call(this, x, y); };"
             "kind.lineTo = function(x, y) { points.push([x, y, 1]); lineTo.call(this, x, y); };"
             "kind.stroke = function() { if (points.length > 4) lines.push("
-            "[this.strokeStyle, this.getLineDash(), points]); return stroke.call(this); };"
+            "[this.strokeStyle, this.getLineDash(), points, this.lineWidth]);"
+            "return stroke.call(this); };"
             "const look = () => { if (!lines.length) return requestAnimationFrame(look);"
             "Object.assign(kind, { beginPath, moveTo, lineTo, stroke }); done(lines); };"
             "requestAnimationFrame(look);"
             # Draws anew, whether something comes or not.
             "for (const _ of [0, 1]) document.getElementById('theme').click();"
         )
+
+    def kept_line(self) -> numpy.ndarray:
+        """Return the points of the reference that is drawn: the only thin line."""
+        found = [
+            points for _, _, points, width in self.strokes() if width == 1 and len(points) > 99
+        ]
+        self.assertLess(len(found), 2)
+        return numpy.array([(x, y) for points in found for x, y, _ in points])
+
+    def at_cursors(self, row: str) -> List[float]:
+        """Return the values of a row of the table at both cursors."""
+        cells = [self.browser.text(f"#legend tr[{row}] [data-cell='{key}']") for key in "ab"]
+        return [math.nan if text == "–" else float(text.replace("−", "-")) for text in cells]
+
+    def test_a_reference_stays_as_the_trace_was_and_can_be_moved_and_removed(self) -> None:
+        axis = {"title": "", "low": None, "high": None}
+        setup = {
+            **{"fields": [SIGNAL, PROCESSED], "window": 5, "baseWindow": 5},
+            "axes": {"x": {"title": ""}, "y": {**axis, "low": -5, "high": 5}, "y2": axis},
+            "cursors": {"a": -2.1, "b": -1.0},
+        }
+        self.browser.driver.get("about:blank")
+        self.browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
+        wait_until(self.is_full, lambda: self.browser.text("#legend"))
+        self.browser.find("#run").click()
+        trace, reference = f"data-field='{SIGNAL}'", "data-reference='R1'"
+        self.wait_figures_stand(trace)
+        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.wait_for("#trace-keep").click()
+        row = self.browser.wait_for(f"#legend tr[{reference}]").text
+        self.assertRegex(row, rf"R1 {SIGNAL} kept \d\d:\d\d:\d\d")
+        for name in ("rate", "rms", "frequency"):
+            cell = f"[data-cell='{name}']"
+            text = self.browser.text(f"#legend tr[{trace}] {cell}")
+            self.assertEqual(self.browser.text(f"#legend tr[{reference}] {cell}"), text)
+        values = self.at_cursors(trace)
+        wait_until(lambda: self.at_cursors(reference) == values, lambda: self.at_cursors(reference))
+        line = self.kept_line()
+        apart = [
+            abs(line[:, 1] - numpy.interp(line[:, 0], *numpy.array(points).T[:2])).max()
+            for *_, points, width in self.strokes()
+            if width > 1 and len(points) > 99
+        ]
+        self.assertLess(min(apart), 0.5)
+        # The trace goes on, its reference does not.
+        self.browser.find("#run").click()
+        wait_until(
+            lambda: abs(self.at_cursors(trace)[0] - values[0]) > 0.1, lambda: self.at_cursors(trace)
+        )
+        self.assertEqual(self.at_cursors(reference), values)
+        self.assertLess(abs(self.kept_line() - line).max(), 0.01)
+        # By keys alone, up and to the right.
+        plot = self.browser.run(_BOX, "#overlay")
+        self.browser.find("[aria-label='offset of R1']").send_keys(Keys.DELETE, "1", Keys.TAB)
+        wait_until(
+            lambda: abs(self.at_cursors(reference)[1] - values[1] - 1.0) < 1e-3,
+            lambda: self.at_cursors(reference),
+        )
+        self.browser.find("[aria-label='delay, s, of R1']").send_keys(Keys.DELETE, "1.1", Keys.TAB)
+        wait_until(
+            lambda: abs(self.at_cursors(reference)[1] - values[0] - 1.0) < 1e-3,
+            lambda: self.at_cursors(reference),
+        )
+        moved = self.kept_line()
+        across, up = 1.1 / 5.0 * plot["width"], plot["height"] / 10.0
+        self.assertLess(abs(moved - line - [across, -up]).max(), 0.5)
+        self.browser.find("[aria-label='remove R1']").send_keys(Keys.ENTER)
+        wait_until(lambda: not len(self.kept_line()), self.kept_line)
+        # Another one goes with its trace.
+        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.wait_for("#trace-keep").click()
+        self.browser.wait_for(f"#legend tr[{reference}]")
+        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
+        wait_until(
+            lambda: not self.browser.count("[data-reference]"), lambda: self.browser.text("#legend")
+        )
+
+    def wait_figures_stand(self, row: str) -> None:
+        """Wait until a row of the table has been the same for some rounds of measurement."""
+        seen = [self.browser.text(f"#legend tr[{row}]")]
+
+        def stands() -> bool:
+            seen.append(self.browser.text(f"#legend tr[{row}]"))
+            return len(seen) > 20 and len(set(seen[-20:])) == 1
+
+        wait_until(stands, lambda: seen[-2:])
 
     def test_a_trace_has_a_colour_and_a_dash(self) -> None:
         wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
@@ -474,7 +561,7 @@ class Plots(PageTest):
         expected = ["#c8553d", "#ff8f73"], [2, 3]
         wait_until(
             lambda: any(
-                look in expected[0] and dash == expected[1] for look, dash, _ in self.strokes()
+                look in expected[0] and dash == expected[1] for look, dash, *_ in self.strokes()
             ),
             lambda: [line[:2] for line in self.strokes()],
         )
@@ -485,7 +572,7 @@ class Plots(PageTest):
         self.browser.driver.refresh()
         wait_until(
             lambda: any(
-                look in expected[0] and dash == expected[1] for look, dash, _ in self.strokes()
+                look in expected[0] and dash == expected[1] for look, dash, *_ in self.strokes()
             ),
             lambda: [line[:2] for line in self.strokes()],
         )
@@ -515,7 +602,7 @@ class Plots(PageTest):
 
         def upright() -> List[bool]:
             """Return of each part of the line whether it goes along an axis."""
-            lines = [points for _, _, points in self.strokes() if len(points) > 9]
+            lines = [points for _, _, points, _ in self.strokes() if len(points) > 9]
             if len(lines) != 1:  # what is not shown any more may still be drawn
                 return []
             (points,) = lines
@@ -643,7 +730,7 @@ class Plots(PageTest):
         """
         plot, canvas = (self.browser.run(_BOX, name) for name in ("#overlay", "#plot canvas"))
         left, top = plot["x"] - canvas["x"], plot["y"] - canvas["y"]
-        lines = [line for _, _, line in self.strokes() if len(line) > 50]
+        lines = [line for _, _, line, _ in self.strokes() if len(line) > 50]
         self.assertTrue(lines)
         for points in lines:
             line = numpy.array([(x, y) for x, y, _ in points if left <= x <= left + plot["width"]])

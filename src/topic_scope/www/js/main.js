@@ -6,6 +6,7 @@ import { startKeys } from "./base/keys.js";
 import { isReadable, notify, showLink, showMaster } from "./base/link.js";
 import { ambiguity } from "./base/numbers.js";
 import { colourOf, startTheme } from "./state/colours.js";
+import { keepReference, startReferences } from "./state/references.js";
 import { State } from "./state/state.js";
 import { Sweep } from "./state/sweep.js";
 import { keepArranged } from "./state/traces.js";
@@ -40,6 +41,7 @@ import { startTools } from "./page/tools.js";
 
 const state = new State();
 keepArranged(state);
+startReferences(state);
 const sweep = new Sweep(state);
 startTheme(state, byId("theme"));
 const colour = (field) => colourOf(state, field);
@@ -48,7 +50,7 @@ const view = new View(state, sweep, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
 new LevelCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
-const openTrace = startTraceDialog(state);
+const openTrace = startTraceDialog(state, (field) => keepReference(state, plot.shown, field, legend.figuresOf(field)));
 const legend = new Legend(state, plot, cursors, (field) => {
   mask.choose(field);
   openTrace(field);

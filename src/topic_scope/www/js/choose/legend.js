@@ -3,9 +3,11 @@
 import { byId, make, nameText, setPressed, setText, setTitle } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
+import { valueOf } from "../state/references.js";
 import { scaledText } from "../state/traces.js";
 import { certainty, shownFigures, VALUES } from "../measure/measures.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
+import { referenceRow } from "./reference_row.js";
 import { timestampChoice } from "./timestamp_source.js";
 
 const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
@@ -36,12 +38,14 @@ export class Legend {
     this.openTrace = openTrace;
     this.cursors = cursors;
     this.rows = new Map();
+    this.references = new Map(); // reference -> its row
     this.spreads = new Map(); // field -> from its least to its greatest value
     this.body = byId("legend");
     this.table = this.body.parentElement;
     this.room = this.table.parentElement;
     this.more = make("th", { scope: "col" }, byId("show-measures"));
-    state.on(["fields", "hidden", "right", "colours", "traces", "theme", "measures"], () => this.build());
+    state.on(["fields", "hidden", "right", "colours", "traces", "references", "theme", "measures"],
+      () => this.build());
     state.on(["cursors"], () => {
       if ((state.values.cursors !== null) !== this.withCursors) this.build();
     });
@@ -70,7 +74,10 @@ export class Legend {
         setText(cell, before.get(field)?.cells.get(key)?.textContent ?? "–");
       }
     }
-    this.body.replaceChildren(...[...this.rows.values()].map((row) => row.element));
+    this.references = new Map(this.state.values.references.map((one) =>
+      [one, referenceRow(this.state, one, this.columns)]));
+    const all = [...this.rows.values(), ...this.references.values()];
+    this.body.replaceChildren(...all.map((row) => row.element));
     this.fit();
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
   }
@@ -144,6 +151,12 @@ export class Legend {
     return { element, name, cells, timestamp, badge };
   }
 
+  /** What the table tells of a trace: key of the figure -> text. */
+  figuresOf(field) {
+    const { cells } = this.rows.get(field);
+    return new Map(this.figures.map(([key]) => [key, cells.get(key).textContent]));
+  }
+
   /**
    * Show what the server measured in the visible window.
    * @param {Object<string, Object<string, ?number>>} traces
@@ -171,11 +184,14 @@ export class Legend {
 
   showCursors() {
     if (!this.withCursors) return;
-    for (const [field, { cells }] of this.rows) {
-      const values = this.cursors.valuesOf(field) || {};
+    const show = (field, cells, values) => {
       for (const [key] of AT_CURSORS) {
-        setText(cells.get(key), figure(values[key], 5, key === "difference" ? null : this.spreads.get(field)));
+        setText(cells.get(key), figure(values?.[key], 5, key === "difference" ? null : this.spreads.get(field)));
       }
+    };
+    for (const [field, { cells }] of this.rows) show(field, cells, this.cursors.valuesOf(field));
+    for (const [reference, { cells }] of this.references) {
+      show(reference.field, cells, this.cursors.valuesBy((time) => valueOf(reference, time)));
     }
   }
 }

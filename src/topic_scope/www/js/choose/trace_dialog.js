@@ -2,19 +2,22 @@
 
 import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
+import { canKeep } from "../state/references.js";
 import { choose, chosenOf, DASHES, differenceOf, DRAWN, isComputed, LARGEST } from "../state/traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
 const NUMBERS = { gain: byId("trace-gain"), offset: byId("trace-offset") };
 const less = byId("trace-less");
 const add = byId("trace-difference");
+const keep = byId("trace-keep");
 
 /**
  * Make the dialog work.
  * @param {import("../state/state.js").State} state
+ * @param {function(string): void} keepAsIs keeps a trace as it is, to be compared
  * @returns {function(string): void} opens it for a field
  */
-export function startTraceDialog(state) {
+export function startTraceDialog(state, keepAsIs) {
   let field = "";
 
   function fill() {
@@ -25,6 +28,7 @@ export function startTraceDialog(state) {
     const others = state.values.fields.filter((other) => other !== field && !isComputed(other));
     less.replaceChildren(...options(others));
     add.disabled = !others.length || isComputed(field);
+    keep.disabled = !canKeep(state.values, field);
   }
 
   add.addEventListener("click", () => {
@@ -32,6 +36,7 @@ export function startTraceDialog(state) {
     const name = differenceOf(field, less.value);
     if (!fields.includes(name)) state.set({ fields: [...fields, name] });
   });
+  keep.addEventListener("click", () => keepAsIs(field));
   WORDS.dash.append(...options([["", "automatic"], ...DASHES.keys()]));
   WORDS.drawn.append(...options([["", "automatic"], ...DRAWN]));
   for (const [name, select] of Object.entries(WORDS)) {

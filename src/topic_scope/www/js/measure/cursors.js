@@ -94,11 +94,19 @@ export class Cursors {
    * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
    */
   valuesOf(field) {
-    const { cursors } = this.state.values;
     const { shown } = this.plot;
-    if (!cursors || !shown) return null;
-    const a = shown.buffer.at(field, shown.reference + cursors.a);
-    const b = shown.buffer.at(field, shown.reference + cursors.b);
+    return shown && this.valuesBy((time) => shown.buffer.at(field, shown.reference + time));
+  }
+
+  /**
+   * Find what something is at both cursors.
+   * @param {function(number): ?number} valueAt gives its value at a time on the axis
+   * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
+   */
+  valuesBy(valueAt) {
+    const { cursors } = this.state.values;
+    if (!cursors) return null;
+    const [a, b] = [cursors.a, cursors.b].map(valueAt);
     return { a, b, difference: a === null || b === null ? null : b - a };
   }
 }

@@ -175,7 +175,7 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
  * @param {import("../plot/plots.js").Plots|import("../plot/chart.js").Chart} drawn
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
- *   labelOf: function(string): string}} style of fields
+ *   labelOf: function(string): string, notes: string[]}} style of fields, and what else is said
  * @param {number} until the right edge of what is shown, since the epoch, s
  * @returns {HTMLCanvasElement}
  */
@@ -185,7 +185,7 @@ export function picture(drawn, fields, style, until) {
   const overlay = document.getElementById("overlay");
   const readouts = overlay.hidden ? [] : [...overlay.querySelectorAll(".readout:not([hidden])")];
   const date = new Date(until * 1000).toLocaleDateString("sv"); // year first
-  const texts = readouts.map(({ textContent }) => textContent);
+  const texts = [...readouts.map(({ textContent }) => textContent), ...style.notes];
   texts.push(`${date}, ${clockText(until, 0.1)}, ${zoneText(until)}`);
   const canvas = make("canvas", {});
   const context = canvas.getContext("2d");

@@ -3,6 +3,7 @@
 import { byId, download, options, setPressed } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
 import { colourOf, dashOf } from "../state/colours.js";
+import { referenceText } from "../state/references.js";
 import { labelOf } from "../state/traces.js";
 import { picture } from "../measure/picture.js";
 
@@ -50,14 +51,16 @@ export function startTools(state, view, plot, sweep, open, chart) {
     "show-scope": () => state.set({ view: "scope" }),
     "show-graph": () => state.set({ view: "graph" }),
     png: () => {
-      const drawn = state.values.chart.kind === "time" ? plot : chart;
+      const isPlot = state.values.chart.kind === "time";
+      const shown = state.values.references.filter(({ field }) => isPlot && state.shown.includes(field));
       const until = sweep.shown.to || Date.now() / 1000;
       const style = {
         colourOf: (field) => colourOf(state, field),
         dashOf: (field) => dashOf(state, field),
         labelOf: (field) => labelOf(state.values, field),
+        notes: shown.map(referenceText),
       };
-      picture(drawn, state.shown, style, until).toBlob((blob) => download(blob, "scope.png"));
+      picture(isPlot ? plot : chart, state.shown, style, until).toBlob((blob) => download(blob, "scope.png"));
     },
   };
   for (const [id, act] of Object.entries(clicks)) byId(id).addEventListener("click", act);

@@ -6,6 +6,7 @@ import { AutoRange, ticks } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
 import { EarlierSweeps, widened } from "./earlier.js";
+import { drawReferences } from "./references.js";
 
 /* global Dygraph */
 
@@ -189,13 +190,15 @@ export class Plot {
   /** Draw what is behind the traces. */
   drawBehind(context, area, graph) {
     const { earlier = [] } = this.shown || {};
-    if (!earlier.length) return;
-    const axis = (field) => (this.state.values.right.has(field) ? 1 : 0);
-    this.earlier.draw(context, area, earlier, this.fields, {
+    const { references, right } = this.state.values;
+    const axis = (field) => (right.has(field) ? 1 : 0);
+    const plot = {
       colourOf: this.colourOf,
       across: (time) => graph.toDomXCoord(time),
       up: (field, value) => graph.toDomYCoord(value, axis(field)),
-    });
+    };
+    if (earlier.length) this.earlier.draw(context, area, earlier, this.fields, plot);
+    if (references.length) drawReferences(context, area, references, this.fields, plot);
   }
 
   series(fields, buffer) {
@@ -239,7 +242,8 @@ export class Plot {
   rangeFor(axis, fields) {
     const { low, high } = axisOf(this.state.values, axisName(axis, this.number));
     const { buffer, earlier = [], reference, from, to } = this.shown;
-    const extent = widened(buffer.extent(fields, from, to), earlier, fields, from - reference, to - reference);
+    const behind = [...earlier, ...this.state.values.references.map(({ lines }) => lines)];
+    const extent = widened(buffer.extent(fields, from, to), behind, fields, from - reference, to - reference);
     const range = this.auto[axis].update(extent[0], extent[1], performance.now() / 1000);
     const chosen = [low ?? range[0], high ?? range[1]];
     return chosen[0] < chosen[1] ? chosen : range;

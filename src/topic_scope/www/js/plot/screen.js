@@ -3,8 +3,8 @@
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 
-const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "persistence", "theme",
-  "view"];
+const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "end", "axes", "persistence",
+  "references", "theme", "view"];
 
 /**
  * Draw the sweep whenever it or the state changes.

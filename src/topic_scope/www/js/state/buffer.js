@@ -64,14 +64,16 @@ export class TraceBuffer {
     this.count -= surplus;
   }
 
-  /** A copy that further frames leave alone. */
-  copy() {
-    const copied = new TraceBuffer();
-    Object.assign(copied, this, { traces: new Map(), places: new Map(), lasts: new Map() });
-    for (const [field, values] of this.traces) copied.traces.set(field, values.slice());
-    for (const [field, places] of this.places) copied.places.set(field, places.slice());
-    for (const [field, values] of this.lasts) copied.lasts.set(field, values.slice());
-    return copied;
+  /**
+   * Copy what further frames are to leave alone.
+   * @param {string[]} [fields] all by default
+   * @returns {TraceBuffer}
+   */
+  copy(fields = [...this.traces.keys()]) {
+    const some = (map) => new Map(fields.filter((field) => map.has(field))
+      .map((field) => [field, map.get(field).slice()]));
+    const [traces, places, lasts] = [this.traces, this.places, this.lasts].map(some);
+    return Object.assign(new TraceBuffer(), this, { traces, places, lasts });
   }
 
   /**

@@ -9,6 +9,21 @@ export const KEPT = [0, 4, 8, 16, 32, 64];
  * @property {boolean} steps whether a value holds until the next one
  */
 
+/**
+ * Find how a trace goes in a stretch of time.
+ * @param {import("./buffer.js").TraceBuffer} buffer
+ * @param {string} field
+ * @param {number} zero what times count from, since the epoch, s
+ * @param {number} from s from there
+ * @param {number} to s from there
+ * @returns {Line}
+ */
+export function lineOf(buffer, field, zero, from, to) {
+  const isPoint = ([at, value]) => value !== null && at >= from && at <= to;
+  const points = new Float64Array(buffer.rows([field], zero).filter(isPoint).flat());
+  return { points, steps: buffer.lasts.has(field) };
+}
+
 /** Keeps sweeps that are over, the oldest first. */
 export class Persistence {
   /**
@@ -32,12 +47,8 @@ export class Persistence {
   keep({ buffer, time }, from, to) {
     if (!this.most) return;
     const more = (to - from) / 10; // so that lines reach the edges
-    const isPoint = ([at, value]) => value !== null && at >= from - more && at <= to + more;
-    const lineOf = (field) => ({
-      points: new Float64Array(buffer.rows([field], time).filter(isPoint).flat()),
-      steps: buffer.lasts.has(field),
-    });
-    this.sweeps.push(new Map([...buffer.traces.keys()].map((field) => [field, lineOf(field)])));
+    const line = (field) => [field, lineOf(buffer, field, time, from - more, to + more)];
+    this.sweeps.push(new Map([...buffer.traces.keys()].map(line)));
     this.forgetOldest();
   }
 

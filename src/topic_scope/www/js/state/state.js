@@ -30,6 +30,7 @@ const INITIAL = {
   playing: true, // whether the scope's clock goes; that of a bag may stand
   trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising",
     hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the part of the window before it
+  references: [], // traces kept as they were, see references.js
   persistence: 0, // how many earlier sweeps of the trigger stay visible
   axes: { // and "y.2", "y2.2" and so on, of further plots
     x: { title: "time, s", clock: false },

@@ -1,0 +1,98 @@
+/** References: traces that are kept as they are at one moment, to be compared with what they are later. */
+
+import { clockText } from "../base/clock.js";
+import { typed } from "../base/numbers.js";
+import { lineOf } from "./persistence.js";
+
+/** Most of them. */
+export const MOST = 8;
+
+/**
+ * @typedef {Object} Reference
+ * @property {string} name R1, R2 and so on
+ * @property {string} field the trace that it was; it has its plot, axis and colour, and goes with it
+ * @property {Map<string, string>} figures that the table had of it
+ * @property {import("./buffer.js").TraceBuffer} buffer
+ * @property {number} zero what its times count from, since the epoch, s
+ * @property {number} from where it begins, s from there
+ * @property {number} to where it ends, s from there
+ * @property {number} later how far it is moved to the right, s
+ * @property {number} offset what is added to its values
+ * @property {Map<string, import("./persistence.js").Line>} lines what is drawn, by field
+ */
+
+function withLine(one) {
+  const { buffer, field, zero, from, to, later, offset } = one;
+  const { points, steps } = lineOf(buffer, field, zero, from, to);
+  const moved = points.map((number, place) => number + (place % 2 ? offset : later));
+  return { ...one, lines: new Map([[field, { points: moved, steps }]]) };
+}
+
+/** Let references go with their traces. */
+export function startReferences(state) {
+  state.on(["fields"], ({ fields, references }) => {
+    const left = references.filter(({ field }) => fields.includes(field));
+    if (left.length < references.length) state.set({ references: left });
+  });
+}
+
+/** Whether a trace can be kept: it is shown, and there are not too many. */
+export const canKeep = ({ hidden, references }, field) => !hidden.has(field) && references.length < MOST;
+
+/**
+ * Keep a trace as it is.
+ * @param {import("./state.js").State} state
+ * @param {{buffer: import("./buffer.js").TraceBuffer, reference: number, from: number, to: number}} shown
+ * @param {string} field
+ * @param {Map<string, string>} figures that the table has of it
+ */
+export function keepReference(state, { buffer, reference: zero, from, to }, field, figures) {
+  const { references } = state.values;
+  const names = references.map(({ name }) => name);
+  let number = 1;
+  while (names.includes(`R${number}`)) number += 1;
+  const one = {
+    name: `R${number}`, field, figures, buffer: buffer.copy([field]), zero,
+    from: from - zero, to: to - zero, later: 0, offset: 0,
+  };
+  state.set({ references: [...references, withLine(one)] });
+}
+
+/**
+ * Move a reference.
+ * @param {import("./state.js").State} state
+ * @param {string} name
+ * @param {{later: ?number, offset: ?number}} changes
+ */
+export function moveReference(state, name, changes) {
+  const moved = (one) => (one.name === name ? withLine({ ...one, ...changes }) : one);
+  state.set({ references: state.values.references.map(moved) });
+}
+
+/** Remove a reference. */
+export function removeReference(state, name) {
+  state.set({ references: state.values.references.filter((one) => one.name !== name) });
+}
+
+/**
+ * Find the value of a reference, as it is drawn.
+ * @param {Reference} one
+ * @param {number} time on the time axis, s
+ * @returns {?number} null where it has none
+ */
+export function valueOf({ buffer, field, zero, from, to, later, offset }, time) {
+  const at = time - later;
+  const value = at >= from && at <= to ? buffer.at(field, zero + at) : null;
+  return value === null ? null : value + offset;
+}
+
+/** When a reference was kept: the time of its right edge. */
+export const keptText = ({ zero, to }) => `kept ${clockText(zero + to, 1)}`;
+
+/** Describe a reference for a picture. */
+export function referenceText(one) {
+  const { name, field, later, offset } = one;
+  const plus = offset === 0 ? "" : `, ${offset < 0 ? "−" : "+"} ${typed(Math.abs(offset), 6)}`;
+  const moved = later === 0 ? "" : `, ${typed(later, 6).replace("-", "−")} s later`;
+  return `${name}: ${field}, ${keptText(one)}${plus}${moved}`;
+}

@@ -3,6 +3,7 @@
 import ast
 import functools
 import pathlib
+import runpy
 from typing import Dict, List, Set
 
 import code_rules
@@ -20,8 +21,14 @@ class UnitTests:
         return code_rules.import_graph(trees)
 
     def all_of(self, package: str) -> List[pathlib.Path]:
-        """Return all files of a package."""
-        return sorted((code_rules.SOURCES / package / "test" / "unit").glob("test_*.py"))
+        """Return all files of a package, but for those that pytest is told to ignore here.
+
+        It would not ignore them where they are named, and what they need is not installed.
+        """
+        place = code_rules.SOURCES / package / "test" / "unit"
+        told = place / "conftest.py"
+        ignored = runpy.run_path(str(told)).get("collect_ignore", ()) if told.is_file() else ()
+        return sorted(path for path in place.glob("test_*.py") if path.name not in ignored)
 
     def of(self, module: pathlib.Path) -> List[pathlib.Path]:
         """Return the files in the module's package that import it, even by way of others."""

@@ -4,6 +4,7 @@ import ast
 import dataclasses
 import os
 import pathlib
+import shutil
 import signal
 import sys
 import threading
@@ -146,6 +147,14 @@ def test_the_unit_tests_of_a_module_begin_with_those_that_import_it() -> None:
     found = UnitTests().of(place / "src" / "topic_scope" / "web" / "server.py")
     assert found[0] == place / "test" / "unit" / "test_server.py"
     assert place / "test" / "unit" / "test_ring.py" not in found
+
+
+def test_unit_tests_of_what_is_not_installed_are_left_out(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(shutil, "which", lambda _: None)
+    names = [test.name for test in UnitTests().all_of("diff_drive_sim")]
+    assert "test_robot.py" in names and "test_rviz.py" not in names
 
 
 def mutant(name: str) -> Mutant:

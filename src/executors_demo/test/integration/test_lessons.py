@@ -16,7 +16,7 @@ from executors_demo.bars import Bar, bars, most_at_once, overlaps
 from executors_demo.events import Event, read
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
 #: Ctrl-C takes less, s: below 2 s where the machine has nothing else to do.
@@ -175,7 +175,7 @@ class Lessons(unittest.TestCase):
         def call() -> None:
             answers.append(rospy.ServiceProxy(name, Trigger)().message)
 
-        rospy.wait_for_service(name)
+        rospy.wait_for_service(name, TIMEOUT_S)
         threads = [threading.Thread(target=call) for _ in range(count)]
         for thread in threads:
             thread.start()

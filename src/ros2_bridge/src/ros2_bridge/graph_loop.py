@@ -157,5 +157,6 @@ class GraphLoop:
         """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
         self._ended.set()
         self._thread.join(0.5)
+        self._actions.end_goals()
         self._nodes_in_ros1.close()
         self._side.close()

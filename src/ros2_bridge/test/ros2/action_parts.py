@@ -107,8 +107,8 @@ def cancel(
 class Server1(Process):
     """A server of ROS 1."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(str(HERE / "action_server1.py"), [name])
+    def __init__(self, name: str, node: str = "action_server1") -> None:
+        super().__init__(str(HERE / "action_server1.py"), [name, f"__name:={node}"])
 
     def __enter__(self) -> "Server1":
         self.wait_for_log("serving")

@@ -5,7 +5,9 @@ import signal
 
 import both
 import pytest
+from action_msgs.msg import GoalStatus
 from action_parts import Client1, Client2, Server1, Server2, cancel
+from rclpy.action.graph import get_action_names_and_types
 
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.actions.goals_of_ros2 import GONE
@@ -19,6 +21,38 @@ def test_goals_of_a_server_that_goes_are_aborted(ros: both.Both, number: int) ->
         os.kill(server.popen.pid, number)
         server.wait()
         assert client.end_of("on") == f"ABORTED - {GONE}"
+
+
+def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
+    with Server1("/leg/hop") as server1, Server2("/leg/run") as server2, both.Bridge() as bridge:
+        client2 = Client2(ros, "/leg/hop")
+        client2.send("on", 60.0)
+        assert client2.accepted("on")
+        with Client1("/leg/run") as client1:
+            client1.tell("send on 60.0")
+            wait_until(lambda: client1.feedback("on"), lambda: "no feedback")
+            assert bridge.interrupt() == 0
+            assert client1.end_of("on") == f"ABORTED - {GONE}"
+        assert client2.end("on") == GoalStatus.STATUS_ABORTED
+        client2.close()
+        assert server1.popen.poll() is server2.popen.poll() is None
+        assert not bridge.logged("Traceback")
+
+
+def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:
+    rules = ("_remap:=['/arm=/']", "_deny:=['*/secret']")
+    with Server1("/arm/reach"), Server1("/arm/secret", "another"), Server2("/grab"), both.Bridge(
+        *rules
+    ):
+        client2 = Client2(ros, "/reach")
+        client2.send("up", 0.1)
+        assert client2.accepted("up") and client2.end("up") == GoalStatus.STATUS_SUCCEEDED
+        client2.close()
+        with Client1("/arm/grab") as client1:
+            client1.tell("send it 0.1")
+            assert client1.end_of("it") == "SUCCEEDED it"
+        offered = [name for name, _ in get_action_names_and_types(ros.node)]
+        assert "/reach" in offered and "/secret" not in offered and "/arm/reach" not in offered
 
 
 def test_goal_is_lost_where_the_bridge_was_killed(ros: both.Both) -> None:

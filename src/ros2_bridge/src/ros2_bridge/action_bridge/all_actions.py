@@ -65,6 +65,11 @@ class ActionBridge(PairBridge[_Pair]):
         for pair in list(self.pairs.values()):
             pair.follow()
 
+    def end_goals(self) -> None:
+        """Have the goals of all clients on the other side end as aborted."""
+        for pair in list(self.pairs.values()):
+            pair.end_goals()
+
     def _has_same_type(self, way: Way, pair: _Pair) -> bool:
         return self._type(way) == pair.kind.ros1
 

@@ -177,10 +177,14 @@ class ActionToRos1:
         with self._lock:
             self._publish_status(self._goals.listed())
 
-    def close(self) -> None:
-        """End it."""
+    def end_goals(self) -> None:
+        """Have all goals end as aborted."""
         with self._lock:
             self._goals.lose_goals(set(), time.monotonic())
+
+    def close(self) -> None:
+        """End it."""
+        self.end_goals()
         self._made.close()
         for end in (*self._ends, *(client.close for client in self._clients)):
             end()

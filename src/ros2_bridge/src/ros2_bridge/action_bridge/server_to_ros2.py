@@ -183,10 +183,15 @@ class ActionToRos2:
             listed = [GoalStatus2(goal_info=_info(goal), status=goal.status) for goal in goals]
             self._status2.publish(GoalStatusArray2(status_list=listed))
 
-    def close(self) -> None:
-        """End it."""
+    def end_goals(self) -> None:
+        """Have all goals end as aborted."""
         with self._lock:
             self._goals.lose_server(time.monotonic())
+
+    def close(self) -> None:
+        """End it."""
+        self.end_goals()
+        with self._lock:
             ends, self._ends = self._ends, []
         self._made.close()
         for end in ends:

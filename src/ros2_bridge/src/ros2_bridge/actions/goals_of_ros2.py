@@ -19,7 +19,7 @@ from ros2_bridge.actions.states import (
 LISTED_S = 5.0
 RECALLED = "cancelled before it began"
 REJECTED = "the server in ROS 2 has rejected it"
-GONE = "the server in ROS 2 has gone"
+GONE = "the server in ROS 2, or the bridge to it, has gone"
 
 
 class Goal:

@@ -386,7 +386,7 @@ class Elsewhere(Managing):
         self.nodes = nodes = {name: self.start(DRIVER, name) for name in ABC}
         manager = self.start(MANAGER, "manager")
         manager.wait_for_log("all are active")
-        self.assertEqual(manager.logged("get_state"), [])  # it has asked, and changed nothing for it
+        self.assertEqual(manager.logged("get_state"), [])  # it has asked, and changed nothing
         # Killed and started again.
         nodes["b"].end()
         self.wait_until_told("b is lost: it has ended")

@@ -1,0 +1,73 @@
+"""The tutorial that drives a robot of ROS 1 from ROS 2 does what it says."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+from typing import IO, Dict, NamedTuple, Optional
+
+import both
+import rospy
+
+from nodekit.testing.console import INTERRUPT, find, instructions_of, is_all, plain
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+
+WORKSPACE = both.SOURCES.parent
+PAGE = WORKSPACE / "docs" / "tutorials" / "robot_from_ros2.md"
+
+
+class Terminal(NamedTuple):
+    """A command that keeps running, and what it prints."""
+
+    popen: "subprocess.Popen[bytes]"
+    output: IO[bytes]
+
+    def printed(self) -> str:
+        """Return all so far."""
+        return plain(pathlib.Path(self.output.name).read_text("utf-8"))
+
+
+def start(command: str) -> Terminal:
+    """Type a command; one for ROS 2 is run as ./ci/ros2 does."""
+    mine = command.replace("./ci/ros2 python3", f"env -u PYTHONPATH {sys.executable}")
+    output = tempfile.NamedTemporaryFile()
+    popen = subprocess.Popen(
+        ["bash", "-c", f"exec {mine}"],
+        cwd=str(WORKSPACE),
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},  # as in a terminal
+        stdout=output,
+        stderr=output,
+    )
+    return Terminal(popen, output)
+
+
+def test_tutorial_does_what_it_says(ros: both.Both) -> None:
+    rospy.set_param("/run_id", "tests")  # or each launch would give the master another one
+    steps = instructions_of(PAGE.read_text("utf-8"))
+    terminals: Dict[Optional[str], Terminal] = {}
+    read: Dict[Optional[str], int] = {}
+    try:
+        for step in steps:
+            if step.typed == INTERRUPT:
+                terminals[step.terminal].popen.send_signal(signal.SIGINT)
+                assert terminals[step.terminal].popen.wait(TIMEOUT_S) == 0, step
+                continue
+            if step.typed is not None:
+                terminals[step.terminal], read[step.terminal] = start(step.typed), 0
+            shown = terminals[step.terminal]
+            if step.terminal is None:
+                assert shown.popen.wait(2.0 * TIMEOUT_S) == 0, shown.printed()
+                assert is_all(step.expected, shown.printed()), (step, shown.printed())
+            else:
+                read[step.terminal] = wait_until(
+                    lambda: find(step.expected, shown.printed(), read[step.terminal]),
+                    lambda: f"{step}: {shown.printed()}",
+                )
+    finally:
+        for terminal in terminals.values():
+            if terminal.popen.poll() is None:
+                terminal.popen.send_signal(signal.SIGINT)
+                terminal.popen.wait(TIMEOUT_S)
+    assert len(steps) > 8

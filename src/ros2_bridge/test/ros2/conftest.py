@@ -3,28 +3,13 @@
 Run by ``./ci/test ros2``, with the Python that has ROS 2 and ROS 1's packages in PYTHONPATH.
 """
 
-import contextlib
 import os
-import random
-import socket
 from typing import Iterator
 
 import pytest
+from domains import own_domain
 
 from ros2_bridge.environment.side_by_side import join
-
-#: Has a name that one process of a machine can have at a time: that of its domain.
-_held = socket.socket(socket.AF_UNIX)
-
-
-def own_domain() -> int:
-    """Return the number of a domain that no tests beside these have, until this process ends."""
-    for number in random.sample(range(20, 97), 77):
-        with contextlib.suppress(OSError):
-            _held.bind(f"\0ros2_tests_in_domain_{number}")
-            return number
-    raise AssertionError("every domain has tests")
-
 
 # Nobody else's nodes; set before rclpy is there.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

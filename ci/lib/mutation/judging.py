@@ -196,7 +196,8 @@ def integration_steps(package: str) -> List[Step]:
             word.replace("PYTHONPATH=", f"PYTHONPATH={copies}{os.pathsep}", 1)
             for word in step.command
         ]
-        steps.append(dataclasses.replace(step, name=f"{package}/{step.name}", command=command))
+        name = f"{package}/{step.name}"
+        steps.append(dataclasses.replace(step, name=name, command=[*command, "-x"]))
     return steps
 
 

@@ -284,6 +284,17 @@ def test_that_a_node_does_not_answer_is_logged_seldom(monkeypatch: "pytest.Monke
     assert logged == ["it sleeps", "still"]
 
 
+def test_what_could_not_be_written_is_tried_again_once_at_a_time() -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._work, mirror._is_written = queue.SimpleQueue(), False
+    for _ in range(2):
+        mirror.retry_write_all()
+    assert mirror._work.get_nowait() == mirror._write_all and mirror._work.empty()
+    mirror._is_written = True
+    mirror.retry_write_all()
+    assert mirror._work.empty()
+
+
 def test_the_latest_that_stands_on_the_server_is_taken() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._work, mirror._latest = queue.SimpleQueue(), collections.deque(maxlen=1)

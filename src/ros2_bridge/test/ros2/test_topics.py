@@ -2,6 +2,7 @@
 
 import contextlib
 import struct
+import threading
 import xmlrpc.client
 from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple, cast
@@ -16,9 +17,10 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
-from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import Count, Kept, TopicToRos1, TopicToRos2
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
 
@@ -291,11 +293,23 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
         (good, b"a", 4),
         (good, b"b", 7),
         (bad, b"a", 5),
+        (good, b"b", 9),
         (good, b"ours", 1),
     ]
     pair._forward([Arrived(*one) for one in arrived])
-    assert vars(pair.count) == {"passed": 3, "lost": 2, "refused": 1, "thinned": 0}
-    assert len(passed) == 3
+    assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
+    assert len(passed) == 4
+
+
+def test_what_one_gone_node_of_ros2_has_latched_is_forgotten_and_the_others_kept() -> None:
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    pair._lock, pair._kept = threading.Lock(), Bridged()
+    latched: List[List[str]] = []
+    pair._publisher = SimpleNamespace(latch_all=lambda messages: latched.append(list(messages)))
+    pair._keep({b"gone": Kept("one"), b"here": Kept("two")})
+    for _ in range(MISSED_POLLS):
+        pair.forget_all_but({b"here"})
+    assert latched == [["one", "two"], ["two"]]
 
 
 def test_senders_without_number_are_not_all_remembered() -> None:

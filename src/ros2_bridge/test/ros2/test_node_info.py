@@ -115,6 +115,7 @@ def test_each_publisher_of_a_topic_is_named(ros: both.Both, bridge: both.Bridge)
         ear = ros.hear2("/chatter", String)
         ear.wait(3)
         ear.end()
+        talkers[1].interrupt()
 
 
 @pytest.mark.parametrize("latch", [False, True])

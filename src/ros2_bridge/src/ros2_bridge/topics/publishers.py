@@ -1,6 +1,7 @@
 """One topic of ROS 1 in ROS 2, where each node publishes it that does so in ROS 1."""
 
 import threading
+import time
 from typing import Any, Callable, Mapping, Optional, Set
 
 from rclpy.node import Node as Ros2Node
@@ -10,6 +11,8 @@ from ros2_bridge.rules.pairs import Bridged
 
 #: How long all who subscribe may take to know a new publisher, s.
 _KNOWN_S = -1.0
+#: How long it takes until all who subscribe know a new publisher, s.
+_KNOWN_S = 0.1
 #: Stands for all nodes that do not appear in ROS 2, as far as they do not latch.
 _OTHERS = ""
 
@@ -30,15 +33,20 @@ class NodePublisher:
         self._side, self._make, self.owner, self.is_latched = side, make, owner, False
         self._publisher, self._latest = make(owner, False), b""
 
-    def publish(self, data: bytes, is_latched: bool) -> None:
-        """Publish a message.
+    def latch(self, is_latched: bool) -> bool:
+        """Keep the latest message for those who come later, from the next one on, or no longer.
 
-        :param is_latched: whether those get it, too, who come later
+        :returns: whether it did otherwise before
         """
-        if is_latched != self.is_latched:
-            self.is_latched = is_latched
-            self._remake(self.owner)
-        self._latest = data if is_latched else b""
+        if is_latched == self.is_latched:
+            return False
+        self.is_latched, self._latest = is_latched, b""
+        self._remake(self.owner)
+        return True
+
+    def publish(self, data: bytes) -> None:
+        """Publish a message."""
+        self._latest = data if self.is_latched else b""
         self._publisher.publish(data)
 
     def move(self, owner: Ros2Node) -> None:
@@ -62,7 +70,8 @@ class TopicPublishers:
     """Publishes a topic in ROS 2, each message as of the node that it comes from.
 
     Who subscribes may not know a new publisher yet when that sends for the first time. Where both
-    are reliable it is sent again then, and nothing is lost.
+    are reliable it is sent again then. But what is latched counts as sent before for whoever asks
+    for nothing that was before; so it is sent only when that is over.
 
     :param side: the bridge in ROS 2
     :param make: makes a publisher of a node, latched or not
@@ -72,6 +81,7 @@ class TopicPublishers:
         self._side, self._make = side, make
         self._lock = threading.Lock()
         self._by_caller: Bridged[str, NodePublisher] = Bridged()
+        self._is_closed = False
 
     def update_publishers(
         self, callers: Set[str], owners: Mapping[str, Ros2Node], is_heard: bool
@@ -111,12 +121,21 @@ class TopicPublishers:
         :param is_latched: whether those get it, too, who come later
         """
         with self._lock:
+            if self._is_closed:
+                return
             mine = self._by_caller.get(caller)
             if mine is None and not is_latched:  # it does not appear in ROS 2, or not yet
                 mine = self._plain() or self._add(_OTHERS, self._side.node)
             elif mine is None:
                 mine = self._add(caller, self._side.node)
-            mine.publish(data, is_latched)
+            is_unknown = mine.latch(is_latched) and is_latched
+            if not is_unknown:
+                mine.publish(data)
+        if is_unknown:
+            time.sleep(_KNOWN_S)
+            with self._lock:
+                if self._by_caller.get(caller) is mine:
+                    mine.publish(data)
 
     def _plain(self) -> Optional[NodePublisher]:
         """Return one of those that keep nothing for who comes later."""
@@ -125,5 +144,6 @@ class TopicPublishers:
     def close(self) -> None:
         """Publish it no longer."""
         with self._lock:
+            self._is_closed = True
             for caller in list(self._by_caller):
                 self._by_caller.close_one(caller)

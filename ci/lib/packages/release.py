@@ -29,7 +29,7 @@ CHECKS = [
     *(
         ["./ci/clean-room", "--only", parts, suite]
         for suite in debian_files.RELEASES
-        for parts in ("refusals,by_hand,workspace,package,launch", "test", "ros2")
+        for parts in ("refusals,by_hand,workspace,prefix,package,launch", "test", "ros2")
     ),
     *(["./ci/deb", suite] for suite in debian_files.RELEASES),
     ["./ci/container"],

@@ -76,13 +76,15 @@ take_by_hand() { # SUITE ROOT
 
 # A clone in a workspace of the user's own, with no package but those that ci/exec prints.
 take_workspace() { # SUITE ROOT
-    local command
+    local command first=:
     command=$(page_commands docs/tutorials/other_packages.md "All of it in your own workspace" | head -n 1)
+    # As the page says below.
+    [ "$1" != forky ] || first="export CMAKE_POLICY_VERSION_MINIMUM=3.5"
     furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
         refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
         by_hand "$2" &&
         # What the first part of the command would clone is there.
-        succeeds "$2" student offline bash -c "${command#*&& }" &&
+        succeeds "$2" student offline bash -c "$first; ${command#*&& }" &&
         says_once "tests are left out" &&
         succeeds "$2" student offline bash -c 'source ~/my_ws/devel/setup.bash && rospack find basic_comms' &&
         verdict="built with what ci/exec printed"
@@ -101,6 +103,35 @@ take_package() { # SUITE ROOT
         succeeds "$2" student offline ./ci/exec sh -ec \
             'cd ~/new_ws; catkin_make --force-cmake run_tests; catkin_test_results --all build; find build | grep "rosunit-.*xml"' &&
         verdict="built, and its test passed"
+}
+
+# The distribution's ROS moved to a prefix of its own: sourced there, then found in /opt/ros by a system
+# without apt.
+take_prefix() { # SUITE ROOT
+    local command
+    command=$(page_commands README.md "Two commands" | head -n 1)
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&
+        by_hand "$2" || return
+    say "$1: moving ROS to /srv/ros"
+    cp "$workspace/ci/lib/systems/move-ros.bash" "$2/root" &&
+        succeeds "$2" root offline bash /root/move-ros.bash /srv/ros &&
+        launches_upon "$2" /srv/ros "source /srv/ros/setup.bash" &&
+        chroot "$2" sh -ec 'mkdir /opt/ros; ln -s /srv/ros /opt/ros/own; rm /usr/bin/apt-get /usr/bin/dpkg-query' &&
+        launches_upon "$2" /opt/ros/own : &&
+        says_once "without apt nothing is installed here.* cmake g++" &&
+        verdict="sourced; and in /opt/ros, without apt"
+}
+
+# A launch is heard, and has said which ROS it is built upon.
+launches_upon() { # ROOT ROS PREPARATION
+    say "upon $2: $3; $command"
+    # Built first: a time-out amid the build would begin it anew.
+    # shellcheck disable=SC2016
+    succeeds "$1" student offline bash -c "$3; ${command/ roslaunch / roslaunch --files } && { $command & }; launch=\$!"'
+        until timeout 60 ./ci/exec rostopic echo -n 1 /signal; do kill -0 "$launch" && sleep 1 || exit; done
+        kill "$launch"; wait "$launch"' &&
+        says_once "building upon the ROS in $2,"
 }
 
 # Expect words in one line of what the last command wrote.

@@ -26,6 +26,7 @@ class Traveller(Node):
     def __init__(self) -> None:
         super().__init__("traveller")
         self._client = ActionClient(self, GoTo, "go_to")
+        self._is_accepted = False
         self._last = 0.0
 
     def travel(self, x: float, y: float, seconds: Optional[float]) -> None:
@@ -39,6 +40,7 @@ class Traveller(Node):
         if not handle.accepted:
             print("rejected")
             return
+        self._is_accepted = True
         print("accepted")
         result = handle.get_result_async()
         rclpy.spin_until_future_complete(self, result, timeout_sec=seconds)
@@ -49,7 +51,8 @@ class Traveller(Node):
 
     def _report(self, message: GoTo.Impl.FeedbackMessage) -> None:
         distance = message.feedback.progress.distance
-        if abs(distance - self._last) >= 0.1:
+        # Feedback comes by a topic, and may overtake the service's answer.
+        if self._is_accepted and abs(distance - self._last) >= 0.1:
             self._last = distance
             print(f"{distance:.1f} m left")
 

@@ -126,6 +126,7 @@ def system(tool: Tool, up: str, other: str) -> None:
     with composed(tool, up, port):
         wait_for("the page is seen on this machine", lambda: connects("127.0.0.1", port))
         insist(greeting(port)["readonly"] is True, "it is read-only")
+        wait_for("the course is healthy", lambda: is_healthy(tool, "course"))
         wait_for(
             "/proc_signal is received in a container of the network",
             lambda: answers(*tool.typed(other)),
@@ -142,6 +143,18 @@ def system(tool: Tool, up: str, other: str) -> None:
         insist(not connects(own_address(), port), "and the page not from another machine")
         ports = tool.said("port", "course") + tool.said("port", "scope")
         insist(ports == f"8080/tcp -> 127.0.0.1:{port}", f"all that is published is {ports}")
+        tool.said("exec", "course", "rosnode", "kill", "/process")
+        insist(not is_healthy(tool, "course"), "it is not where /proc_signal falls silent")
+
+
+def is_healthy(tool: Tool, name: str) -> bool:
+    """Tell whether the check of a container's health succeeds now."""
+    if tool.name == "podman":
+        return tool.answers("healthcheck", "run", name)
+    check = json.loads(tool.said("inspect", "--format", "{{json .Config.Healthcheck}}", name))
+    seconds = check["Timeout"] // 1_000_000_000
+    command = ["timeout", str(seconds), *check["Test"][1:]]
+    return tool.answers("exec", name, *command)
 
 
 def connects(address: str, port: int) -> bool:

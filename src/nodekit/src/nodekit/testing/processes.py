@@ -115,7 +115,11 @@ class Master:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        wait_until(self._answers, lambda: "no answer of the master")
+        try:
+            wait_until(self._answers, lambda: "no answer of the master")
+        except BaseException:
+            self.kill()
+            raise
 
     def kill(self) -> None:
         """End it at once."""

@@ -1,9 +1,11 @@
 """A master for one judgement, which no other node knows."""
 
+import contextlib
 import os
 import shutil
+import signal
 import tempfile
-from typing import Dict
+from typing import Dict, Iterator, List, Optional
 
 from nodekit.testing.processes import Master
 
@@ -22,15 +24,35 @@ class OwnMaster:
         own = {"ROS_HOSTNAME": "localhost", "ROS_HOME": self._folder}
         own["ROS_LOG_DIR"] = os.path.join(self._folder, "log")
         os.environ.update(own)
+        self._master: Optional[Master] = None
         try:
-            self._master = Master()
+            with _interrupts_put_off():
+                self._master = master = Master()
         except BaseException:
-            shutil.rmtree(self._folder, ignore_errors=True)
+            self.close()
             raise
-        os.environ["ROS_MASTER_URI"] = self._master.uri
-        self.environment: Dict[str, str] = {**own, "ROS_MASTER_URI": self._master.uri}
+        os.environ["ROS_MASTER_URI"] = master.uri
+        self.environment: Dict[str, str] = {**own, "ROS_MASTER_URI": master.uri}
 
     def close(self) -> None:
         """End it, and remove what was written."""
-        self._master.kill()
+        if self._master is not None:
+            self._master.kill()
         shutil.rmtree(self._folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _interrupts_put_off() -> Iterator[None]:
+    """Put Ctrl-C and SIGTERM off: a process that is just being started would stay behind."""
+    came: List[int] = []
+    before = {
+        number: signal.signal(number, lambda given, _frame: came.append(given))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    for given in came:
+        signal.raise_signal(given)

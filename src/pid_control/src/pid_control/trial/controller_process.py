@@ -8,6 +8,7 @@ import threading
 import uuid
 from typing import Dict, Optional
 
+from pid_control.trial.interrupts import interrupts_put_off
 from pid_control.trial.process_watch import MARK, ProcessWatch
 from pid_control.trial.target import Target
 
@@ -32,14 +33,19 @@ class ControllerProcess:
         self.watch = ProcessWatch(mark)
         self._tail = b""
         self._written = 0
-        self._popen = subprocess.Popen(
-            target.command,
-            env={**target.environment, **environment, MARK: mark},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        try:
+            with interrupts_put_off():
+                self._popen = subprocess.Popen(
+                    target.command,
+                    env={**target.environment, **environment, MARK: mark},
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.STDOUT,
+                    start_new_session=True,
+                )
+        except (KeyboardInterrupt, SystemExit):
+            self.watch.kill(_PATIENCE_S)
+            raise
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 

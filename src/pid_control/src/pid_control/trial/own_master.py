@@ -1,13 +1,12 @@
 """A master for one judgement, which no other node knows."""
 
-import contextlib
 import os
 import shutil
-import signal
 import tempfile
-from typing import Dict, Iterator, List, Optional
+from typing import Dict, Optional
 
 from nodekit.testing.processes import Master
+from pid_control.trial.interrupts import interrupts_put_off
 
 
 class OwnMaster:
@@ -26,7 +25,7 @@ class OwnMaster:
         os.environ.update(own)
         self._master: Optional[Master] = None
         try:
-            with _interrupts_put_off():
+            with interrupts_put_off():
                 self._master = master = Master()
         except BaseException:
             self.close()
@@ -39,20 +38,3 @@ class OwnMaster:
         if self._master is not None:
             self._master.kill()
         shutil.rmtree(self._folder, ignore_errors=True)
-
-
-@contextlib.contextmanager
-def _interrupts_put_off() -> Iterator[None]:
-    """Put Ctrl-C and SIGTERM off: a process that is just being started would stay behind."""
-    came: List[int] = []
-    before = {
-        number: signal.signal(number, lambda given, _frame: came.append(given))
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-    for given in came:
-        signal.raise_signal(given)

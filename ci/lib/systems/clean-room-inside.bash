@@ -78,7 +78,7 @@ take_by_hand() { # SUITE ROOT
 take_workspace() { # SUITE ROOT
     local command first=:
     command=$(page_commands docs/tutorials/other_packages.md "All of it in your own workspace" | head -n 1)
-    # As the page says below.
+    # Its CMake 4 takes catkin's files only so.
     [ "$1" != forky ] || first="export CMAKE_POLICY_VERSION_MINIMUM=3.5"
     furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
         refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&

@@ -88,7 +88,10 @@ class RealPlant(unittest.TestCase):
         self.start_motor()
         self.assert_refused(
             "held is not for a real plant: there are steps, ramp, sine, windup",
-            *("--real-plant", "--only", "held", *self.controller),
+            "--real-plant",
+            "--only",
+            "held",
+            *self.controller,
         )
         no_master = f"http://localhost:{free_port()}"
         self.assert_refused("on your own master", *plant, ROS_MASTER_URI=no_master)

@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from diff_drive_sim.nodes.diff_drive import DiffDrive
 from nodekit import Names, Node, ParameterClient, init_node
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -45,7 +46,8 @@ class Moments(unittest.TestCase):
         self.addCleanup(driver.close)
         self.commands = driver.publisher("cmd_vel", Twist)
         driver.start()
-        wait_until(self.clock.get_num_connections, lambda: "/clock is not heard")
+        own_name = rospy.get_name()  # the robots beside this test hear /clock too, perhaps earlier
+        Graph().wait_until_heard(own_name, "/clock", own_name)
         self.advance(0.0)
         self.node.start()
         wait_until(lambda: (self.advance(0.01), self.odometry.messages())[1], lambda: "no odometry")

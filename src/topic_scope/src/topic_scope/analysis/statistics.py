@@ -19,16 +19,18 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
     )
     if len(times) and times[-1] > times[0]:
         result["rate"] = (len(times) - 1) / float(times[-1] - times[0])
-    finite = numpy.isfinite(values)
     if len(values):
-        result["nan"] = 1.0 - float(finite.mean())
-    times, values = times[finite], values[finite]
+        finite = numpy.isfinite(values)
+        count = int(numpy.count_nonzero(finite))
+        result["nan"] = 1.0 - count / len(values)
+        if count < len(values):
+            values = values[finite]
     if len(values):
+        low, high = float(values.min()), float(values.max())
         # Scaled, so that squares and sums of large numbers do not overflow.
-        scale = float(numpy.abs(values).max()) or 1.0
+        scale = max(-low, high) or 1.0
         parts = values / scale
         result["value"] = float(values[-1])
-        low, high = float(values.min()), float(values.max())
         result["min"], result["max"], result["vpp"] = low, high, _finite(high - low)
         mean = float(parts.mean())
         result["mean"] = _finite(mean * scale)

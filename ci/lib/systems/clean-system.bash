@@ -44,7 +44,8 @@ bootstrap() { # SUITE ROOT
         tar -C "$2" -xf "$packed" || return
     else
         say "$1: debootstrap from $mirror"
-        debootstrap --variant=minbase "$1" "$2" "$mirror" >"$log" 2>&1 || {
+        # Its script is the same for all of them; for a suite that is newer than debootstrap there is no other.
+        debootstrap --variant=minbase "$1" "$2" "$mirror" sid >"$log" 2>&1 || {
             end_of_log
             return 1
         }

@@ -19,17 +19,20 @@ import project
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
-#: What changes the clone before the commit, and what has to be good after it.
+#: What changes the clone before the commit, and what has to be good after it: in pieces, since what was
+#: interrupted begins anew.
 PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]
 ]
+TIERS = ("lint", "docs", "unit", "install", "catkin_build", "integration", "ros2")
+ROOMS = ("refusals", "by_hand", "workspace", "prefix", "package", "launch", "test", "ros2")
 CHECKS = [
-    ["./ci/test", "all"],
+    *(["./ci/test", tier] for tier in TIERS),
     *(
-        ["./ci/clean-room", "--only", parts, suite]
+        ["./ci/clean-room", "--only", part, suite]
         for suite in debian_files.RELEASES
-        for parts in ("refusals,by_hand,workspace,prefix,package,launch", "test", "ros2")
+        for part in ROOMS
     ),
     *(["./ci/deb", suite] for suite in debian_files.RELEASES),
     ["./ci/container"],
@@ -166,12 +169,13 @@ class Attempt:
     def __init__(self, version: str, place: pathlib.Path) -> None:
         self._version, self._place = version, place
         self._journal = self._place / "passed"
+        self._systems = self._place / "systems"
         self.tree = self._place / "workspace"
 
     def begin(self) -> None:
         """Clone HEAD, and change the versions."""
         self.remove()
-        self._place.mkdir(parents=True, exist_ok=True)
+        self._systems.mkdir(parents=True)
         said("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
         said("git", "checkout", "--quiet", "--detach", head(WORKSPACE), place=self.tree)
         bump(self.tree, self._version)
@@ -227,6 +231,8 @@ class Attempt:
         say(line)
         # The session's own ROS workspace is another one.
         own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
+        # Each system is bootstrapped once for all checks.
+        own.setdefault("CLEAN_ROOM_CACHE", str(self._systems))
         status = subprocess.call(command, cwd=str(self.tree), env=own)
         if status != 0:
             raise Refused(f"'{line}' ended with status {status}: nothing was released")

@@ -11,6 +11,7 @@ from typing import List
 import pytest
 from conftest import CI
 from debian_files import RELEASES
+from tiers import TIERS
 
 TITLE = "^^^^^\nTitle\n^^^^^\n\n"
 PROJECT = """maintainer: some body
@@ -23,7 +24,7 @@ bugtracker: https://example.org/it/issues
 CHECKS = ("test", "clean-room", "deb", "container")
 #: As often as each of them runs: what a suite needs can be gone on with.
 SUITES = tuple(RELEASES)
-RUNS = ["test", *len(SUITES) * 3 * ["clean-room"], *len(SUITES) * ["deb"], "container"]
+RUNS = [*len(TIERS) * ["test"], *len(SUITES) * 8 * ["clean-room"], *len(SUITES) * ["deb"], "container"]
 TODAY = datetime.date.today().isoformat()
 
 
@@ -128,7 +129,9 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     runs = [line.partition(" ")[::2] for line in copy.journal.read_text().splitlines()]
     assert [name for name, _ in runs] == ["exec", *RUNS]
     assert all(rest.endswith(": Release 1.2.0") for _, rest in runs[1:])
-    # Each suite with all parts that there are.
+    # All tiers that there are, and each suite with all parts.
+    tiers = [rest.partition(":")[0] for name, rest in runs if name == "test"]
+    assert tiers == list(TIERS)
     for suite in SUITES:
         parts = [rest for name, rest in runs if name == "clean-room" and f" {suite}:" in rest]
         named = ",".join(rest.split()[1] for rest in parts)
@@ -162,7 +165,7 @@ def test_what_was_good_is_not_run_again(copy: Copy) -> None:
     copy.journal.with_name("journal.goes_on").touch()
     done = copy.release("--resume", "1.2.0")
     assert done.returncode == 0, done.stderr
-    assert "ci/release: ./ci/test all: passed before" in done.stderr
+    assert "ci/release: ./ci/test unit: passed before" in done.stderr
     names = [line.split()[0] for line in copy.journal.read_text().splitlines()]
     assert names == RUNS[RUNS.index("deb") :]
     assert copy.state() != before and copy.git("describe").strip() == "1.2.0"

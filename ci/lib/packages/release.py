@@ -19,8 +19,8 @@ import project
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
-#: What changes the clone before the commit, and what has to be good after it: in pieces, since what was
-#: interrupted begins anew.
+#: What changes the clone before the commit, and what has to be good after it: in pieces, since
+#: what was interrupted begins anew.
 PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]

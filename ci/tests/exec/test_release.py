@@ -24,7 +24,12 @@ bugtracker: https://example.org/it/issues
 CHECKS = ("test", "clean-room", "deb", "container")
 #: As often as each of them runs: what a suite needs can be gone on with.
 SUITES = tuple(RELEASES)
-RUNS = [*len(TIERS) * ["test"], *len(SUITES) * 8 * ["clean-room"], *len(SUITES) * ["deb"], "container"]
+RUNS = [
+    *len(TIERS) * ["test"],
+    *len(SUITES) * 8 * ["clean-room"],
+    *len(SUITES) * ["deb"],
+    "container",
+]
 TODAY = datetime.date.today().isoformat()
 
 

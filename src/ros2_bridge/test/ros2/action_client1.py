@@ -1,10 +1,12 @@
 """A client of ROS 1 for the tests, which is told by lines what to do, and prints what it hears.
 
 ``send KEY X Y`` (see action_server2), ``cancel KEY``, ``cancel_until KEY``, ``cancel_all``. It
-prints ``KEY feedback DISTANCE``, and at the end of a goal ``KEY STATE PHASE TEXT``.
+prints ``KEY accepted TOOK``, ``KEY feedback DISTANCE TOOK PHASE``, and at the end of a goal
+``KEY STATE PHASE TEXT``; how long something took is in us.
 """
 
 import sys
+import time
 from functools import partial
 
 import actionlib
@@ -27,7 +29,7 @@ class Client:
 
     def __init__(self, name: str) -> None:
         self._client = actionlib.ActionClient(name, GoToAction)
-        self._goals = {}
+        self._goals, self._began = {}, {}
         self._cancel = rospy.Publisher(f"{name}/cancel", GoalID, queue_size=10)
         assert self._client.wait_for_server(rospy.Duration(20.0))
         say("connected")
@@ -39,6 +41,7 @@ class Client:
             goal.target_pose.header.frame_id = key
             goal.target_pose.pose.position.x = float(x)
             goal.target_pose.pose.position.y = float(y)
+            self._began[key] = time.monotonic()
             self._goals[key] = self._client.send_goal(
                 goal, partial(self._move, key), partial(self._feed, key)
             )
@@ -54,6 +57,8 @@ class Client:
             self._client.cancel_all_goals()
 
     def _move(self, key: str, handle) -> None:
+        if handle.get_comm_state() == actionlib.CommState.ACTIVE:
+            say(f"{key} accepted {1e6 * (time.monotonic() - self._began[key]):.0f}")
         if handle.get_comm_state() == actionlib.CommState.DONE:
             result = handle.get_result()
             phase = result.progress.phase if result is not None else ""
@@ -61,7 +66,9 @@ class Client:
             say(f"{key} {NAMES[state]} {phase or '-'} {text}")
 
     def _feed(self, key: str, _handle, feedback) -> None:
-        say(f"{key} feedback {feedback.progress.distance}")
+        progress = feedback.progress
+        took = 1e6 * (time.monotonic() - progress.heading_error)
+        say(f"{key} feedback {progress.distance} {took:.0f} {progress.phase}")
 
 
 if __name__ == "__main__":

@@ -146,7 +146,8 @@ class Client1(Process):
     def ended(self, key: str) -> List[str]:
         """Return state, result and text of a goal, nothing while it is under way."""
         lines = [line.split(" ", 3) for line in list(self.lines)]
-        ends = [line[1:] for line in lines if line[0] == key and line[1] != "feedback"]
+        on_the_way = ("accepted", "feedback")
+        ends = [line[1:] for line in lines if line[0] == key and line[1] not in on_the_way]
         assert len(ends) <= 1, ends
         return ends[0] if ends else []
 

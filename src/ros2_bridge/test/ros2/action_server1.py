@@ -2,10 +2,12 @@
 
 A goal is a pose: x is how long it takes, s, and y what becomes of it: it is accepted and succeeds
 (0), or is aborted (1), it is rejected (2), or remains pending until it is cancelled (3), or it is
-accepted and goes on however often it is cancelled (4). The result has the goal's frame_id.
+accepted and goes on however often it is cancelled (4). The result has the goal's frame_id,
+and so has the feedback, beside how much time is left and when it was sent, s.
 """
 
 import sys
+import time
 
 import actionlib
 import rospy
@@ -53,6 +55,8 @@ class Server:
                 elif elapsed < pose.pose.position.x:
                     feedback = GoToFeedback()
                     feedback.progress.distance = pose.pose.position.x - elapsed
+                    feedback.progress.phase = pose.header.frame_id
+                    feedback.progress.heading_error = time.monotonic()
                     handle.publish_feedback(feedback)
                     continue
                 elif what == ABORT:

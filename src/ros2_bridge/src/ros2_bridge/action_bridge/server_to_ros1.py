@@ -18,7 +18,7 @@ from nodekit import Node
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
 from ros2_bridge.actions.goals_of_ros2 import Goal, GoalsOfRos2
-from ros2_bridge.actions.states import Status2
+from ros2_bridge.actions.states import NUMBERED2, Status2
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.side import Ros2
@@ -46,6 +46,7 @@ class ActionToRos1:
         self._lock = threading.RLock()
         self._goals = GoalsOfRos2(self._publish_result, self._publish_status)
         self._numbers = itertools.count(1)
+        self._unknown: Set[int] = set()
         self._made = node.lifetime()
         self._is_offered = False
         impl, path = kind.cls.Impl, f"{other}/_action"
@@ -93,7 +94,11 @@ class ActionToRos1:
         made.every(_RATE_HZ, self._list_goals, steady=True, group=group)
 
     def _hear_goal(self, message: Any) -> None:
-        text, stamp, content = wire.read_goal(message._buff)
+        try:
+            text, stamp, content = wire.read_goal(message._buff)
+        except ConversionError as error:
+            rospy.logwarn(f"{self._name}: a goal of ROS 1 without an id is refused: {error}")
+            return
         began = rospy.Time.now().to_nsec()
         text = text or f"{self._node.name}-{next(self._numbers)}-{began}"
         with self._lock:
@@ -121,7 +126,14 @@ class ActionToRos1:
     def _hear_result(self, uuid: bytes, response: Any) -> None:
         content = self.kind.result.to_ros1(serialize_message(response.result))
         with self._lock:
-            self._goals.hear_result(uuid, Status2(response.status), content, time.monotonic())
+            self._goals.hear_result(uuid, self._known(response.status), content, time.monotonic())
+
+    def _known(self, number: int) -> Status2:
+        """Return the status of a number; where it has none, that is told once."""
+        if number not in NUMBERED2 and number not in self._unknown:
+            self._unknown.add(number)
+            rospy.logwarn(f"{self._name}: the server in ROS 2 sends the unknown status {number}")
+        return NUMBERED2.get(number, Status2.UNKNOWN)
 
     def _hear_cancel(self, message: Any) -> None:
         until = message.stamp.to_nsec()
@@ -145,7 +157,7 @@ class ActionToRos1:
         for one in arrived:
             message = deserialize_message(one.data, GoalStatusArray2)
             listed = [
-                (bytes(each.goal_info.goal_id.uuid), _stamp(each), Status2(each.status))
+                (bytes(each.goal_info.goal_id.uuid), _stamp(each), self._known(each.status))
                 for each in message.status_list
             ]
             with self._lock:
@@ -196,4 +208,4 @@ def _report(goal: Goal, content: bytes) -> wire.Reported:
 
 def _stamp(status: Any) -> int:
     stamp = status.goal_info.stamp
-    return int(stamp.sec * 10**9 + stamp.nanosec)
+    return max(0, int(stamp.sec * 10**9 + stamp.nanosec))  # ROS 1 has no earlier times

@@ -3,7 +3,7 @@
 import threading
 import time
 from functools import partial
-from typing import Any, Callable, List, Sequence
+from typing import Any, Callable, List, Optional, Sequence, Set
 
 import rospy
 from action_msgs.msg import GoalInfo
@@ -18,7 +18,7 @@ from nodekit import Node
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of
 from ros2_bridge.actions.goals_of_ros1 import Goal, GoalsOfRos1
-from ros2_bridge.actions.states import Status2
+from ros2_bridge.actions.states import NUMBERED1, OVER1, Status1, Status2
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.settings import Quality
@@ -29,6 +29,8 @@ from ros2_bridge.types.types import ActionType
 DEPTH = 1000
 #: How long a server may be without a connection until its goals are lost, s.
 _GONE_S = 1.0
+#: The last second of ROS 2's time.
+_LAST_S = 2**31 - 1
 
 
 class ActionToRos2:
@@ -57,6 +59,7 @@ class ActionToRos2:
         self._goals = GoalsOfRos1(timeout, self._publish_status)
         self._ends: List[Callable[[], None]] = []
         self._connected = time.monotonic()
+        self._unknown: Set[int] = set()
         self._made = made = node.lifetime()
         group = made.group(exclusive=False)
         self._goal = made.publisher(f"{name}/goal", kind.raw_goal)
@@ -146,31 +149,50 @@ class ActionToRos2:
 
         asked = request.goal_info
         uuid, until = bytes(asked.goal_id.uuid), asked.stamp.sec * 10**9 + asked.stamp.nanosec
+        if until < 0:
+            until = 1  # no less was before any goal began; ROS 1 has no such times
         with self._lock:
             text = self._goals.request_cancel(uuid, until, time.monotonic(), answer)
         if text is not None:
             self._cancel.publish(wire.goal_id(text, until))
 
     def _hear_status(self, message: Any) -> None:
-        listed = wire.read_statuses(message)
+        listed = [
+            (text, stamp, self._known(text, number))
+            for text, stamp, number in wire.read_statuses(message)
+        ]
         with self._lock:
             self._goals.hear_status(listed, time.monotonic())
 
+    def _known(self, text: str, number: int) -> Optional[Status1]:
+        """Return the status of a number; where it is unknown, none, and it is told once."""
+        if number not in NUMBERED1 and number not in self._unknown:
+            self._unknown.add(number)
+            rospy.logwarn(f"{self._name} lists {text} with the unknown status {number}")
+        return NUMBERED1.get(number)
+
     def _hear_result(self, message: Any) -> None:
-        report = wire.read_report(message._buff)
         try:
-            self.kind.result.to_cdr(report.content)
+            report = wire.read_report(message._buff)
         except ConversionError as error:
-            rospy.logwarn(f"{self._name}: a result is refused: {error}")
-            report = report._replace(content=b"")
+            rospy.logwarn(f"{self._name}: a result of no goal is refused: {error}")
+            return
+        status, content = NUMBERED1.get(report.status), report.content
+        try:
+            self.kind.result.to_cdr(content)
+            if status not in OVER1:
+                raise ConversionError(f"status {report.status} is no end of a goal")
+        except ConversionError as error:
+            rospy.logwarn(f"{self._name}: {report.text} is aborted, its result refused: {error}")
+            status, content = Status1.LOST, b""
         with self._lock:
-            self._goals.hear_result(report.text, report.status, report.content, time.monotonic())
+            self._goals.hear_result(report.text, status, content, time.monotonic())
 
     def _hear_feedback(self, message: Any) -> None:
-        report = wire.read_report(message._buff)
         if not self._ends:
             return
         try:
+            report = wire.read_report(message._buff)
             cdr = self.kind.feedback.to_cdr(report.content)
         except ConversionError as error:
             rospy.logwarn_throttle(1.0, f"{self._name}: feedback to ROS 2: {error}")
@@ -199,7 +221,8 @@ class ActionToRos2:
 
 
 def _time(stamp: int) -> Any:
-    return Time(sec=stamp // 10**9, nanosec=stamp % 10**9)
+    # ROS 1's clients set it, and its time ends later.
+    return Time(sec=min(stamp // 10**9, _LAST_S), nanosec=stamp % 10**9)
 
 
 def _info(goal: Goal) -> Any:

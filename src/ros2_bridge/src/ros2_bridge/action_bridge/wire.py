@@ -1,12 +1,17 @@
 """The messages of an action in ROS 1: what actionlib puts before what the user has defined."""
 
 import io
+import struct
 from typing import Any, List, NamedTuple, Tuple
 
 import rospy
 
-from ros2_bridge.actions.states import Status1
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatus, GoalStatusArray, Header
+from ros2_bridge.types.codec import ConversionError
+
+_STAMP, _LENGTH = struct.Struct("<II"), struct.Struct("<I")
+#: Bytes of a Header before its text.
+_HEADER = 12
 
 
 class Reported(NamedTuple):
@@ -14,13 +19,14 @@ class Reported(NamedTuple):
 
     :param text: the goal's id
     :param stamp: when the goal began, ns
+    :param status: its number, which may be an unknown one
     :param why: text of its status
     :param content: feedback or result
     """
 
     text: str
     stamp: int
-    status: Status1
+    status: int
     why: str
     content: bytes
 
@@ -31,9 +37,15 @@ def goal_id(text: str, stamp: int) -> Any:
 
 
 def read_goal(data: bytes) -> Tuple[str, int, bytes]:
-    """Return a goal's id, when it began, ns, and the goal."""
-    name, content = _split(data, GoalID())
-    return name.id, name.stamp.to_nsec(), content
+    """Return a goal's id, when it began, ns, and the goal.
+
+    :raises ConversionError: if it is none
+    """
+    try:
+        text, stamp, at = _goal_id(data)
+    except struct.error as error:
+        raise ConversionError(str(error)) from None
+    return text, stamp, data[at:]
 
 
 def write_goal(raw: Any, text: str, stamp: int, content: bytes) -> Any:
@@ -45,15 +57,16 @@ def write_goal(raw: Any, text: str, stamp: int, content: bytes) -> Any:
 
 
 def read_report(data: bytes) -> Reported:
-    """Return what a message with feedback or with a result says."""
-    status, content = _split(data, GoalStatus())
-    return Reported(
-        status.goal_id.id,
-        status.goal_id.stamp.to_nsec(),
-        Status1(status.status),
-        status.text,
-        content,
-    )
+    """Return what a message with feedback or with a result says.
+
+    :raises ConversionError: if it is none
+    """
+    try:
+        text, stamp, at = _goal_id(data)
+        why, end = _text(data, at + 1)
+    except struct.error as error:
+        raise ConversionError(str(error)) from None
+    return Reported(text, stamp, data[at], why, data[end:])
 
 
 def write_report(raw: Any, report: Reported) -> Any:
@@ -64,12 +77,10 @@ def write_report(raw: Any, report: Reported) -> Any:
     return _joined(raw, _status(report), report.content)
 
 
-def read_statuses(message: Any) -> List[Tuple[str, int, Status1]]:
-    """Return id, stamp in ns, and status of each goal of a list; without unknown statuses."""
+def read_statuses(message: Any) -> List[Tuple[str, int, int]]:
+    """Return id, stamp in ns, and number of the status of each goal of a list."""
     return [
-        (one.goal_id.id, one.goal_id.stamp.to_nsec(), Status1(one.status))
-        for one in message.status_list
-        if one.status in set(Status1)
+        (one.goal_id.id, one.goal_id.stamp.to_nsec(), one.status) for one in message.status_list
     ]
 
 
@@ -80,16 +91,25 @@ def write_statuses(reports: List[Reported]) -> Any:
 
 
 def _status(report: Reported) -> Any:
-    return GoalStatus(goal_id(report.text, report.stamp), int(report.status), report.why)
+    return GoalStatus(goal_id(report.text, report.stamp), report.status, report.why)
 
 
-def _split(data: bytes, part: Any) -> Tuple[Any, bytes]:
-    """Return what stands behind the header, and the rest."""
-    header, rest = Header(), data
-    for one in (header, part):
-        one.deserialize(rest)
-        rest = rest[len(_bytes(one)) :]
-    return part, rest
+# Read byte by byte: genpy replaces what is no UTF-8, and does not say how long it was.
+def _text(data: bytes, at: int) -> Tuple[str, int]:
+    """Return the text at a place, and the place behind it."""
+    (size,) = _LENGTH.unpack_from(data, at)
+    end = at + _LENGTH.size + size
+    if end > len(data):
+        raise ConversionError(f"{size} bytes announced, {len(data) - at} left")
+    return data[at + _LENGTH.size : end].decode("utf-8", "rosmsg"), end
+
+
+def _goal_id(data: bytes) -> Tuple[str, int, int]:
+    """Return the id behind a header, its stamp in ns, and the place behind both."""
+    _, at = _text(data, _HEADER)
+    seconds, rest = _STAMP.unpack_from(data, at)
+    text, end = _text(data, at + _STAMP.size)
+    return text, seconds * 10**9 + rest, end
 
 
 def _joined(raw: Any, part: Any, content: bytes) -> Any:

@@ -132,10 +132,11 @@ class GoalsOfRos1:
             found = next((one for one in self._goals.values() if one.uuid == uuid), None)
         return found
 
-    def hear_status(self, listed: Sequence[Tuple[str, int, Status1]], now: float) -> None:
+    def hear_status(self, listed: Sequence[Tuple[str, int, Optional[Status1]]], now: float) -> None:
         """Follow the server's list.
 
-        :param listed: id, stamp in ns, and status of each goal
+        :param listed: id, stamp in ns, and status of each goal; None for an unknown one, of which
+            ROS 1's own clients wait for the next
         """
         for text, stamp, status in listed:
             if text not in self._goals and status in _OPEN:
@@ -144,6 +145,8 @@ class GoalsOfRos1:
             if goal is None:
                 continue
             goal.is_listed = True
+            if status is None:
+                continue
             if TO_ROS2[status] not in OVER2 or (goal.status, status) == (None, Status1.REJECTED):
                 self._move(goal, status, now)
                 continue

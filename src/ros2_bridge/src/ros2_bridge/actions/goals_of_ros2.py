@@ -1,6 +1,6 @@
 """The goals of an action server of ROS 2, as its clients in ROS 1 have to see them."""
 
-from typing import Callable, Collection, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Collection, Dict, List, Optional, Sequence, Set, Tuple
 
 from ros2_bridge.actions.cancelling import is_meant
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
@@ -19,6 +19,7 @@ from ros2_bridge.actions.states import (
 LISTED_S = 5.0
 RECALLED = "cancelled before it began"
 REJECTED = "the server in ROS 2 has rejected it"
+NO_END = "the server in ROS 2 does not say how it ended"
 GONE = "the server in ROS 2, or the bridge to it, has gone"
 
 
@@ -38,8 +39,9 @@ class Goal:
         self.status, self.why = Status1.PENDING, ""
         #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
         self.is_accepted, self.is_to_be_cancelled = not is_ours, False
-        #: Name of the publisher that has listed it: where that has gone, its server has.
-        self.sender: Optional[bytes] = None
+        #: Names of the publisher that has listed it, or of those that were there when it came:
+        #: where they have gone, its server has, though another one of its name may have come.
+        self.senders: Set[bytes] = set()
         #: Whether it was cancelled, and has not come itself.
         self.is_awaited = False
         self.ended: Optional[float] = None
@@ -117,7 +119,7 @@ class GoalsOfRos2:
             goal = self._goals.get(uuid)
             if goal is None or not goal.is_under_way:
                 continue
-            goal.sender = sender
+            goal.senders = {sender}
             if status in STEPS2:
                 goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
             elif status in OVER2 and not goal.is_ours:  # of ours the result tells
@@ -133,8 +135,9 @@ class GoalsOfRos2:
         """
         goal = self._goals.get(uuid)
         if goal is not None and goal.is_under_way:
-            last = status if status in OVER2 else Status2.UNKNOWN
-            self._end(goal, TO_ROS1[last], now, result=result)
+            is_end = status in OVER2
+            wanted = TO_ROS1[status if is_end else Status2.UNKNOWN]
+            self._end(goal, wanted, now, "" if is_end else NO_END, result)
 
     def request_cancel(self, wanted: str, until: int, now: float) -> List[bytes]:
         """Cancel goals: see :func:`.is_meant`. One that is not accepted yet is, as soon as it is.
@@ -160,8 +163,9 @@ class GoalsOfRos2:
         :param senders: names of the publishers of the list that are there
         """
         for goal in self.listed():
-            is_there = goal.sender in senders if goal.sender is not None else bool(senders)
-            if goal.is_under_way and not is_there:
+            if not goal.senders:
+                goal.senders = set(senders)
+            if goal.is_under_way and not goal.senders.intersection(senders):
                 self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
 
     def is_any_under_way(self) -> bool:

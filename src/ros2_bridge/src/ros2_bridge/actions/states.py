@@ -81,6 +81,10 @@ TO_ROS1: Mapping[Status2, Sequence[Status1]] = {
     Status2.ABORTED: (Status1.ABORTED,),
 }
 
+#: The states by their numbers: a server may send others.
+NUMBERED1: Mapping[int, Status1] = {int(one): one for one in Status1}
+NUMBERED2: Mapping[int, Status2] = {int(one): one for one in Status2}
+
 #: The last states. Those that have steps are open.
 OVER1: FrozenSet[Status1] = frozenset(set(Status1).difference(STEPS1))
 OVER2: FrozenSet[Status2] = frozenset(set(Status2).difference(STEPS2, {Status2.UNKNOWN}))

@@ -1,0 +1,241 @@
+"""Servers that say what their ROS does not know, and bytes that are no message."""
+
+import struct
+from typing import Any, Iterator, List
+
+import both
+import pytest
+import rospy
+from action_msgs.msg import GoalInfo
+from action_msgs.msg import GoalStatus as Status2
+from action_msgs.msg import GoalStatusArray as Statuses2
+from action_msgs.srv import CancelGoal
+from action_parts import Client1, Client2, cancel
+from builtin_interfaces.msg import Time
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+from unique_identifier_msgs.msg import UUID
+
+from bot_controller_demo_msgs.action import GoTo
+from nodekit.testing.waiting import wait_until
+from ros2_bridge.action_bridge import wire
+from ros2_bridge.actions.goals_of_ros2 import NO_END
+from ros2_bridge.actions.states import Status1
+from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
+
+_UNKNOWN = 42
+#: Later than ROS 2's time, s.
+_LATE_S = 2**32 - 1
+
+
+class Server1:
+    """A server of ROS 1 that says what it is told to, of the goal that has come."""
+
+    def __init__(self, ros: both.Both, name: str) -> None:
+        kind = self._kind = ros.types.action("bot_controller_demo_msgs/GoTo")
+        self._goals: List[Any] = []
+        self._status = rospy.Publisher(f"{name}/status", GoalStatusArray, queue_size=10, latch=True)
+        self._feedback = rospy.Publisher(f"{name}/feedback", kind.raw_feedback, queue_size=10)
+        self._result = rospy.Publisher(f"{name}/result", kind.raw_result, queue_size=10)
+        rospy.Subscriber(f"{name}/goal", kind.raw_goal, self._goals.append)
+        rospy.Subscriber(f"{name}/cancel", GoalID, lambda message: None)
+        made = GoTo.Result()
+        made.progress.phase = "odd"
+        self.content = kind.result.to_ros1(serialize_message(made))
+
+    def forget(self) -> None:
+        self._goals.clear()
+
+    def _report(self, status: int, content: bytes) -> wire.Reported:
+        wait_until(lambda: self._goals, lambda: "no goal")
+        text, stamp, _ = wire.read_goal(self._goals[-1]._buff)
+        return wire.Reported(text, stamp, status, "why", content)
+
+    def list_goal(self, status: int, stamp: int = 0) -> None:
+        """Tell of the goal, and of one that somebody else began at a moment, ns, if given."""
+        listed = [self._report(status, b"")]
+        if stamp:
+            listed.append(wire.Reported("theirs", stamp, Status1.ACTIVE, "", b""))
+        self._status.publish(wire.write_statuses(listed))
+
+    def feed(self, status: int, cut: int = 0) -> None:
+        """Publish feedback, some bytes too short."""
+        content = self.content[: len(self.content) - cut]
+        message = wire.write_report(self._kind.raw_feedback, self._report(status, content))
+        self._feedback.publish(message)
+
+    def end(self, status: int, cut: int = 0, why: bytes = b"why") -> None:
+        """Publish a result, some bytes too short, with a text of as many bytes as "why"."""
+        content = self.content[: len(self.content) - cut]
+        message = wire.write_report(self._kind.raw_result, self._report(status, content))
+        message._buff = message._buff.replace(b"why", why)
+        self._result.publish(message)
+
+    def publish_nonsense(self) -> None:
+        """Publish a result that is none."""
+        message = self._kind.raw_result()
+        message._buff = b"nonsense" * 2
+        self._result.publish(message)
+
+
+@pytest.fixture(scope="module")
+def made1(ros: both.Both, bridge: both.Bridge) -> Server1:
+    return Server1(ros, "/odd/arm")
+
+
+@pytest.fixture
+def server1(made1: Server1) -> Server1:
+    made1.forget()
+    return made1
+
+
+@pytest.fixture(scope="module")
+def client2(ros: both.Both, made1: Server1) -> Iterator[Client2]:
+    made = Client2(ros, "/odd/arm")
+    yield made
+    made.close()
+
+
+def begin(server1: Server1, client2: Client2, key: str) -> None:
+    """Send a goal that the server accepts."""
+    client2.send(key, 1.0)
+    server1.list_goal(Status1.ACTIVE)
+    assert client2.accepted(key)
+
+
+def test_unknown_status_of_ros1_is_told_and_ends_nothing(
+    bridge: both.Bridge, server1: Server1, client2: Client2
+) -> None:
+    begin(server1, client2, "listed")
+    server1.list_goal(_UNKNOWN)
+    bridge.wait_for_log(f"with the unknown status {_UNKNOWN}")
+    server1.feed(_UNKNOWN)
+    wait_until(lambda: client2.feedback["listed"], lambda: "no feedback")
+    server1.end(Status1.SUCCEEDED)
+    wait_until(lambda: "listed" in client2.results, lambda: "no result")
+    assert client2.results["listed"].status == Status2.STATUS_SUCCEEDED
+    assert client2.results["listed"].result.progress.phase == "odd"
+
+
+@pytest.mark.parametrize("status", [_UNKNOWN, Status1.ACTIVE])
+def test_result_with_a_status_that_is_no_end_aborts_the_goal(
+    bridge: both.Bridge, server1: Server1, client2: Client2, status: int
+) -> None:
+    begin(server1, client2, f"status {status}")
+    server1.end(status)
+    assert client2.end(f"status {status}") == Status2.STATUS_ABORTED
+    bridge.wait_for_log(f"status {int(status)} is no end of a goal")
+
+
+def test_result_that_is_none_aborts_the_goal(
+    bridge: both.Bridge, server1: Server1, client2: Client2
+) -> None:
+    begin(server1, client2, "short")
+    server1.publish_nonsense()
+    bridge.wait_for_log("/odd/arm: a result of no goal is refused")
+    server1.end(Status1.SUCCEEDED, cut=3)
+    assert client2.end("short") == Status2.STATUS_ABORTED
+    bridge.wait_for_log("is aborted, its result refused")
+
+
+def test_text_in_another_encoding_moves_nothing(server1: Server1, client2: Client2) -> None:
+    begin(server1, client2, "latin")
+    server1.end(Status1.SUCCEEDED, why="für".encode("latin-1"))
+    wait_until(lambda: "latin" in client2.results, lambda: "no result")
+    assert client2.results["latin"].status == Status2.STATUS_SUCCEEDED
+    assert client2.results["latin"].result.progress.phase == "odd"
+
+
+def test_feedback_that_is_none_is_told_and_ends_nothing(
+    bridge: both.Bridge, server1: Server1, client2: Client2
+) -> None:
+    begin(server1, client2, "fed")
+    server1.feed(Status1.ACTIVE, cut=3)
+    bridge.wait_for_log("/odd/arm: feedback to ROS 2")
+    server1.feed(Status1.ACTIVE)
+    wait_until(lambda: client2.feedback["fed"], lambda: "no feedback")
+    server1.end(Status1.ABORTED)
+    wait_until(lambda: "fed" in client2.results, lambda: "no result")
+
+
+def test_times_that_the_other_ros_does_not_have(
+    ros: both.Both, bridge: both.Bridge, server1: Server1, client2: Client2
+) -> None:
+    begin(server1, client2, "late")
+    server1.list_goal(Status1.PREEMPTING, stamp=_LATE_S * 10**9)
+    wait_until(
+        lambda: client2.state("late") == Status2.STATUS_CANCELING,
+        lambda: str(client2.state("late")),
+    )
+    answer = cancel(ros, "/odd/arm", until=Time(sec=-1))  # before all goals
+    assert answer.return_code == CancelGoal.Response.ERROR_NONE and not answer.goals_canceling
+    server1.end(Status1.PREEMPTED)
+    wait_until(lambda: "late" in client2.results, lambda: "no result")
+    assert not bridge.logged("Traceback")
+
+
+class Server2:
+    """A server of ROS 2 without rclpy's rules, which accepts all goals."""
+
+    def __init__(self, node: Node, name: str) -> None:
+        impl, path = GoTo.Impl, f"{name}/_action"
+        kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._status = node.create_publisher(Statuses2, f"{path}/status", kept)
+        node.create_publisher(impl.FeedbackMessage, f"{path}/feedback", 10)
+        node.create_service(impl.SendGoalService, f"{path}/send_goal", self._accept)
+        node.create_service(impl.GetResultService, f"{path}/get_result", self._answer)
+        node.create_service(CancelGoal, f"{path}/cancel_goal", lambda _, response: response)
+
+    @staticmethod
+    def _accept(_: Any, response: Any) -> Any:
+        response.accepted = True
+        return response
+
+    @staticmethod
+    def _answer(_: Any, response: Any) -> Any:
+        response.status = _UNKNOWN
+        return response
+
+    def list_goal(self, status: int, sec: int) -> None:
+        """Tell of a goal that began at a moment, s."""
+        info = GoalInfo(goal_id=UUID(uuid=[7] * 16), stamp=Time(sec=sec))
+        self._status.publish(Statuses2(status_list=[Status2(goal_info=info, status=status)]))
+
+
+@pytest.fixture(scope="module")
+def server2(ros: both.Both, bridge: both.Bridge) -> Iterator[Server2]:
+    node = Node("odd_hand")
+    made = Server2(node, "/odd/hand")
+    ros.executor.add_node(node)
+    yield made
+    ros.executor.remove_node(node)
+    node.destroy_node()
+
+
+def test_unknown_status_of_ros2_is_told_and_its_end_aborts(
+    ros: both.Both, bridge: both.Bridge, server2: Server2
+) -> None:
+    with Client1("/odd/hand") as client:
+        client.tell("send one 60.0")
+        assert client.end_of("one") == f"ABORTED - {NO_END}"
+        bridge.wait_for_log(f"/odd/hand: the server in ROS 2 sends the unknown status {_UNKNOWN}")
+    server2.list_goal(_UNKNOWN + 1, sec=1)
+    bridge.wait_for_log(f"/odd/hand: the server in ROS 2 sends the unknown status {_UNKNOWN + 1}")
+    server2.list_goal(Status2.STATUS_EXECUTING, sec=-1)
+    ear = ros.hear1("/odd/hand/status", "actionlib_msgs/GoalStatusArray")
+    theirs = struct.pack("<II", 0, 0) + struct.pack("<I", 36) + b"07070707-"
+    wait_until(lambda: any(theirs in m._buff for m in ear.heard), lambda: "not listed")
+    ear.end()
+    assert not bridge.logged("Traceback")
+
+
+def test_goal_that_is_none_is_told(ros: both.Both, bridge: both.Bridge, server2: Server2) -> None:
+    raw = ros.types.action("bot_controller_demo_msgs/GoTo").raw_goal
+    publisher = rospy.Publisher("/odd/hand/goal", raw, queue_size=10)
+    wait_until(publisher.get_num_connections, lambda: "no connection")
+    message = raw()
+    message._buff = b"nonsense" * 2
+    publisher.publish(message)
+    bridge.wait_for_log("/odd/hand: a goal of ROS 1 without an id is refused")
+    publisher.unregister()

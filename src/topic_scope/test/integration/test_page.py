@@ -578,12 +578,12 @@ class Page(PageTest):
         wait_until(
             lambda: self.browser.count(".dygraph-axis-label-y2") > 3
             and not self.browser.count(".dygraph-axis-label-y1"),
-            lambda: self.browser.text("#plot"),
+            lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
         )
         self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
         wait_until(
             lambda: self.browser.count(".dygraph-axis-label-y1") > 3,
-            lambda: self.browser.text("#plot"),
+            lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
         )
 
     def test_axes_keep_what_is_typed(self) -> None:

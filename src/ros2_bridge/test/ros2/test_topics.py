@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple, cast
 
 import both
+import pytest
 import rospy
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
@@ -277,6 +278,23 @@ def test_what_is_latched_moves_to_its_node_while_nobody_hears_it() -> None:
     publishers.update_publishers({"/map_server"}, nodes, True)
     assert list(side.made.values()) == [(False, "map_server")]
     assert side.sent[-1] == ("bridge", b"b")
+
+
+def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    publishers, side = keeping_pair()
+    waits: List[Any] = []
+
+    def sleep(_: float) -> None:
+        waits.append((list(side.made.values()), list(side.sent)))
+        publishers.publish("/plain", b"meanwhile", False)
+
+    monkeypatch.setattr("ros2_bridge.topics.publishers.time", SimpleNamespace(sleep=sleep))
+    for data in (b"a", b"b"):
+        publishers.publish("/map_server", data, True)
+    assert waits == [([(True, "bridge")], [])]
+    assert [data for _, data in side.sent] == [b"meanwhile", b"a", b"b"]
 
 
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:

@@ -9,8 +9,6 @@ from rclpy.node import Node as Ros2Node
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairs import Bridged
 
-#: How long all who subscribe may take to know a new publisher, s.
-_KNOWN_S = -1.0
 #: How long it takes until all who subscribe know a new publisher, s.
 _KNOWN_S = 0.1
 #: Stands for all nodes that do not appear in ROS 2, as far as they do not latch.

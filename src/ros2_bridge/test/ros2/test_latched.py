@@ -51,11 +51,11 @@ def wait_for(ros: both.Both, ear: both.Ear, *names: str) -> None:
     wait_until(lambda: {*names} <= {*frames(ros, ear)}, lambda: str(frames(ros, ear)))
 
 
-def late1(ros: both.Both) -> List[str]:
-    """Return the frames that a listener in ROS 1 hears that comes now."""
+def late1(ros: both.Both, *names: str) -> List[str]:
+    """Return the frames that a listener in ROS 1 hears that comes now, once it has these."""
     ear = ros.hear1(TF, TF1)
-    ear.wait()
-    rospy.sleep(0.3)  # what is latched comes together
+    wait_for(ros, ear, *names)
+    rospy.sleep(0.3)  # what is too much would have come by now
     ear.end()
     return sorted(frames(ros, ear))
 
@@ -72,14 +72,15 @@ def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both
             early = ros.hear1(TF, TF1)
             wait_for(ros, early, "left", "right")
             early.end()  # or the next one would share its connection
-            assert late1(ros) == ["left", "right"]
+            assert late1(ros, "left", "right") == ["left", "right"]
             text = ros.hear1(DESCRIPTION, "std_msgs/String")
             assert text.wait()[0]._buff[4:].decode() == ROBOT
             text.end()
     with both.Bridge():
-        wait_until(lambda: late1(ros) == ["left", "right"], lambda: str(late1(ros)))
+        both_of_them = ["left", "right"]
+        wait_until(lambda: late1(ros, *both_of_them) == both_of_them, lambda: "not each once")
         ros.node.destroy_publisher(right)
-        wait_until(lambda: late1(ros) == ["left"], lambda: str(late1(ros)))
+        wait_until(lambda: late1(ros, "left") == ["left"], lambda: str(late1(ros, "left")))
     for publisher in (left, description):
         ros.node.destroy_publisher(publisher)
 

@@ -14,7 +14,7 @@ import peers
 import report
 from context import Bench
 from goals import GOALS
-from measurements import MEASUREMENTS, Measurement
+from measurements import MEASUREMENTS, Measurement, chosen
 from processes import Session
 from results import Results
 
@@ -28,7 +28,7 @@ def main() -> int:
     :returns: exit status: 0 if everything could be measured, whatever it came to
     """
     options = arguments()
-    chosen = [one for one in MEASUREMENTS if not options.only or one.name in options.only]
+    wanted = chosen(options.only, options.all)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     began = time.monotonic()
     facts = machine.describe()
@@ -41,8 +41,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="bench-") as directory:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
-            measure(chosen, Bench(session, built, options.quick), options.repeats, results)
-    names = [one.name for one in chosen]
+            measure(wanted, Bench(session, built, options.quick), options.repeats, results)
+    names = [one.name for one in wanted]
     facts["load after"] = machine.load()
     facts["taken by the host"] = f"{100.0 * steal.share():.1f} % of the time"
     facts["duration"] = f"{time.monotonic() - began:.0f} s"
@@ -59,7 +59,10 @@ def main() -> int:
 def arguments() -> argparse.Namespace:
     """Read the command line."""
     names = [one.name for one in MEASUREMENTS]
-    listed = "\n".join(f"  {one.name:14} {one.help}" for one in MEASUREMENTS)
+    listed = "\n".join(
+        f"  {one.name:14} {one.help}{', with --all' if one.is_extreme else ''}"
+        for one in MEASUREMENTS
+    )
     parser = argparse.ArgumentParser(
         prog="ci/bench",
         description="Measure the workspace's nodes and their peers in turn.",
@@ -67,6 +70,7 @@ def arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help="an overview in a minute")
+    parser.add_argument("--all", action="store_true", help="also those that few need")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
     parser.add_argument("--repeats", type=int, metavar="N", help="at most; 12 unless given")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
@@ -79,7 +83,7 @@ def arguments() -> argparse.Namespace:
     return options
 
 
-def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
+def measure(wanted: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
     """Run all measurements, each repeat all subjects in turn, until more would say little."""
     began = latest = time.monotonic()
     for repeat in range(repeats):
@@ -88,7 +92,7 @@ def measure(chosen: List[Measurement], bench: Bench, repeats: int, results: Resu
             say(f"that took long: stopping after {repeat} repeats")
             return
         latest = now
-        for measurement in chosen:
+        for measurement in wanted:
             disturbed = results.disturbed[measurement.name]
             if repeat >= measurement.repeats + disturbed or is_settled(measurement, results):
                 continue

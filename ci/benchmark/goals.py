@@ -240,10 +240,8 @@ GOALS: List[Goal] = [
         subject=RCLPY,
         at_most=False,
     ),
-    _itself(
-        "robots", "100 robots: CPU, observed", 30.0, "cpu_observed_percent", " %", robots.FLEET
-    ),
-    _itself("robots", "100 robots: rate", 29.0, "lowest_hz", " Hz", robots.FLEET, at_most=False),
+    _itself("fleet", "100 robots: CPU, observed", 30.0, "cpu_observed_percent", " %", robots.FLEET),
+    _itself("fleet", "100 robots: rate", 29.0, "lowest_hz", " Hz", robots.FLEET, at_most=False),
     _itself("robots", "a robot that scans: CPU", 3.0, "cpu_percent", " %", robots.SCAN),
     _itself("robots", "a robot and its controller: CPU", 2.5, "cpu_percent", " %", robots.HOSTED),
     _itself("robots", "the same in two processes", 2.5, "cpu_percent", " %", robots.PAIR),

@@ -1,6 +1,6 @@
 """All measurements: what is measured, of whom, how often."""
 
-from typing import Callable, List, NamedTuple
+from typing import Callable, List, NamedTuple, Optional
 
 import boards
 import bridging
@@ -35,6 +35,8 @@ class Measurement(NamedTuple):
     slow: List[str] = []
     #: whether to run it once for nothing, so that files and caches are warm
     warm_up: bool = False
+    #: whether it is about far more than a course or a robot asks for: only with --all
+    is_extreme: bool = False
 
 
 MEASUREMENTS = [
@@ -98,6 +100,7 @@ MEASUREMENTS = [
         [stacks.OURS, stacks.ROSCPP],
         throughput.zero_loss_rate,
         repeats=2,
+        is_extreme=True,
     ),
     Measurement(
         "groups",
@@ -113,6 +116,7 @@ MEASUREMENTS = [
         [stacks.OURS],
         groups.thousand,
         slow=[stacks.OURS],
+        is_extreme=True,
     ),
     Measurement(
         "memory",
@@ -154,6 +158,14 @@ MEASUREMENTS = [
     ),
     Measurement(
         "robots", "simulated robots", robots.SUBJECTS, robots.measure, repeats=3, warm_up=True
+    ),
+    Measurement(
+        "fleet",
+        "a hundred simulated robots in one process",
+        [robots.FLEET],
+        robots.measure,
+        repeats=3,
+        is_extreme=True,
     ),
     Measurement(
         "serial",
@@ -201,3 +213,14 @@ MEASUREMENTS = [
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),
     Measurement("exit", "time to end", ["signal_generator", "process"], live.leave, repeats=1),
 ]
+
+
+def chosen(only: Optional[List[str]] = None, with_extremes: bool = False) -> List[Measurement]:
+    """Return the measurements that are to be made.
+
+    :param only: their names, if not the usual ones
+    :param with_extremes: whether those belong to the usual ones
+    """
+    if only:
+        return [one for one in MEASUREMENTS if one.name in only]
+    return [one for one in MEASUREMENTS if with_extremes or not one.is_extreme]

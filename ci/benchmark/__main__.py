@@ -7,19 +7,15 @@ import signal
 import sys
 import tempfile
 import time
-from typing import List
 
 import machine
 import peers
 import report
 from context import Bench
-from goals import GOALS
-from measurements import MEASUREMENTS, Measurement, chosen
+from measurements import MEASUREMENTS, chosen
 from processes import Session
 from results import Results
-
-#: No repeat begins that would end later than this, s.
-LIMIT = 540.0
+from turns import Turns
 
 
 def main() -> int:
@@ -41,7 +37,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="bench-") as directory:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
-            measure(wanted, Bench(session, built, options.quick), options.repeats, results)
+            bench = Bench(session, built, options.quick)
+            Turns(wanted, bench, results, options.repeats, say).take_all()
     names = [one.name for one in wanted]
     facts["load after"] = machine.load()
     facts["taken by the host"] = f"{100.0 * steal.share():.1f} % of the time"
@@ -72,74 +69,15 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="an overview in a minute")
     parser.add_argument("--all", action="store_true", help="also those that few need")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
-    parser.add_argument("--repeats", type=int, metavar="N", help="at most; 12 unless given")
+    parser.add_argument("--repeats", type=int, metavar="N", help="turns at most")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
     parser.add_argument("--plot", type=pathlib.Path, metavar="FILE", help="draw, .svg or .png")
     options = parser.parse_args()
-    if options.repeats is None:
-        options.repeats = 1 if options.quick else 12
-    if options.repeats < 1:
+    if options.quick and options.repeats is None:
+        options.repeats = 1
+    if options.repeats is not None and options.repeats < 1:
         parser.error("--repeats: at least 1")
     return options
-
-
-def measure(wanted: List[Measurement], bench: Bench, repeats: int, results: Results) -> None:
-    """Run all measurements, each repeat all subjects in turn, until more would say little."""
-    began = latest = time.monotonic()
-    for repeat in range(repeats):
-        now = time.monotonic()
-        if now - began + (now - latest) > LIMIT:
-            say(f"that took long: stopping after {repeat} repeats")
-            return
-        latest = now
-        for measurement in wanted:
-            disturbed = results.disturbed[measurement.name]
-            if repeat >= measurement.repeats + disturbed or is_settled(measurement, results):
-                continue
-            for subject in rotated(measurement.subjects, repeat):
-                if subject in bench.peers.left_out:
-                    continue
-                if subject in measurement.slow and (bench.quick or repeat > 0):
-                    continue
-                if repeat == 0 and measurement.warm_up:
-                    run(measurement, bench._replace(quick=True), subject, -1, Results())
-                run(measurement, bench, subject, repeat, results)
-
-
-def is_settled(measurement: Measurement, results: Results) -> bool:
-    """Tell whether more turns of a measurement would say little more of any of its goals."""
-    goals = [goal for goal in GOALS if goal.measurement == measurement.name]
-    verdicts = [verdict for verdict in (goal.judge(results) for goal in goals) if verdict]
-    return bool(verdicts) and all(verdict.is_settled for verdict in verdicts)
-
-
-def run(
-    measurement: Measurement, bench: Bench, subject: str, repeat: int, results: Results
-) -> None:
-    """Run one measurement of one subject; a failure is reported and ends nothing else.
-
-    Nothing comes of a turn in which the host took much of the processors' time.
-    """
-    what = f"{measurement.name}, {subject}"
-    say(f"{what}, repeat {repeat + 1}" if repeat >= 0 else f"{what}, warm-up")
-    steal = machine.Steal()
-    try:
-        figures = measurement.measure(bench, subject)
-        if steal.share() <= machine.STOLEN:
-            results.add(measurement.name, subject, repeat, figures)
-        else:
-            results.disturbed[measurement.name] += 1
-            say(f"{what}: left out, as the host took {100.0 * steal.share():.1f} % of the time")
-    except (LookupError, OSError, RuntimeError, ValueError) as error:
-        results.failures.append(f"{what}: {error!r}")
-        say(results.failures[-1])
-    gc.collect()
-
-
-def rotated(subjects: List[str], repeat: int) -> List[str]:
-    """Return the subjects, another one first in each repeat."""
-    first = repeat % len(subjects)
-    return subjects[first:] + subjects[:first]
 
 
 def say(text: str) -> None:

@@ -109,15 +109,6 @@ def match_first_shown(sent: Sequence[Sample], received: Sequence[Sample]) -> Mat
     return Matched(moments, latencies, len(sent) - len(moments))
 
 
-def after_warm_up(matched: Matched, seconds: float) -> List[float]:
-    """Return the latencies of the samples sent later than this after the first one, s."""
-    return [
-        latency
-        for moment, latency in zip(matched.sent, matched.latencies)
-        if moment >= matched.sent[0] + seconds
-    ]
-
-
 def periods(moments: Sequence[float]) -> List[float]:
     """Return the times from each moment to the next one, s."""
     return [later - moment for moment, later in zip(moments, moments[1:])]

@@ -5,23 +5,19 @@ import socket
 import subprocess
 import sys
 import threading
-import time
-from typing import List, Tuple
+from typing import Iterator, List, Tuple
 
-from context import Figures
-from cost import cpu_share
 from peers import SCRIPTS
 
 FLOOR = "floor"
 
 
-def measure(rate: float, seconds: float, warm_up: float) -> Figures:
-    """Measure a pair of bare Python loops, connected as nodes are.
+@contextlib.contextmanager
+def up(rate: float) -> Iterator[List[int]]:
+    """Have a pair of bare Python loops running, connected as nodes are.
 
     :param rate: of the generator, Hz
-    :param seconds: how long it is measured, s
-    :param warm_up: how long it runs before that, s
-    :returns: processor time of both together, % of one core
+    :returns: the numbers of process and generator
     """
     with contextlib.ExitStack() as stack:
         sockets = [_connected() for _ in range(2)]
@@ -34,9 +30,7 @@ def measure(rate: float, seconds: float, warm_up: float) -> Figures:
             _start(stack, "generator", f"{rate:g}", generated),
         ]
         threading.Thread(target=_read, args=(observed,), daemon=True).start()
-        time.sleep(warm_up)
-        share = cpu_share([process.pid for process in running], seconds)
-    return {"cpu_percent": share}
+        yield [process.pid for process in running]
 
 
 def _connected() -> Tuple[socket.socket, socket.socket]:

@@ -14,7 +14,7 @@ from analysis import Interval, interval
 from floor import FLOOR
 from loop import LOOP
 from results import Results
-from stacks import COURSE, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
+from stacks import COURSE, HOST, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
 
 
 #: Least turns that say something, of a measurement that takes more than one.
@@ -66,6 +66,8 @@ class Goal(NamedTuple):
     unit: str
     #: returns the figure in words and the value of each turn; raises LookupError where not measured
     read: Callable[[Results], Tuple[str, List[float]]]
+    #: whose figures it takes
+    subjects: Tuple[str, ...]
 
     @property
     def text(self) -> str:
@@ -120,7 +122,7 @@ def _against(
             results.ratios(measurement, subject, peer, figure),
         )
 
-    return Goal(measurement, f"{what}, against {peer}", limit, True, " x", read)
+    return Goal(measurement, f"{what}, against {peer}", limit, True, " x", read, (subject, peer))
 
 
 def _times_better(
@@ -138,7 +140,7 @@ def _times_better(
         )
 
     peer = worse if better == OURS else better
-    return Goal(measurement, f"{what}, against {peer}", limit, False, " x", read)
+    return Goal(measurement, f"{what}, against {peer}", limit, False, " x", read, (better, worse))
 
 
 def _itself(
@@ -154,7 +156,7 @@ def _itself(
         median = results.median(measurement, subject, figure)
         return number(median) + unit, results.values(measurement, subject, figure)
 
-    return Goal(measurement, what, limit, at_most, unit, read)
+    return Goal(measurement, what, limit, at_most, unit, read, (subject,))
 
 
 def _worst_memory(results: Results) -> Tuple[str, List[float]]:
@@ -189,7 +191,7 @@ def _bridge(way: str, to: str, cpu: float) -> List[Goal]:
     """The goals of the bridge one way."""
     peers = f"p50 to {to}, against a hop of each"
     return [
-        Goal("bridge", peers, 1.0, True, " x", _bridged(way)),
+        Goal("bridge", peers, 1.0, True, " x", _bridged(way), (way, bridging.ROSPY, RCLPY)),
         _itself("bridge", f"CPU at 1 kHz to {to}", cpu, "cpu_percent", " %", subject=way),
         _itself("bridge", f"memory, to {to}", 110.0, "resident_mb", " MB", subject=way),
         _itself("bridge-load", f"lost of 4000/s to {to}", 0.0, "lost", "", subject=way),
@@ -210,13 +212,23 @@ GOALS: List[Goal] = [
     _times_better("latency-10hz", "faster at 10 Hz", 150.0, "p50_us", " us", COURSE, OURS),
     _itself("throughput", "rate without loss", 50000.0, "rate", " msg/s", at_most=False),
     _times_better("throughput", "rate without loss", 3.0, "rate", " msg/s", OURS, ROSCPP),
-    Goal("drift", "drift in 20 s at 1 kHz", 0.1, True, " ms", _drift),
+    Goal("drift", "drift in 20 s at 1 kHz", 0.1, True, " ms", _drift, (OURS,)),
     _against("period", "period p99 at 1 kHz", 1.0, "period_p99_us", " us", OURS, timing.LOOP),
     _against("latency-10hz", "CPU at 10 Hz", 0.1, "cpu_percent", " %", OURS, COURSE),
-    _against("latency-1khz", "CPU at 1 kHz", 0.65, "cpu_percent", " %", OURS, ROSCPP),
+    _against("latency-1khz", "CPU at 1 kHz", 0.85, "cpu_percent", " %", OURS, ROSCPP),
+    _against("latency-100hz", "CPU at 100 Hz", 1.0, "cpu_percent", " %", OURS, ROSCPP),
+    _against("host-1khz", "CPU of one process at 1 kHz", 0.45, "cpu_percent", " %", HOST, ROSCPP),
     _against("latency-1khz", "CPU at 1 kHz", 1.35, "cpu_percent", " %", OURS, FLOOR),
     _against("launch", "roslaunch to answer", 0.8, "first_answer_s", " s", OURS, COURSE),
-    Goal("memory", "memory, against a bare node", 1.02, True, " x", _worst_memory),
+    Goal(
+        "memory",
+        "memory, against a bare node",
+        1.02,
+        True,
+        " x",
+        _worst_memory,
+        (startup.GENERATOR, startup.PROCESS, startup.BARE),
+    ),
     _itself("groups", "32 groups: all up", 3.0, "up_s", " s"),
     _itself("groups", "32 groups: CPU", 5.0, "cpu_percent", " %"),
     _itself("groups", "32 groups: memory", 200.0, "resident_mb", " MB"),

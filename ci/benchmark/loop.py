@@ -1,64 +1,67 @@
 """The closed loop of motor and controller at 1 kHz, against generator and process at that rate."""
 
+import contextlib
 import itertools
-import time
+from typing import Callable, Iterator
 
 import latency
 import record
 import stacks
-from analysis import Matched, after_warm_up, percentile
+from analysis import Matched
 from context import Bench, Figures
-from cost import cpu_share
 from observers import Recorder
+from pausing import going, standing
 from peers import WORKSPACE
 
 LOOP = "pid_control"
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "pid_control"
+RATE = 1000.0
 _numbers = itertools.count(1)
 
 
-def measure(bench: Bench, stack: str) -> Figures:
-    """Measure how long an output of the motor takes to become its input, and what both nodes cost.
+@contextlib.contextmanager
+def stand_ready(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
+    """Have the loop, or generator and process, stand ready for turns.
 
-    Each input says which output it answers, so nothing is taken for granted.
+    It is measured how long an output of the motor takes to become its input, and what both nodes
+    cost. Each input says which output it answers, so nothing is taken for granted.
     """
     if stack != LOOP:
-        return latency.at_1_khz(bench, stack)
-    session, seconds = bench.session, bench.seconds(2.5, 1.0)
-    number = next(_numbers)
+        with latency.in_turns(RATE)(bench, stack) as turn:
+            yield turn
+        return
+    session, number = bench.session, next(_numbers)
     file, group = session.directory / f"loop-{number}", f"/loop{number}"
-    with session.node() as node, session.in_group(group):
+    environment = session.in_group(group)
+    with session.node() as node:
         recorder = Recorder(node, group + "/motor_input", "pid_control/motor_input")
         # One set point is enough, and no part of what is compared.
         set_point = [str(EXECUTABLES / "set_point_generator.py"), "_rate:=1.0", "_offset:=5.0"]
         controller = [str(EXECUTABLES / "controller.py")]
         motor = stacks.peer("recorded_system.py", str(file))
-        with session.running(set_point), session.running(controller, motor) as pids:
+        with session.running(set_point, environment=environment) as others, session.running(
+            controller, motor, environment=environment
+        ) as pids:
             recorder.wait(100)
-            time.sleep(latency.WARM_UP)
-            cpu = cpu_share(pids, seconds)
-            until = time.monotonic()
-        answers = recorder.samples()
-    outputs = {sample.value: sample.moment for sample in record.read(file)}
+            pair = stacks.Pair([*pids, *others], pids, lambda: record.read(file), recorder.samples)
+            with standing(pair.pids):
+                yield lambda: _turn(pair)
+
+
+def _turn(pair: stacks.Pair) -> Figures:
+    with going(pair.pids):
+        run = stacks.watch(pair, latency.SETTLE_S, latency.TURN_S)
+    return latency.figures(answered(run), run)
+
+
+def answered(run: stacks.Run) -> Matched:
+    """Match the outputs that were sent while a run was watched with the inputs that answer them."""
     # Before the first set point, and at the end, the controller stops the motor once.
-    answered = {answer.value: answer.moment for answer in reversed(answers)}
-    pairs = sorted(
-        (outputs[value], moment)
-        for value, moment in answered.items()
-        if value in outputs and moment <= until
+    answers = {answer.value: answer.moment for answer in reversed(run.received)}
+    outputs = [output for output in run.sent if run.since <= output.moment <= run.until]
+    taken = [output for output in outputs if output.value in answers]
+    return Matched(
+        [output.moment for output in taken],
+        [answers[output.value] - output.moment for output in taken],
+        len(outputs) - len(taken),
     )
-    if not pairs:
-        raise ValueError("no output was answered")
-    first = pairs[0][0]
-    due = [moment for moment in outputs.values() if first <= moment <= pairs[-1][0]]
-    sent, taken = [sent for sent, _ in pairs], [got - sent for sent, got in pairs]
-    matched = Matched(sent, taken, len(due) - len(pairs))
-    latencies = after_warm_up(matched, latency.WARM_UP)
-    return {
-        "p50_us": 1e6 * percentile(latencies, 0.50),
-        "p90_us": 1e6 * percentile(latencies, 0.90),
-        "p99_us": 1e6 * percentile(latencies, 0.99),
-        "samples": len(latencies),
-        "lost": matched.lost,
-        "cpu_percent": cpu,
-    }

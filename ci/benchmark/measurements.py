@@ -1,6 +1,6 @@
 """All measurements: what is measured, of whom, how often."""
 
-from typing import Callable, List, NamedTuple, Optional
+from typing import Callable, ContextManager, List, NamedTuple, Optional
 
 import boards
 import bridging
@@ -28,8 +28,11 @@ class Measurement(NamedTuple):
     help: str
     #: of whom, in the order of the first repeat
     subjects: List[str]
-    measure: Callable[[Bench, str], Figures]
-    #: how often at most; what scatters little or takes long is measured less often
+    #: what measures one of them afresh
+    measure: Optional[Callable[[Bench, str], Figures]] = None
+    #: in place of that: what has one of them up, and yields what measures it in a short turn
+    stand_ready: Optional[Callable[[Bench, str], ContextManager[Callable[[], Figures]]]] = None
+    #: how often it is measured afresh at most; less often what scatters little or takes long
     repeats: int = 1000
     #: subjects that are left out of --quick, and measured once otherwise
     slow: List[str] = []
@@ -39,6 +42,9 @@ class Measurement(NamedTuple):
     is_extreme: bool = False
 
 
+#: The same pair, by whom one may write it.
+PAIRS = [stacks.OURS, stacks.ROSPY, stacks.ROSCPP, stacks.RCLPY, stacks.RCLPY_EVENTS]
+
 MEASUREMENTS = [
     Measurement(
         "latency-1khz",
@@ -47,20 +53,33 @@ MEASUREMENTS = [
             stacks.OURS,
             stacks.MANAGED,
             floor.FLOOR,
+            stacks.ROSPY,
             stacks.ROSCPP,
             stacks.RELAY,
             stacks.RCLPY,
             stacks.RCLPY_EVENTS,
         ],
-        latency.at_1_khz,
-        warm_up=True,
+        stand_ready=latency.in_turns(1000.0),
+    ),
+    Measurement(
+        "host-1khz",
+        "the same with both nodes in one process, against roscpp's in one and in two",
+        [stacks.HOST, stacks.INTRAPROCESS, stacks.ROSCPP],
+        stand_ready=latency.in_turns(1000.0),
+    ),
+    Measurement(
+        "latency-500hz",
+        "generator -> process -> observer at 500 Hz",
+        PAIRS,
+        stand_ready=latency.in_turns(500.0),
     ),
     Measurement(
         "latency-100hz",
         "the same at 100 Hz",
-        [stacks.OURS, stacks.ROSCPP, stacks.RELAY],
-        latency.at_100_hz,
+        [*PAIRS, stacks.RELAY],
+        stand_ready=latency.in_turns(100.0),
     ),
+    Measurement("latency-50hz", "the same at 50 Hz", PAIRS, stand_ready=latency.in_turns(50.0)),
     Measurement(
         "latency-10hz",
         "the same at 10 Hz, against the course's nodes",
@@ -91,8 +110,7 @@ MEASUREMENTS = [
         "loop",
         "motor -> controller -> motor at 1 kHz, against generator -> process",
         [loop.LOOP, stacks.OURS],
-        loop.measure,
-        warm_up=True,
+        stand_ready=loop.stand_ready,
     ),
     Measurement(
         "throughput",

@@ -10,12 +10,12 @@ from matplotlib import pyplot  # noqa: E402
 
 from floor import FLOOR  # noqa: E402
 from goals import GOALS, Outcome, number  # noqa: E402
+from report import RATES  # noqa: E402
 from results import Results  # noqa: E402
 
 COLORS = {Outcome.PASS: "#2a7f62", Outcome.SHORT: "#c8553d"}
 UNSURE = "grey"
 SHADES = {"p50": "#2b4c7e", "p90": "#567ebb", "p99": "#b3c7e6"}
-RATES = [("latency-1khz", "1 kHz"), ("latency-100hz", "100 Hz"), ("latency-10hz", "10 Hz")]
 #: A value this much better than its limit is drawn at the edge.
 EDGE = 100.0
 

@@ -128,14 +128,9 @@ class Session:
             wait_until(is_registered, 30.0, "registration of " + name)
         time.sleep(SETTLED)
 
-    @contextlib.contextmanager
-    def in_group(self, group: str) -> Iterator[None]:
-        """Start processes in a namespace for a while."""
-        self.environment["ROS_NAMESPACE"] = group
-        try:
-            yield
-        finally:
-            del self.environment["ROS_NAMESPACE"]
+    def in_group(self, group: str) -> Dict[str, str]:
+        """Return the environment of processes in a namespace."""
+        return dict(self.environment, ROS_NAMESPACE=group)
 
     def start(
         self,
@@ -213,15 +208,18 @@ class Session:
         return False
 
     @contextlib.contextmanager
-    def running(self, *commands: List[str]) -> Iterator[List[int]]:
+    def running(
+        self, *commands: List[str], environment: Optional[Dict[str, str]] = None
+    ) -> Iterator[List[int]]:
         """Run processes for a while.
 
+        :param environment: in place of the session's own
         :returns: their numbers
         """
         processes: List["subprocess.Popen[bytes]"] = []
         try:
             for command in commands:
-                processes.append(self.start(command))
+                processes.append(self.start(command, environment))
             yield [process.pid for process in processes]
         finally:
             self.stop(*reversed(processes))

@@ -4,9 +4,20 @@ import json
 import pathlib
 from typing import Dict, List
 
+from analysis import interval
 from goals import GOALS, Goal, Outcome, number
 from machine import STOLEN
 from results import Results, table
+
+#: The rates at which pairs are measured, by measurement.
+RATES = [
+    ("latency-1khz", "1 kHz"),
+    ("host-1khz", "1 kHz, in one process"),
+    ("latency-500hz", "500 Hz"),
+    ("latency-100hz", "100 Hz"),
+    ("latency-50hz", "50 Hz"),
+    ("latency-10hz", "10 Hz"),
+]
 
 
 def tables(
@@ -29,7 +40,8 @@ def tables(
     notes += ["FAILED: " + failure for failure in results.failures]
     facts = [["machine", ""]]
     facts += [[name, value] for name, value in machine.items()]
-    return "\n\n".join([table(goals), *notes, figures_table(results), table(facts)])
+    tables_of_all = [pairs_table(results), figures_table(results), table(facts)]
+    return "\n\n".join([table(goals), *notes, *filter(None, tables_of_all)])
 
 
 def _row(goal: Goal, results: Results) -> List[str]:
@@ -48,6 +60,30 @@ def _row(goal: Goal, results: Results) -> List[str]:
         f"{low} to {high}" if low != high else "",
         str(verdict.turns),
         verdict.outcome.value,
+    ]
+
+
+def pairs_table(results: Results) -> str:
+    """Return hop and processor time of each pair at each rate; empty where there is none."""
+    rows = [["pair at", "of", "p50, us", "95 % in", "CPU, %", "95 % in", "turns"]]
+    for measurement, rate in RATES:
+        for name, subject in results.subjects():
+            if name == measurement:
+                p50, cpu = (
+                    _with_interval(results, name, subject, figure)
+                    for figure in ("p50_us", "cpu_percent")
+                )
+                rows.append([rate, subject, *p50, *cpu, str(results.turns(name, subject))])
+    return table(rows) if rows[1:] else ""
+
+
+def _with_interval(results: Results, measurement: str, subject: str, figure: str) -> List[str]:
+    if figure not in results.medians(measurement, subject):
+        return ["", ""]
+    low, high = interval(results.values(measurement, subject, figure))
+    return [
+        number(results.median(measurement, subject, figure)),
+        f"{number(low)} to {number(high)}" if low != high else "",
     ]
 
 
@@ -87,5 +123,6 @@ def write_json(
         "disturbed": results.disturbed,
         "goals": goals,
         "runs": results.as_json(),
+        "conditions": results.conditions,
     }
     file.write_text(json.dumps(content, indent=1) + "\n")

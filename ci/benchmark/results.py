@@ -5,6 +5,7 @@ import math
 import statistics
 from typing import Any, Counter, Dict, List, Tuple
 
+import machine
 from context import Figures
 
 
@@ -23,6 +24,8 @@ class Results:
 
     def __init__(self) -> None:
         self._runs: Dict[Tuple[str, str], Dict[int, Figures]] = {}
+        #: how it was on the machine in each turn, those that are left out too
+        self.conditions: List[Dict[str, Any]] = []
         #: turns left out as the host took too much of their time, by measurement
         self.disturbed: Counter[str] = collections.Counter()
         #: "measurement, subject: reason" of what went wrong
@@ -31,6 +34,25 @@ class Results:
     def add(self, measurement: str, subject: str, repeat: int, figures: Figures) -> None:
         """Keep the figures of one run."""
         self._runs.setdefault((measurement, subject), {})[repeat] = figures
+
+    def note_conditions(self, measurement: str, subject: str, repeat: int, stolen: float) -> None:
+        """Keep what else went on in a turn.
+
+        :param stolen: the share of the processors' time that the host took
+        """
+        self.conditions.append(
+            {
+                "measurement": measurement,
+                "subject": subject,
+                "repeat": repeat,
+                "stolen": stolen,
+                "load": machine.load(),
+            }
+        )
+
+    def turns(self, measurement: str, subject: str) -> int:
+        """Return how many turns there are figures of."""
+        return len(self._runs.get((measurement, subject), {}))
 
     def subjects(self) -> List[Tuple[str, str]]:
         """Return (measurement, subject) of all that was measured."""

@@ -49,8 +49,8 @@ class _Source:
         self._node_context = session.node()
         self._counter = Counter(self._node_context.__enter__())
         self._counter.watch(self._topic, stacks.output_type(self._stack))
-        with session.in_group(self._group):
-            self._process = session.start(stacks.process_command(self._bench.peers, self._stack))
+        process = stacks.process_command(self._bench.peers, self._stack)
+        self._process = session.start(process, session.in_group(self._group))
         self._source = session.start(
             stacks.peer(
                 "burst_source.py", session.master_uri, self._group + "/signal", signal_msg_md5sum()

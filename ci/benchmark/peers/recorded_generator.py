@@ -8,7 +8,7 @@ from basic_comms.nodes.signal_generator import SignalGenerator
 from nodekit import Node, Publisher, run
 from record import Record
 
-record = Record()
+record = Record(sys.argv[1])
 
 
 class RecordingPublisher:
@@ -33,7 +33,4 @@ class RecordedGenerator(SignalGenerator):
 
 
 if __name__ == "__main__":
-    try:
-        run("signal_generator", RecordedGenerator)
-    finally:
-        record.write(sys.argv[1])
+    run("signal_generator", RecordedGenerator)

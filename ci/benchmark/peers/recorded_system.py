@@ -8,7 +8,7 @@ from pid_control.msg import motor_output
 from pid_control.nodes.system import System
 from record import Record
 
-record = Record()
+record = Record(sys.argv[1])
 
 
 class RecordingPublisher:
@@ -32,7 +32,4 @@ class RecordedSystem(System):
 
 
 if __name__ == "__main__":
-    try:
-        run("system", RecordedSystem)
-    finally:
-        record.write(sys.argv[1])
+    run("system", RecordedSystem)

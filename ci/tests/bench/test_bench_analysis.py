@@ -98,11 +98,6 @@ def test_samples_that_do_not_rise_cannot_be_told_apart():
         analysis.match_first_shown([Sample(0.0, 1.0), Sample(0.1, 1.0)], [])
 
 
-def test_warm_up_is_left_out():
-    matched = analysis.Matched([1.0, 1.4, 1.5, 2.0], [9.0, 8.0, 1.0, 2.0], 0)
-    assert analysis.after_warm_up(matched, 0.5) == [1.0, 2.0]
-
-
 @given(
     slope=st.floats(-1e-4, 1e-4),
     late=st.lists(st.floats(0.0, 1e-4), min_size=1, max_size=20),

@@ -1,29 +1,46 @@
-"""Tests that a stack of ci/bench that is written after the workspace's nodes runs with them."""
+"""Tests that the stacks of ci/bench in Python run with the workspace's nodes, in turns."""
 
+import contextlib
 import pathlib
 
+import latency
 import pytest
 import stacks
-from analysis import match_in_order
+from context import Bench
 from peers import Peers
 from processes import Session
 
 RATE = 100.0
 
 
-@pytest.fixture(scope="module", name="session")
-def make_session(tmp_path_factory):
+@pytest.fixture(scope="module", name="bench")
+def make_bench(tmp_path_factory):
     with Session(tmp_path_factory.mktemp("session")) as session:
-        yield session
+        yield Bench(session, Peers(pathlib.Path(), None, None, {}), True)
 
 
-@pytest.mark.parametrize("stack", [stacks.OURS, stacks.MANAGED])
-def test_each_answer_belongs_to_a_sample_that_was_recorded(session, stack):
-    nothing_else = Peers(pathlib.Path(), None, None, {})
-    run = stacks.run(session, nothing_else, stack, RATE, seconds=0.5, warm_up=0.2)
-    sent = [sample.moment for sample in run.sent]
-    received = [sample.moment for sample in run.received]
-    matched = match_in_order(sent, received, run.until)
-    assert len(received) > 10
-    assert len(matched.latencies) == len(received)
-    assert matched.lost == 0
+def test_each_answers_its_samples_in_its_turns_and_stands_still_in_those_of_others(bench):
+    names = [stacks.OURS, stacks.MANAGED, stacks.HOST]
+    stand_ready = latency.in_turns(RATE)
+    with contextlib.ExitStack() as stack:
+        turns = [stack.enter_context(stand_ready(bench, name)) for name in names]
+        for turn in turns + turns[::-1]:
+            figures = turn()
+            assert 10 < figures["samples"] <= 1.5 * RATE * latency.TURN_S
+            assert figures["lost"] == 0 and figures["p50_us"] > 0.0
+            assert figures["cpu_percent"] > 0.0
+
+
+def test_a_pair_of_stock_rospy_answers(bench):
+    with stacks.up(bench.session, bench.peers, stacks.ROSPY, RATE) as pair:
+        run = stacks.watch(pair, 0.0, 0.5)
+    assert len(latency.answered(run).latencies) > 10
+
+
+def test_a_pair_that_stands_still_sends_nothing(bench):
+    with stacks.up(bench.session, bench.peers, stacks.OURS, RATE) as pair:
+        with latency.standing(pair.pids):
+            before = len(pair.sent())
+            stacks.watch(pair, 0.0, 0.3)
+            assert len(pair.sent()) == before
+        assert len(stacks.watch(pair, 0.0, 0.3).sent) > before

@@ -18,7 +18,7 @@ if __name__ == "__main__":
     publisher = rospy.Publisher("signal", signal_msg, queue_size=10)
     rospy.init_node("signal_generator")
     rate = rospy.Rate(rospy.get_param("~rate", 10.0))
-    record = Record()
+    record = Record(rospy.myargv()[1]) if len(rospy.myargv()) > 1 else None
     message = signal_msg()
     start = rospy.get_time()
     try:
@@ -30,11 +30,9 @@ if __name__ == "__main__":
             message.time_x = rospy.get_time() - start
             message.signal_y = amplitude * np.sin(frequency * message.time_x)
             rospy.loginfo(message)
-            record.add(message.signal_y)
+            if record:
+                record.add(message.signal_y)
             publisher.publish(message)
-            # At once: where Ctrl-C comes during get_param, rospy waits for itself for ever.
-            if len(rospy.myargv()) > 1:
-                record.write(rospy.myargv()[1])
             rate.sleep()
     except rospy.ROSInterruptException:
         pass

@@ -19,7 +19,7 @@ def main() -> None:
     rclpy.init()
     node = rclpy.create_node("signal_generator")
     publisher = node.create_publisher(Float32, "signal", 10)
-    record = Record()
+    record = Record(sys.argv[1])
     start = time.monotonic()
 
     def publish() -> None:
@@ -29,7 +29,7 @@ def main() -> None:
         publisher.publish(message)
 
     node.create_timer(1.0 / float(sys.argv[2]), publish)
-    spin_until_interrupted(node, lambda: record.write(sys.argv[1]))
+    spin_until_interrupted(node)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ def main() -> None:
         publisher.publish(output)
 
     node.create_subscription(Float32, "signal", answer, 10)
-    spin_until_interrupted(node, lambda: None)
+    spin_until_interrupted(node)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ import contextlib
 import os
 import signal
 import threading
-from typing import Callable
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -26,19 +25,14 @@ def spin(node: Node) -> None:
         rclpy.spin(node)
 
 
-def spin_until_interrupted(node: Node, at_end: Callable[[], None]) -> None:
-    """Spin a node until Ctrl-C.
-
-    :param at_end: is called then
-    """
+def spin_until_interrupted(node: Node) -> None:
+    """Spin a node until Ctrl-C."""
     if EVENTS:  # it does not heed signals, and its thread never ends
         interrupted = threading.Event()
         threading.Thread(target=spin, args=(node,), daemon=True).start()
         signal.signal(signal.SIGINT, lambda *_: interrupted.set())
         while not interrupted.wait(0.05):
             pass
-        at_end()
         os._exit(0)
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         spin(node)
-    at_end()

@@ -14,7 +14,7 @@ int main(int argc, char** argv)
   const long count = static_cast<long>(hz * std::atof(argv[3]));
   const long period = static_cast<long>(1e9 / hz);
 
-  Record record;
+  Record record(argv[1]);
   timespec deadline;
   clock_gettime(CLOCK_MONOTONIC, &deadline);
   for (long number = 0; number < count; ++number)
@@ -30,6 +30,5 @@ int main(int argc, char** argv)
     {
     }
   }
-  record.write(argv[1]);
   return 0;
 }

@@ -1,0 +1,165 @@
+"""Takes all measurements in turns, until more of them would say little."""
+
+import contextlib
+import gc
+import time
+from typing import Callable, Dict, List, Optional, Set
+
+import machine
+from context import Bench, Figures
+from goals import GOALS
+from measurements import Measurement
+from results import Results
+
+#: No repeat of what is measured afresh begins that would end later than this, s.
+LIMIT_S = 540.0
+#: How often that is repeated at most.
+REPEATS = 12
+#: How long those that stand ready take turns at most, for each measurement, s.
+ROW_S = 60.0
+#: Least turns of each of them: of so few, the interval is from the least to the greatest.
+LEAST_ROUNDS = 6
+
+#: What a measurement may fail of, without being the end of all others.
+FAULTS = (LookupError, OSError, RuntimeError, ValueError)
+
+
+class Turns:
+    """Measures, and puts what it comes to into results.
+
+    :param wanted: what to measure
+    :param bench: given to each measurement
+    :param results: where to
+    :param most: turns of each at most, if not as many as there is time for
+    :param say: is told what is going on
+    """
+
+    def __init__(
+        self,
+        wanted: List[Measurement],
+        bench: Bench,
+        results: Results,
+        most: Optional[int],
+        say: Callable[[str], None],
+    ) -> None:
+        self._wanted = wanted
+        self._bench = bench
+        self._results = results
+        self._most = most
+        self._say = say
+
+    def take_all(self) -> None:
+        """Take all turns: first of those that stand ready, then of those that start afresh."""
+        began = time.monotonic()
+        for measurement in self._wanted:
+            if measurement.stand_ready is not None:
+                self._take_standing(measurement)
+        self._take_afresh(began)
+
+    def _take_standing(self, measurement: Measurement) -> None:
+        """Have all subjects up, of which one at a time goes on for a short turn."""
+        assert measurement.stand_ready is not None
+        with contextlib.ExitStack() as stack:
+            ready: Dict[str, Callable[[], Figures]] = {}
+            for subject in self._subjects(measurement):
+                self._say(f"{measurement.name}: starting {subject}")
+                try:
+                    one = measurement.stand_ready(self._bench, subject)
+                    ready[subject] = stack.enter_context(one)
+                except FAULTS as error:
+                    self._fail(f"{measurement.name}, {subject}", error)
+            began, number = time.monotonic(), 0
+            while ready and number != self._most and time.monotonic() - began < ROW_S:
+                for subject in rotated(list(ready), number):
+                    if not self._take(measurement.name, subject, number, ready[subject]):
+                        del ready[subject]
+                number += 1
+                wanted = self._unsure(measurement, list(ready))
+                ready = {subject: ready[subject] for subject in ready if subject in wanted}
+
+    def _take_afresh(self, began: float) -> None:
+        wanted = [one for one in self._wanted if one.measure is not None]
+        latest = time.monotonic()
+        for repeat in range(REPEATS if self._most is None else self._most):
+            now = time.monotonic()
+            if repeat and now - began + (now - latest) > LIMIT_S:
+                self._say(f"that took long: stopping after {repeat} repeats")
+                return
+            latest = now
+            for measurement in wanted:
+                disturbed = self._results.disturbed[measurement.name]
+                if repeat < measurement.repeats + disturbed and not self._is_settled(measurement):
+                    self._repeat(measurement, repeat)
+
+    def _repeat(self, measurement: Measurement, repeat: int) -> None:
+        assert measurement.measure is not None
+        for subject in rotated(self._subjects(measurement), repeat):
+            if subject in measurement.slow and (self._bench.quick or repeat > 0):
+                continue
+            if repeat == 0 and measurement.warm_up:
+                self._say(f"{measurement.name}, {subject}, warm-up")
+                with contextlib.suppress(*FAULTS):
+                    measurement.measure(self._bench._replace(quick=True), subject)
+            measure, bench = measurement.measure, self._bench
+            self._take(measurement.name, subject, repeat, lambda: measure(bench, subject))
+
+    def _subjects(self, measurement: Measurement) -> List[str]:
+        left_out = self._bench.peers.left_out
+        return [subject for subject in measurement.subjects if subject not in left_out]
+
+    def _take(self, name: str, subject: str, turn: int, measure: Callable[[], Figures]) -> bool:
+        """Take a turn; a failure is told of and ends nothing else.
+
+        Nothing comes of a turn in which the host took much of the processors' time.
+
+        :returns: whether it did not fail
+        """
+        what = f"{name}, {subject}"
+        self._say(f"{what}, turn {turn + 1}")
+        steal = machine.Steal()
+        try:
+            figures = measure()
+        except FAULTS as error:
+            self._fail(what, error)
+            return False
+        share = steal.share()
+        self._results.note_conditions(name, subject, turn, share)
+        if share <= machine.STOLEN:
+            self._results.add(name, subject, turn, figures)
+        else:
+            self._results.disturbed[name] += 1
+            self._say(f"{what}: left out, as the host took {100.0 * share:.1f} % of the time")
+        gc.collect()
+        return True
+
+    def _fail(self, what: str, error: Exception) -> None:
+        self._results.failures.append(f"{what}: {error!r}")
+        self._say(self._results.failures[-1])
+
+    def _is_settled(self, measurement: Measurement) -> bool:
+        """Tell whether more turns of a measurement would say little more of any of its goals."""
+        verdicts = [
+            goal.judge(self._results) for goal in GOALS if goal.measurement == measurement.name
+        ]
+        judged = [verdict for verdict in verdicts if verdict is not None]
+        return bool(judged) and all(verdict.is_settled for verdict in judged)
+
+    def _unsure(self, measurement: Measurement, subjects: List[str]) -> Set[str]:
+        """Return who had few turns so far, or of whom more turns would say more of some goal."""
+        found = {
+            subject
+            for subject in subjects
+            if self._results.turns(measurement.name, subject) < LEAST_ROUNDS
+        }
+        for goal in GOALS:
+            if goal.measurement == measurement.name:
+                verdict = goal.judge(self._results)
+                if verdict is not None and not verdict.is_settled:
+                    found.update(goal.subjects)
+        return found
+
+
+def rotated(subjects: List[str], turn: int) -> List[str]:
+    """Return the subjects, another one first in each turn."""
+    first = turn % max(1, len(subjects))
+    return subjects[first:] + subjects[:first]

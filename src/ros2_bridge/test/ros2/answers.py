@@ -10,6 +10,7 @@ from typing import Any, Callable, Dict, List, Set, Tuple
 
 import both
 import rclpy
+from action_answers import ACTION, ROBOT, ActionAnswers
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.context import Context
@@ -29,10 +30,9 @@ GENERATOR, MANAGED = "/signal_generator", "/managed"
 PARAMETERS = ("amplitude", "rate")
 #: Parameters that rclpy itself gives a node.
 _OF_RCLPY = ("use_sim_time", "start_type_description_service")
-
-
-#: Services of the generator that come last.
-_OFFERED = ("reset", "enable", "describe_parameters", "set_parameters_atomically")
+#: Services that come last: of each node, and of the generator.
+_LAST = ("describe_parameters", "set_parameters_atomically")
+_OFFERED = ("reset", "enable", *_LAST)
 #: Nodes of the tests themselves.
 OF_TESTS = ("/tests", "/ros2_tests")
 _KINDS = ("", "Boolean", "Integer", "Double", "String")
@@ -50,6 +50,7 @@ class Answers:
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain)
         self.node = Node(f"_asking{domain}", context=self._context, enable_rosout=False)
+        self._actions = ActionAnswers(self.node, self._nodes)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
@@ -75,6 +76,7 @@ class Answers:
         return [
             ("node list", self._nodes),
             (f"node info {of}", lambda: self._node_info("signal_generator")),
+            (f"node info {ROBOT}", lambda: self._node_info(ROBOT[1:])),
             ("topic list -t", self._topics),
             ("topic info -v /signal", lambda: self._topic_info("/signal")),
             ("topic info -v /signal_generator/status", lambda: self._topic_info(f"{of}/status")),
@@ -98,17 +100,21 @@ class Answers:
             (f"lifecycle set {managed} activate", lambda: self._transit("activate")),
             (f"lifecycle set {managed} configure", lambda: self._transit("configure")),
             (f"lifecycle set {managed} 3", lambda: self._transit("3")),
+            *self._actions.commands(),
         ]
 
     def wait_for_nodes(self) -> None:
-        """Wait until both nodes are there, with all that the generator has."""
+        """Wait until all nodes are there, with all that the generator has."""
         wanted = {"/signal", "/rosout", *(f"{GENERATOR}/{name}" for name in ("status", *_OFFERED))}
         states = f"{MANAGED}/get_available_transitions"
 
         def missing() -> Set[str]:
             found = {name for name, _ in self.node.get_service_names_and_types()}
-            if states not in found:
-                return {states}
+            early = {states, *(f"{ROBOT}/{name}" for name in _LAST)}
+            if not early <= found:
+                return early - found
+            if not self._actions.is_there():
+                return {ACTION}
             with contextlib.suppress(Exception):  # rclpy's own, where there is no such node yet
                 for ask in (
                     self.node.get_publisher_names_and_types_by_node,
@@ -136,8 +142,8 @@ class Answers:
         ):
             found = sorted(ask(name, "/"))
             lines.append(f"  {title}:")
-            lines += [f"    {topic}: {', '.join(types)}" for topic, types in found]
-        return lines
+            lines += [f"    {one}: {', '.join(types)}" for one, types in found if "/_" not in one]
+        return [*lines, *self._actions.of_node(name)]
 
     def _topics(self) -> List[str]:
         topics = self.node.get_topic_names_and_types()
@@ -186,10 +192,8 @@ class Answers:
         return future.result()
 
     def _parameters(self, of: str) -> List[str]:
-        names = set(self._call(ListParameters, f"{of}/list_parameters").result.names)
-        kept = names.intersection(PARAMETERS)
-        # Of the generator's own its twin has these only.
-        return [f"  {name}" for name in sorted(kept | {n for n in names if n in _OF_RCLPY})]
+        names = self._call(ListParameters, f"{of}/list_parameters").result.names
+        return [f"  {name}" for name in sorted(names) if name in (*PARAMETERS, *_OF_RCLPY)]
 
     def _get(self, name: str) -> List[str]:
         values = self._call(GetParameters, f"{GENERATOR}/get_parameters", names=[name]).values

@@ -11,6 +11,8 @@ from typing import Dict, Iterator, List
 
 import both
 import pytest
+from action_answers import ACTION, ROBOT
+from action_parts import Server1
 from answers import Answers
 from domains import own_domain
 
@@ -41,11 +43,12 @@ def of_bridge(bridge: both.Bridge) -> Iterator[Dict[str, List[str]]]:
     answers = Answers(int(os.environ["ROS_DOMAIN_ID"]))
     with both.Running("basic_comms", "signal_generator.py") as generator:
         with both.Running("basic_comms", "process.py", "__name:=managed", "_managed:=true") as one:
-            try:
-                answers.wait_for_nodes()
-                yield answers.all()
-            finally:
-                answers.close()
+            with Server1(ACTION, ROBOT[1:]):
+                try:
+                    answers.wait_for_nodes()
+                    yield answers.all()
+                finally:
+                    answers.close()
             one.interrupt()
         generator.interrupt()
 

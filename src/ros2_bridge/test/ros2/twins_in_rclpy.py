@@ -1,4 +1,4 @@
-"""The signal generator and a managed node as one would write them with rclpy.
+"""The signal generator, a managed node and an action's server as one would write them with rclpy.
 
 What they answer is what the same nodes of ROS 1 are to answer through the bridge.
 """
@@ -8,6 +8,7 @@ import time
 from typing import Any
 
 import rclpy
+from action_server2 import Server
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.lifecycle import LifecycleNode
@@ -58,6 +59,9 @@ def main() -> None:
     executor = SingleThreadedExecutor()
     executor.add_node(SignalGenerator())
     executor.add_node(LifecycleNode("managed"))
+    robot = Node("robot")
+    Server(robot, "/go_to")
+    executor.add_node(robot)
     try:
         executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -9,6 +9,7 @@ import unittest
 import rosbag
 import rospkg
 import rospy
+from std_msgs.msg import String
 
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
@@ -167,6 +168,9 @@ class Identify(unittest.TestCase):
                     bag.write("/a/given", motor_input(given, 0.0), time)
                 bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time)
             bag.write("/a/given", motor_input(0.0, 0.0), rospy.Time.from_sec(109.999))
+            # What else is in it is not read: nothing could read this.
+            broken = (String._type, b"", String._md5sum, String)
+            bag.write("/a/other", broken, rospy.Time.from_sec(105.0), raw=True)
         fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
         command = self.start("identify", path, *fields)
         self.assertEqual(command.wait(), 0, command.logged())

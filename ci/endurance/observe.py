@@ -19,7 +19,7 @@ NUMBERS = {"basic_comms/signal_msg": "<8xd", "std_msgs/Float32": "<f"}
 
 def main(topic: str, type_name: str, file: str) -> None:
     """Record until interrupted."""
-    kept = record.Record()
+    kept = record.Record(file + ".new")
     layout = struct.Struct(NUMBERS[type_name])
     done = threading.Event()
     signal.signal(signal.SIGINT, lambda *_: done.set())
@@ -42,7 +42,6 @@ def main(topic: str, type_name: str, file: str) -> None:
     )
     while not done.wait(0.1):
         pass
-    kept.write(file + ".new")
     os.rename(file + ".new", file)
 
 

@@ -174,14 +174,16 @@ def _drift(results: Results) -> Tuple[str, List[float]]:
     return f"{worst:.3f} ms at worst", [worst]
 
 
-def _bridged(way: str) -> Callable[[Results], Tuple[str, List[float]]]:
-    """Compare a message through the bridge with one hop of each ROS."""
+def _bridged(
+    way: str, measurement: str = "bridge", name: str = "p50_us"
+) -> Callable[[Results], Tuple[str, List[float]]]:
+    """Compare what goes through the bridge with one hop of each ROS."""
 
     def read(results: Results) -> Tuple[str, List[float]]:
-        ours = results.median("bridge", way, "p50_us")
-        hops = sum(results.median("bridge", ros, "p50_us") for ros in (bridging.ROSPY, RCLPY))
+        ours = results.median(measurement, way, name)
+        hops = sum(results.median(measurement, ros, name) for ros in (bridging.ROSPY, RCLPY))
         # A hop of each, of the same turns.
-        shares = [results.ratios("bridge", ros, way, "p50_us") for ros in (bridging.ROSPY, RCLPY)]
+        shares = [results.ratios(measurement, ros, way, name) for ros in (bridging.ROSPY, RCLPY)]
         return f"{number(ours)} against {number(hops)} us", [1.0 / sum(two) for two in zip(*shares)]
 
     return read
@@ -198,6 +200,23 @@ def _bridge(way: str, to: str, cpu: float) -> List[Goal]:
         _itself("bridge-load", f"CPU, 50 topics to {to}", 25.0, "fifty_cpu", " %", subject=way),
         _itself("bridge-many", f"lost of 100 topics to {to}", 0.0, "lost", "", subject=way),
         _itself("bridge-many", f"CPU, 100 topics to {to}", 90.0, "cpu_percent", " %", subject=way),
+    ]
+
+
+def _bridged_goals(way: str, to: str) -> List[Goal]:
+    """The goals of the bridge with actions whose server is in one ROS, and client in the other."""
+    name = "bridge-actions"
+    return [
+        Goal(
+            name,
+            f"p50 of {what} {to}, against both ROSes",
+            1.0,
+            True,
+            " x",
+            _bridged(way, name, f"{figure}_p50_us"),
+            (way, bridging.ROSPY, RCLPY),
+        )
+        for what, figure in (("goal to accept", "accept"), ("feedback", "feedback"))
     ]
 
 
@@ -265,6 +284,8 @@ GOALS: List[Goal] = [
     _itself("serial", "CPU of an idle link", 0.5, "cpu_percent", " %", boards.IDLE),
     *_bridge(bridging.TO_ROS2, "ROS 2", 15.0),
     *_bridge(bridging.TO_ROS1, "ROS 1", 20.0),
+    *_bridged_goals(bridging.TO_ROS2, "from ROS 2"),
+    *_bridged_goals(bridging.TO_ROS1, "from ROS 1"),
     _against("bridge", "p50 to ROS 2", 1.35, "p50_us", " us", bridging.TO_ROS2, bridging.BARE),
     _itself("bridge-rest", "bridge, to its first message", 2.5, "first_s", " s", bridging.TO_ROS1),
     _itself("bridge-rest", "CPU of an idle bridge", 1.0, "cpu_percent", " %", bridging.TO_ROS1),

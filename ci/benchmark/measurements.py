@@ -7,6 +7,7 @@ import bridging
 import callbacks
 import executors
 import floor
+import goals_bridged
 import groups
 import latency
 import lifecycles
@@ -219,6 +220,13 @@ MEASUREMENTS = [
         [stacks.RCLPY, stacks.RCLPY_EVENTS, bridging.TO_ROS2, bridging.TO_ROS1],
         bridging.many,
         repeats=2,
+    ),
+    Measurement(
+        "bridge-actions",
+        "goals of actions one after the other: until they are accepted, and their feedback",
+        [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
+        goals_bridged.measure,
+        repeats=3,
     ),
     Measurement(
         "bridge-rest",

@@ -103,10 +103,19 @@ def test_too_few_turns_beside_disturbed_ones_are_no_figure():
     assert judged(results, HOP).outcome is Outcome.PASS
 
 
-def test_a_message_through_the_bridge_is_compared_with_both_hops_of_its_turn():
+@pytest.mark.parametrize(
+    "measurement, figure, what",
+    [
+        ("bridge", "p50_us", "p50 to ROS 2, against a hop of each"),
+        ("bridge-actions", "feedback_p50_us", "p50 of feedback from ROS 2, against both ROSes"),
+    ],
+)
+def test_what_goes_through_the_bridge_is_compared_with_both_hops_of_its_turn(
+    measurement, figure, what
+):
     results = Results()
     for repeat, slow in enumerate([1.0, 3.0]):
         for subject, p50 in (("rospy", 100.0), ("rclpy", 200.0), ("to_ros2", 150.0)):
-            results.add("bridge", subject, repeat, {"p50_us": slow * p50})
-    verdict = judged(results, "p50 to ROS 2, against a hop of each")
+            results.add(measurement, subject, repeat, {figure: slow * p50})
+    verdict = judged(results, what)
     assert verdict.value == pytest.approx(0.5) and verdict.turns == 2

@@ -190,7 +190,7 @@ class DeadMan(RobotsTest):
         self.assertIn("take the wheel", first.wait_for("error")["text"])
         before = len(robot.commands)
         self.drive(second)
-        self.assertGreater(len(robot.commands), before)
+        wait_until(lambda: len(robot.commands) > before, lambda: "it does not drive")
         self.stopped(robot)
 
     def test_a_command_that_comes_late_is_left_out_and_the_page_is_told(self) -> None:

@@ -2,11 +2,15 @@
 
 import contextlib
 import pathlib
+import signal
+import sys
 
 import latency
 import pytest
+import record
 import stacks
 from context import Bench
+from observers import wait_until
 from peers import Peers
 from processes import Session
 
@@ -35,6 +39,23 @@ def test_a_pair_of_stock_rospy_answers(bench):
     with stacks.up(bench.session, bench.peers, stacks.ROSPY, RATE) as pair:
         run = stacks.watch(pair, 0.0, 0.5)
     assert len(latency.answered(run).latencies) > 10
+
+
+def test_a_topic_is_recorded_from_any_host_until_ctrl_c(bench, tmp_path):
+    file = tmp_path / "seen"
+    observe = stacks.HERE.with_name("endurance") / "observe.py"
+    with stacks.up(bench.session, bench.peers, stacks.OURS, RATE) as pair:
+        with bench.session.node() as node:
+            published = [name for name, _ in node.master("getPublishedTopics", "")]
+        (topic,) = [name for name in published if name.endswith("/signal")]
+        command = [sys.executable, str(observe), topic, "basic_comms/signal_msg", str(file)]
+        observer = bench.session.start(command)
+        underway = file.with_suffix(".new")
+        wait_until(lambda: underway.exists() and record.read(underway), 30.0, "samples")
+        observer.send_signal(signal.SIGINT)
+        assert observer.wait(30.0) == 0
+        sent = {sample.value for sample in pair.sent()}
+    assert {sample.value for sample in record.read(file)} <= sent
 
 
 def test_a_pair_that_stands_still_sends_nothing(bench):

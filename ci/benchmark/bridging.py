@@ -14,7 +14,7 @@ from context import Bench, Figures
 from cost import cpu_share, resident_memory
 from observers import wait_until
 from peers import RCLPY as PYTHON_OF_ROS2
-from peers import SCRIPTS, WORKSPACE, rclpy_environment
+from peers import DOMAIN, SCRIPTS, WORKSPACE, rclpy_environment
 from processes import Session
 from stacks import RCLPY, RCLPY_EVENTS
 
@@ -35,7 +35,6 @@ BRIDGE = WORKSPACE / "devel" / "lib" / "ros2_bridge" / "bridge"
 PROGRAMS = {TO_ROS2: BRIDGE, TO_ROS1: BRIDGE, BARE: SCRIPTS / "bridge" / "bare.py"}
 #: longest wait for the first message, and for the last, s
 LIMIT = 40.0
-DOMAIN = "97"
 
 _numbers = itertools.count(1)
 
@@ -124,7 +123,6 @@ def _hop(bench: Bench, subject: str, rate: float, seconds: float, topics: int) -
             figures["cpu_percent"] = cpu_share(pids, seconds - 1.0)
             figures["resident_mb"] = resident_memory(pids)
         wait_until(file.exists, LIMIT, "the last message")
-        time.sleep(0.2)  # it is being written
     heard: Any = json.loads(file.read_text("utf-8"))
     figures["p50_us"] = percentile(heard["took"], 0.5)
     figures["p99_us"] = percentile(heard["took"], 0.99)

@@ -19,6 +19,8 @@ NEED_RCLPY = ("rclpy", "rclpy_events", "to_ros2", "to_ros1", "bare")
 _LEAST_CALLS = 100
 #: Longest time for finding that out, s.
 _PROBE_S = 20.0
+#: The domain of ROS 2: in one, two runs at a time would see each other's nodes, of the same names.
+DOMAIN = os.environ.get("ROS_DOMAIN_ID", "97")
 #: Python of the environment that ./ci/ros2 makes
 RCLPY = WORKSPACE / "build" / "ros2" / "bin" / "python"
 
@@ -131,6 +133,6 @@ def rclpy_environment(events: bool = False) -> Dict[str, str]:
         if not name.startswith(("ROS", "CMAKE", "CATKIN")) and name != "PYTHONPATH"
     }
     # Only for nodes of this machine, and away from those of other people's systems.
-    environment.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_DOMAIN_ID="97")
+    environment.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_DOMAIN_ID=DOMAIN)
     environment["BENCH_EXECUTOR"] = "events" if events else "single"
     return environment

@@ -12,10 +12,10 @@ import time
 from typing import Any, Callable, Dict, List
 
 import run_goals
-from bridging import BRIDGE, DOMAIN, LIMIT, TO_ROS1, TO_ROS2, bridge, ends
+from bridging import BRIDGE, LIMIT, TO_ROS1, TO_ROS2, bridge, ends
 from checks import Check, at_most, none_of, reported
 from observers import wait_until
-from peers import RCLPY, SCRIPTS, make_rclpy, rclpy_environment
+from peers import DOMAIN, RCLPY, SCRIPTS, make_rclpy, rclpy_environment
 from streams import Arrivals
 from surroundings import EXECUTABLES, Soak, logs
 from usage import Sampler, added, growth
@@ -70,7 +70,6 @@ def sent(soak: Soak, way: str, pid: int) -> List[Check]:
         time.sleep(min(WARM_UP, 0.2 * seconds))
         with Sampler({"bridge": pid}) as sampler:
             wait_until(file.exists, seconds + LIMIT, "the last message")
-        time.sleep(1.0)  # it is being written
     heard: Any = json.loads(file.read_text("utf-8"))
     took = sorted(heard["took"])
     seen = sampler.samples["bridge"]

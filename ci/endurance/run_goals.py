@@ -12,9 +12,10 @@ import time
 from typing import Callable, Dict, Iterator, List
 
 from asking import ABORT, SUCCEED, Asker, start
-from bridging import BRIDGE, DOMAIN, LIMIT
+from bridging import BRIDGE, LIMIT
 from checks import Check, at_most, none_of, reported
 from observers import wait_until
+from peers import DOMAIN
 from processes import Session
 from surroundings import Soak
 

@@ -45,9 +45,12 @@ class Heard:
 
     def write(self) -> None:
         sent = int(RATE * SECONDS) * TOPICS
-        with open(sys.argv[6], "w", encoding="utf-8") as file:
-            lost = sent - len(self.took)
-            json.dump({"took": self.took, "lost": lost, "dropped": self.dropped}, file)
+        file = pathlib.Path(sys.argv[6])
+        unfinished = file.with_suffix(".new")
+        lost = sent - len(self.took)
+        text = json.dumps({"took": self.took, "lost": lost, "dropped": self.dropped})
+        unfinished.write_text(text, "utf-8")
+        unfinished.replace(file)  # where it is looked for, it is whole: a million take a while
 
 
 def send(publish: List[Callable[[Any], Any]], counts: List[Callable[[], int]], cls: Any) -> None:

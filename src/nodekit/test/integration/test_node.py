@@ -364,18 +364,21 @@ class Callbacks(OnMaster):
         self.server.set(self.space + "/one/rate", 200.0)
         wait_until(lambda: len(calls) > 10, lambda: str(calls))
 
-    def test_rate_that_cannot_be_asked_for_leaves_the_old_one(self) -> None:
-        node, calls = self.node(), []  # type: Any
+    def test_rate_that_cannot_be_asked_for_leaves_the_old_one_and_others_follow(self) -> None:
+        node, calls, others = self.node(), [], []  # type: Any
         settings = node.parameters(Settings)
         for bad in (math.inf, math.nan, -1.0):
             with self.assertRaises(ValueError):
                 node.every(bad, calls.append)
         node.every(lambda: 100.0 / (settings.values.gain or math.nan), calls.append)
+        node.every(lambda: 0.0 if settings.values.gain else 100.0, others.append)
         node.start()
         wait_until(lambda: len(calls) > 3, lambda: str(calls))
+        self.assertEqual(others, [])
         settings.update(gain=0.0)
         before = len(calls)
         wait_until(lambda: len(calls) > before + 3, lambda: "the timer has stopped")
+        wait_until(lambda: len(others) > 3, lambda: "the other one does not follow")
 
     def test_messages_that_are_not_finite_are_left_out(self) -> None:
         node, heard = self.node(), []  # type: Any

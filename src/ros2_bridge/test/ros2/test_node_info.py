@@ -1,5 +1,6 @@
 """What a node of one ROS has in the other: ``ros2 node info`` and ``rosnode info``."""
 
+import struct
 import subprocess
 import time
 from typing import Any, Dict, Iterator, List, Set
@@ -175,6 +176,8 @@ def test_a_node_of_ros2_has_its_own_in_ros1(
     for number in range(5):
         out.publish(Float32(data=float(number)))
     ear.wait(5)
-    rospy.sleep(0.3)  # what is too much would have come by now
-    assert len(ear.heard) == 5
+    out.publish(Float32(data=5.0))  # behind what is too much, if anything was
+    ear.wait(6)
+    heard = [struct.unpack("<f", message._buff)[0] for message in ear.heard]
+    assert heard == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
     ear.end()

@@ -110,7 +110,10 @@ def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) 
     numbers = {float(number) for number in range(10)}
     both_kinds = numbers | {100.0 + number for number in numbers}
     ear1.wait(20), ear2.wait(20)
-    rospy.sleep(0.3)  # what is too much would have come by now
+    out1.send(struct.pack("<f", -1.0))
+    out2.publish(Float32(data=-2.0))  # behind an echo, if there was one
+    ear1.wait(22), ear2.wait(22)
+    both_kinds |= {-1.0, -2.0}
     assert sorted(message.data for message in ear2.heard) == sorted(both_kinds)
     assert sorted(struct.unpack("<f", m._buff)[0] for m in ear1.heard) == sorted(both_kinds)
     for ear in (ear1, ear2):

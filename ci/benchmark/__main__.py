@@ -15,7 +15,7 @@ from context import Bench
 from measurements import MEASUREMENTS, chosen
 from processes import Session
 from results import Results
-from turns import Turns
+from turns import LIMIT_S, Turns
 
 
 def main() -> int:
@@ -38,7 +38,8 @@ def main() -> int:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
             bench = Bench(session, built, options.quick)
-            Turns(wanted, bench, results, options.repeats, say).take_all()
+            limit = None if options.all or options.only else LIMIT_S
+            Turns(wanted, bench, results, options.repeats, say).take_all(limit)
     names = [one.name for one in wanted]
     facts["load after"] = machine.load()
     facts["taken by the host"] = f"{100.0 * steal.share():.1f} % of the time"
@@ -57,7 +58,7 @@ def arguments() -> argparse.Namespace:
     """Read the command line."""
     names = [one.name for one in MEASUREMENTS]
     listed = "\n".join(
-        f"  {one.name:14} {one.help}{', with --all' if one.is_extreme else ''}"
+        f"  {one.name:14} {one.help}{', with --all' if one.is_extra else ''}"
         for one in MEASUREMENTS
     )
     parser = argparse.ArgumentParser(

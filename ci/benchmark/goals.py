@@ -13,12 +13,14 @@ import transitions
 from analysis import Interval, interval
 from floor import FLOOR
 from loop import LOOP
+from measurements import MEASUREMENTS
 from results import Results
 from stacks import COURSE, HOST, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
 
 
-#: Least turns that say something, of a measurement that takes more than one.
+#: Least turns that say something, of a measurement that takes as many.
 LEAST_TURNS = 3
+_LEAST_TURNS_OF = {one.name: min(LEAST_TURNS, one.repeats) for one in MEASUREMENTS}
 #: An interval is narrow whose width is this share of its value, or less.
 NARROW = 0.05
 
@@ -85,8 +87,9 @@ class Goal(NamedTuple):
             return None
         where = interval(values)
         outcome = self._outcome(where)
-        if results.disturbed[self.measurement] and len(values) < LEAST_TURNS:
-            outcome = Outcome.NOT_MEASURABLE
+        if len(values) < _LEAST_TURNS_OF[self.measurement]:
+            is_disturbed = results.disturbed[self.measurement]
+            outcome = Outcome.NOT_MEASURABLE if is_disturbed else Outcome.UNCLEAR
         is_ratio = self.unit == " x"
         return Verdict(figure, statistics.median(values), where, len(values), is_ratio, outcome)
 
@@ -273,10 +276,10 @@ GOALS: List[Goal] = [
     ),
     _itself("fleet", "100 robots: CPU, observed", 30.0, "cpu_observed_percent", " %", robots.FLEET),
     _itself("fleet", "100 robots: rate", 29.0, "lowest_hz", " Hz", robots.FLEET, at_most=False),
-    _itself("robots", "a robot that scans: CPU", 3.0, "cpu_percent", " %", robots.SCAN),
+    _itself("robot", "a robot that scans: CPU", 3.0, "cpu_percent", " %", robots.SCAN),
     _itself("robots", "a robot and its controller: CPU", 2.5, "cpu_percent", " %", robots.HOSTED),
     _itself("robots", "the same in two processes", 2.5, "cpu_percent", " %", robots.PAIR),
-    _itself("robots", "start to first odom", 0.3, "first_odom_s", " s", robots.START),
+    _itself("robot", "start to first odom", 0.3, "first_odom_s", " s", robots.START),
     _itself("serial", "board's round trip, host's part", 500.0, "p50_us", " us", boards.ROUND_TRIP),
     _itself("serial", "lost to it at 90 %", 0.0, "lost_to_board", "", boards.CAPACITY),
     _itself("serial", "lost of it at 90 %", 0.0, "lost_from_board", "", boards.CAPACITY),

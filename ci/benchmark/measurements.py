@@ -39,8 +39,8 @@ class Measurement(NamedTuple):
     slow: List[str] = []
     #: whether to run it once for nothing, so that files and caches are warm
     warm_up: bool = False
-    #: whether it is about far more than a course or a robot asks for: only with --all
-    is_extreme: bool = False
+    #: whether few ask for it: only with --all
+    is_extra: bool = False
 
 
 #: The same pair, by whom one may write it.
@@ -119,7 +119,7 @@ MEASUREMENTS = [
         [stacks.OURS, stacks.ROSCPP],
         throughput.zero_loss_rate,
         repeats=2,
-        is_extreme=True,
+        is_extra=True,
     ),
     Measurement(
         "groups",
@@ -128,6 +128,7 @@ MEASUREMENTS = [
         groups.thirty_two,
         repeats=3,
         slow=[stacks.COURSE],
+        is_extra=True,
     ),
     Measurement(
         "thousand",
@@ -135,7 +136,7 @@ MEASUREMENTS = [
         [stacks.OURS],
         groups.thousand,
         slow=[stacks.OURS],
-        is_extreme=True,
+        is_extra=True,
     ),
     Measurement(
         "memory",
@@ -145,7 +146,12 @@ MEASUREMENTS = [
         repeats=1,
     ),
     Measurement(
-        "callback", "a callback in its group", [stacks.OURS], callbacks.uncontended, repeats=1
+        "callback",
+        "a callback in its group",
+        [stacks.OURS],
+        callbacks.uncontended,
+        repeats=1,
+        is_extra=True,
     ),
     Measurement(
         "executor",
@@ -153,6 +159,7 @@ MEASUREMENTS = [
         [stacks.OURS, stacks.RCLPY, stacks.RCLPY_EVENTS],
         executors.call,
         repeats=1,
+        is_extra=True,
     ),
     Measurement(
         "overlap",
@@ -160,6 +167,7 @@ MEASUREMENTS = [
         [stacks.OURS, stacks.RCLPY],
         overlap.agreement,
         repeats=1,
+        is_extra=True,
     ),
     Measurement(
         "lifecycle",
@@ -167,6 +175,7 @@ MEASUREMENTS = [
         [stacks.RCLPY],
         lifecycles.agreement,
         repeats=1,
+        is_extra=True,
     ),
     Measurement(
         "transition",
@@ -176,7 +185,18 @@ MEASUREMENTS = [
         repeats=3,
     ),
     Measurement(
-        "robots", "simulated robots", robots.SUBJECTS, robots.measure, repeats=3, warm_up=True
+        "robots",
+        "a robot and its controller, in one process and in two",
+        [robots.HOSTED, robots.PAIR],
+        stand_ready=robots.stand_ready,
+    ),
+    Measurement(
+        "robot",
+        "a robot that scans, and the start of one",
+        [robots.SCAN, robots.START],
+        robots.measure,
+        repeats=3,
+        warm_up=True,
     ),
     Measurement(
         "fleet",
@@ -184,7 +204,7 @@ MEASUREMENTS = [
         [robots.FLEET],
         robots.measure,
         repeats=3,
-        is_extreme=True,
+        is_extra=True,
     ),
     Measurement(
         "serial",
@@ -192,6 +212,7 @@ MEASUREMENTS = [
         boards.SUBJECTS,
         boards.measure,
         repeats=3,
+        is_extra=True,
     ),
     Measurement(
         "bridge",
@@ -206,6 +227,7 @@ MEASUREMENTS = [
         ],
         bridging.at_1_khz,
         repeats=3,
+        is_extra=True,
     ),
     Measurement(
         "bridge-load",
@@ -213,6 +235,7 @@ MEASUREMENTS = [
         [stacks.RCLPY, stacks.RCLPY_EVENTS, bridging.TO_ROS2, bridging.TO_ROS1],
         bridging.load,
         repeats=2,
+        is_extra=True,
     ),
     Measurement(
         "bridge-many",
@@ -220,6 +243,7 @@ MEASUREMENTS = [
         [stacks.RCLPY, stacks.RCLPY_EVENTS, bridging.TO_ROS2, bridging.TO_ROS1],
         bridging.many,
         repeats=2,
+        is_extra=True,
     ),
     Measurement(
         "bridge-actions",
@@ -234,6 +258,7 @@ MEASUREMENTS = [
         [bridging.TO_ROS1],
         bridging.rest,
         repeats=2,
+        is_extra=True,
     ),
     Measurement("live", "effect of setting a parameter", [stacks.OURS], live.effect, repeats=1),
     Measurement("rest", "processor time of idle nodes", ["process"], live.rest, repeats=1),
@@ -241,12 +266,12 @@ MEASUREMENTS = [
 ]
 
 
-def chosen(only: Optional[List[str]] = None, with_extremes: bool = False) -> List[Measurement]:
+def chosen(only: Optional[List[str]] = None, with_extra: bool = False) -> List[Measurement]:
     """Return the measurements that are to be made.
 
     :param only: their names, if not the usual ones
-    :param with_extremes: whether those belong to the usual ones
+    :param with_extra: whether all belong to the usual ones
     """
     if only:
         return [one for one in MEASUREMENTS if one.name in only]
-    return [one for one in MEASUREMENTS if with_extremes or not one.is_extreme]
+    return [one for one in MEASUREMENTS if with_extra or not one.is_extra]

@@ -1,32 +1,35 @@
 """What simulated robots cost: a hundred, one that scans or is driven, and how soon one is up."""
 
+import contextlib
 import time
-from typing import List
+from typing import Callable, Iterator, List
 
 import stacks
 from context import Bench, Figures
 from cost import cpu_share, resident_memory
 from observers import Recorder
+from pausing import going, standing
 
 FLEET, SCAN = "100 robots", "a robot that scans"
 HOSTED, PAIR = "a robot and its controller", "the same in two processes"
 START = "start of a robot"
-SUBJECTS = [SCAN, HOSTED, PAIR, START]
 
 COUNT = 100
 ODOMETRY, JOINTS, RANGES = "nav_msgs/Odometry", "sensor_msgs/JointState", "sensor_msgs/LaserScan"
 COMMANDS = "geometry_msgs/Twist"
 #: A square of 6 m and a wall within it.
 WALLS = "[[3,-3,3,3],[3,3,-3,3],[-3,3,-3,-3],[-3,-3,3,-3],[1,1,2,1.5]]"
-#: How long a robot and its controller are watched, s: on a virtual machine the same two processes
-#: take twice as much of the processor in some spells of up to a minute as in others.
-PAIR_S = 30.0
+#: How long a robot and its controller are given to be on their way again, and are watched, s.
+SETTLE_S, TURN_S = 0.5, 2.0
+MEMBERS = [
+    "diff_drive_sim.nodes.diff_drive:DiffDrive",
+    "bot_controller_demo.nodes.proportional_controller:ProportionalController",
+]
 
 
 def measure(bench: Bench, subject: str) -> Figures:
-    """Measure one of SUBJECTS, or FLEET."""
-    measures = {FLEET: _fleet, SCAN: _scan, HOSTED: _hosted, PAIR: _pair, START: _start}
-    return measures[subject](bench)
+    """Measure a hundred robots, one that scans, or a start."""
+    return {FLEET: _fleet, SCAN: _scan, START: _start}[subject](bench)
 
 
 def _fleet(bench: Bench) -> Figures:
@@ -67,34 +70,32 @@ def _scan(bench: Bench) -> Figures:
         for topic, kind in (("/odom", ODOMETRY), ("/joint_states", JOINTS), ("/scan", RANGES)):
             Recorder(node, topic, kind).wait()
         time.sleep(1.0)
-        return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else 10.0)}
+        return {"cpu_percent": cpu_share(pids, bench.seconds(5.0, 3.0))}
 
 
-def _hosted(bench: Bench) -> Figures:
-    """Measure a robot at 30 Hz and its controller at 20 Hz in one process."""
-    members = [
-        "diff_drive_sim.nodes.diff_drive:DiffDrive",
-        "bot_controller_demo.nodes.proportional_controller:ProportionalController",
-    ]
-    return _driving(bench, _command("host", *members, package="nodekit"))
-
-
-def _pair(bench: Bench) -> Figures:
-    """Measure the same in two processes."""
-    controller = _command("proportional_controller", package="bot_controller_demo")
-    return _driving(bench, _command("diff_drive"), controller)
-
-
-def _driving(bench: Bench, *commands: List[str]) -> Figures:
-    """Measure a robot on the way to where it never comes."""
-    with bench.session.node() as node:
-        node.master("setParam", "/proportional_controller/goal_x", 1000.0)
-    with bench.session.running(*commands) as pids:
-        with bench.session.node() as node:  # and nobody else is sent anything while it is measured
+@contextlib.contextmanager
+def stand_ready(bench: Bench, subject: str) -> Iterator[Callable[[], Figures]]:
+    """Have a robot at 30 Hz, on the way to where it never comes, and its controller stand ready."""
+    if subject == HOSTED:
+        commands = [_command("host", *MEMBERS, package="nodekit")]
+    else:
+        controller = _command("proportional_controller", package="bot_controller_demo")
+        commands = [_command("diff_drive"), controller]
+    session, group = bench.session, "/hosted" if subject == HOSTED else "/pair"
+    with session.node() as node:
+        node.master("setParam", group + "/proportional_controller/goal_x", 1000.0)
+    with session.running(*commands, environment=session.in_group(group)) as pids:
+        with session.node() as node:  # and nobody else is sent anything while it is measured
             for topic, kind in (("/odom", ODOMETRY), ("/cmd_vel", COMMANDS)):
-                Recorder(node, topic, kind).wait()
-        time.sleep(1.0)
-        return {"cpu_percent": cpu_share(pids, 3.0 if bench.quick else PAIR_S)}
+                Recorder(node, group + topic, kind).wait()
+        with standing(pids):
+            yield lambda: _turn(pids)
+
+
+def _turn(pids: List[int]) -> Figures:
+    with going(pids):
+        time.sleep(SETTLE_S)
+        return {"cpu_percent": cpu_share(pids, TURN_S)}
 
 
 def _start(bench: Bench) -> Figures:

@@ -2,6 +2,8 @@
 
 import contextlib
 import gc
+import math
+import subprocess
 import time
 from typing import Callable, Dict, List, Optional, Set
 
@@ -11,17 +13,18 @@ from goals import GOALS
 from measurements import Measurement
 from results import Results
 
-#: No repeat of what is measured afresh begins that would end later than this, s.
-LIMIT_S = 540.0
+#: Of the main rows, no repeat of what is measured afresh begins that would end later, s.
+LIMIT_S = 570.0
 #: How often that is repeated at most.
 REPEATS = 12
 #: How long those that stand ready take turns at most, for each measurement, s.
-ROW_S = 60.0
-#: Least turns of each of them: of so few, the interval is from the least to the greatest.
+ROW_S = 45.0
+#: Turns of each of them that are taken all the same: of so few, the interval is nearly from the
+#: least to the greatest.
 LEAST_ROUNDS = 6
 
 #: What a measurement may fail of, without being the end of all others.
-FAULTS = (LookupError, OSError, RuntimeError, ValueError)
+FAULTS = (LookupError, OSError, RuntimeError, ValueError, subprocess.SubprocessError)
 
 
 class Turns:
@@ -48,13 +51,16 @@ class Turns:
         self._most = most
         self._say = say
 
-    def take_all(self) -> None:
-        """Take all turns: first of those that stand ready, then of those that start afresh."""
+    def take_all(self, limit: Optional[float] = None) -> None:
+        """Take all turns: first of those that stand ready, then of those that start afresh.
+
+        :param limit: how long that may take, s; as long as it takes unless given
+        """
         began = time.monotonic()
         for measurement in self._wanted:
             if measurement.stand_ready is not None:
                 self._take_standing(measurement)
-        self._take_afresh(began)
+        self._take_afresh(math.inf if limit is None else began + limit)
 
     def _take_standing(self, measurement: Measurement) -> None:
         """Have all subjects up, of which one at a time goes on for a short turn."""
@@ -69,7 +75,9 @@ class Turns:
                 except FAULTS as error:
                     self._fail(f"{measurement.name}, {subject}", error)
             began, number = time.monotonic(), 0
-            while ready and number != self._most and time.monotonic() - began < ROW_S:
+            while ready and number != self._most:
+                if number >= LEAST_ROUNDS and time.monotonic() - began > ROW_S:
+                    break
                 for subject in rotated(list(ready), number):
                     if not self._take(measurement.name, subject, number, ready[subject]):
                         del ready[subject]
@@ -77,12 +85,12 @@ class Turns:
                 wanted = self._unsure(measurement, list(ready))
                 ready = {subject: ready[subject] for subject in ready if subject in wanted}
 
-    def _take_afresh(self, began: float) -> None:
+    def _take_afresh(self, end: float) -> None:
         wanted = [one for one in self._wanted if one.measure is not None]
         latest = time.monotonic()
         for repeat in range(REPEATS if self._most is None else self._most):
             now = time.monotonic()
-            if repeat and now - began + (now - latest) > LIMIT_S:
+            if repeat and now + (now - latest) > end:
                 self._say(f"that took long: stopping after {repeat} repeats")
                 return
             latest = now

@@ -2,6 +2,7 @@
 
 import contextlib
 import pathlib
+import subprocess
 
 import machine
 import pytest
@@ -88,15 +89,16 @@ def test_turns_end_though_nothing_is_decided(bench, monkeypatch):
     assert results.turns(ROW, "basic_comms") == 21
 
 
-def test_one_that_fails_is_told_of_and_keeps_no_other_from_its_turns(bench):
+@pytest.mark.parametrize("error", [ValueError("no"), subprocess.CalledProcessError(1, "peer")])
+def test_one_that_fails_is_told_of_and_keeps_no_other_from_its_turns(bench, error):
     def figures(subject, number):
         if subject == "b" and number == 1:
-            raise ValueError("it has ended")
+            raise error
         return 1.0
 
     stage = Stage(figures)
     results = take(bench, stage.measurement(["a", "b"], "latency-50hz"))
-    assert results.failures == ["latency-50hz, b: ValueError('it has ended')"]
+    assert results.failures == [f"latency-50hz, b: {error!r}"]
     assert results.turns("latency-50hz", "a") == 6
     assert stage.order().count("b") == 2
 

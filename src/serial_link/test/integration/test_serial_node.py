@@ -152,6 +152,7 @@ class SerialNode(Rig):
         judge = os.path.join(package, "scripts", "judge")
         node = Process(judge, [*words, controller], {"ROS_NAMESPACE": self.space})
         self.addCleanup(node.end)
+        node.popen.wait(4 * TIMEOUT_S)  # it has a limit of its own
         said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
         self.assertTrue(node.logged(said.get(node.wait(), "?")), node.logged())
         # The ramp goes to 9 rad/s of 13, and this motor is twice as fast.

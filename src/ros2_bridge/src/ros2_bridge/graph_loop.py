@@ -144,7 +144,13 @@ class GraphLoop:
                 self._skipped.report(f"{name} of ROS 1: ~remap gives its name in ROS 2 to another")
         for name in self._graph.nameless:
             self._skipped.report(f"{name} of ROS 2: ~remap gives its name in ROS 1 to another")
+        for name in self._graph.shared_names:
+            self._skipped.report(
+                f"several nodes of ROS 2 are called {name}, or one that was killed is still listed:"
+                " the services and actions of all but one"
+            )
         self._graph.nameless.clear()
+        self._graph.shared_names.clear()
 
     def statistics(self) -> Dict[str, Any]:
         """Return what has gone through each pair of topics, and what was lost."""

@@ -119,10 +119,12 @@ class Server1(Process):
 
 
 class Client1(Process):
-    """A client of ROS 1, which obeys lines and prints what it hears."""
+    """A client, of ROS 1 unless told otherwise, which obeys lines and prints what it hears."""
 
-    def __init__(self, name: str) -> None:
-        super().__init__(str(HERE / "action_client1.py"), [name])
+    def __init__(self, name: str, ros: str = "1") -> None:
+        # Without ROS 1's packages, which hide those of ROS 2.
+        path = {"PYTHONPATH": ""} if ros == "2" else {}
+        super().__init__(str(HERE / f"action_client{ros}.py"), [name], path)
 
     def __enter__(self) -> "Client1":
         self.wait_for_log("connected")

@@ -39,6 +39,11 @@ def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
         assert not bridge.logged("Traceback")
 
 
+def test_two_servers_whose_nodes_have_one_name_are_told(ros: both.Both) -> None:
+    with Server2("/arm/left"), Server2("/arm/right"), both.Bridge() as bridge:
+        bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
+
+
 def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:
     rules = ("_remap:=['/arm=/']", "_deny:=['*/secret']")
     with Server1("/arm/reach"), Server1("/arm/secret", "another"), Server2("/grab"), both.Bridge(

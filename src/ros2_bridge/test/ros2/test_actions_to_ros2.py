@@ -10,7 +10,17 @@ import pytest
 import rospy
 from action_msgs.msg import GoalStatus as Status
 from action_msgs.srv import CancelGoal
-from action_parts import ABORT, PEND, PERSIST, REJECT, SUCCEED, Client2, Server1, cancel
+from action_parts import (
+    ABORT,
+    PEND,
+    PERSIST,
+    REJECT,
+    SUCCEED,
+    Client1,
+    Client2,
+    Server1,
+    cancel,
+)
 from rclpy.action.graph import (
     get_action_names_and_types,
     get_action_server_names_and_types_by_node,
@@ -143,6 +153,17 @@ def test_none_of_many_is_lost_or_invented(ros: both.Both, client: Client2) -> No
         statuses[key] = client.end(key)
         assert client.results[key].result.progress.phase == key, statuses[key]
     assert len(set(statuses.values())) == 3
+
+
+def test_client_that_is_killed_leaves_the_others_alone(
+    bridge: both.Bridge, server: Server1, client: Client2
+) -> None:
+    with Client1("/arm/reach", ros="2") as other:
+        other.tell("send orphan 1.0")
+        wait_until(lambda: other.feedback("orphan"), lambda: "no feedback")
+    client.send("beside", 2.0)  # which the orphan ends before
+    assert client.accepted("beside") and client.end("beside") == Status.STATUS_SUCCEEDED
+    assert not bridge.logged("Traceback")
 
 
 def test_result_is_kept(ros: both.Both, client: Client2) -> None:

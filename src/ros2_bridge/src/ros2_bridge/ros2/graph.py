@@ -1,5 +1,6 @@
 """What others have in ROS 2: nodes, topics and services."""
 
+import collections
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
@@ -39,11 +40,14 @@ class Ros2Graph:
     :param names: what has another name in ROS 2
 
     :ivar nameless: what has no name in ROS 1, as it would have another's
+    :ivar shared_names: names in ROS 2 that several nodes have. Of these, ROS 2 tells the services
+        of one only
     """
 
     def __init__(self, side: Ros2, names: Renaming) -> None:
         self._side, self._names = side, names
         self.nameless: Set[str] = set()
+        self.shared_names: Set[str] = set()
         self._turns = Turns(_TOGETHER)
         #: Topics of ours that others use too, as far as was seen.
         self._shared: Set[str] = set()
@@ -108,8 +112,13 @@ class Ros2Graph:
     def _all_nodes(self) -> Set[str]:
         """Return the names in ROS 2 of all nodes that are not ours."""
         names = self._side.node.get_node_names_and_namespaces()
-        found = {f"{namespace.rstrip('/')}/{name}" for name, namespace in names}
-        return found - self._side.own_names()
+        found = collections.Counter(f"{space.rstrip('/')}/{name}" for name, space in names)
+        own = self._side.own_names()
+        self.shared_names.update(
+            name for name, count in found.items() if count > 1 and not _is_hidden(name)
+        )
+        self.shared_names -= own
+        return set(found) - own
 
     def _others(self, endpoints: List[Any]) -> List[Any]:
         return [one for one in endpoints if not self._side.is_ours(bytes(one.endpoint_gid))]

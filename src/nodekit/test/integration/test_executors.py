@@ -47,7 +47,7 @@ class Executors(unittest.TestCase):
     def hold(self, message: String) -> None:
         """Keep the thread that makes this call, until the test lets it go."""
         self.begun.set()
-        self.may_end.wait(TIMEOUT_S)
+        self.may_end.wait()  # the clean-up ends it too
 
     def node(self, name: str = "one") -> Node:
         """Return a node of its own, which is closed at the end; not started."""

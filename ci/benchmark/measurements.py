@@ -251,6 +251,7 @@ MEASUREMENTS = [
         [bridging.ROSPY, stacks.RCLPY, bridging.TO_ROS2, bridging.TO_ROS1],
         goals_bridged.measure,
         repeats=3,
+        is_extra=True,
     ),
     Measurement(
         "bridge-rest",

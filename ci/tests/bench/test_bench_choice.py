@@ -15,6 +15,7 @@ def test_what_few_need_is_measured_only_on_request():
     everything, main = names(MEASUREMENTS), names(chosen())
     assert EXTREMES < everything and not EXTREMES & main
     assert {"latency-1khz", "latency-100hz", "host-1khz", "robots", "launch", "memory"} < main
+    assert not any(name.startswith("bridge") for name in main)
     assert names(chosen(with_extra=True)) == everything
     assert names(chosen(only=["thousand", "live"])) == {"thousand", "live"}
 

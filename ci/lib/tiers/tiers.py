@@ -65,7 +65,7 @@ def lint() -> List[Step]:
         "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/lib/setup:{CI}/lib/systems"]
         + shell_scripts(),
     }
-    steps = [Step("lint", name, command) for name, command in commands.items()]
+    steps = [Step("lint", name, command, 900.0) for name, command in commands.items()]
     return [*steps, pytest_step("lint", "what lint refuses", CI / "tests" / "lint")]
 
 

@@ -44,6 +44,17 @@ def test_two_servers_whose_nodes_have_one_name_are_told(ros: both.Both) -> None:
         bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
 
 
+def test_action_with_too_long_a_name_keeps_no_other(ros: both.Both) -> None:
+    long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
+    with Server1(long, "talkative"), Server1("/leg/jump") as server, both.Bridge() as bridge:
+        bridge.wait_for_log(f"not bridged: {long}: ")
+        client = Client2(ros, "/leg/jump")
+        client.send("up", 0.1)
+        assert client.accepted("up") and client.end("up") == GoalStatus.STATUS_SUCCEEDED
+        client.close()
+        assert server.popen.poll() is None and not bridge.logged("Traceback")
+
+
 def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:
     rules = ("_remap:=['/arm=/']", "_deny:=['*/secret']")
     with Server1("/arm/reach"), Server1("/arm/secret", "another"), Server2("/grab"), both.Bridge(

@@ -78,7 +78,7 @@ class ActionBridge(PairBridge[_Pair]):
 
     def _begin(self, way: Way) -> Optional[_Pair]:
         name, other = way.name, self._names.in_ros2(way.name) or way.name
-        validate_full_topic_name(f"{other}/_action/status")
+        validate_full_topic_name(f"{other}/_action/cancel_goal")  # the longest of its names
         kind = self._types.action(self._type(way))
         if way.to_ros2:
             owner = self._owner(way)

@@ -28,7 +28,7 @@ HOST, INTRAPROCESS = "host", "roscpp_intraprocess"
 _FOLDERS = {ROSPY: "stock", COURSE: "course"}
 
 #: how long answers to the last samples of a run may take, s
-PATIENCE_S = 0.5
+PATIENCE_S = 2.0
 
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "basic_comms"
 

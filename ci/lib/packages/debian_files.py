@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 
 #: The release of each suite that has dh-ros.
-RELEASES = {"bookworm": 12, "trixie": 13}
+RELEASES = {"bookworm": 12, "trixie": 13, "forky": 14}
 #: What package.xml calls the dependencies of who runs a package, builds it, and builds on it.
 RUN = {"depend", "exec_depend"}
 BUILD = {"depend", "build_depend", "buildtool_depend"}

@@ -67,10 +67,10 @@ def arguments() -> argparse.Namespace:
         epilog="measurements:\n" + listed,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--quick", action="store_true", help="an overview in a minute")
+    parser.add_argument("--quick", action="store_true", help="one turn of each")
     parser.add_argument("--all", action="store_true", help="also those that few need")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
-    parser.add_argument("--repeats", type=int, metavar="N", help="turns at most")
+    parser.add_argument("--repeats", type=int, metavar="N", help="turns of each at most")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
     parser.add_argument("--plot", type=pathlib.Path, metavar="FILE", help="draw, .svg or .png")
     options = parser.parse_args()

@@ -77,6 +77,7 @@ def sent(soak: Soak, way: str, pid: int) -> List[Check]:
     return [
         reported(f"{way}: messages", str(len(took))),
         at_most("lost", heard["lost"], 0),
+        reported("of these dropped, as ROS 2 tells whoever hears", str(heard["dropped"])),
         reported("took", f"{took[len(took) // 2]:.0f} us, at most {took[-1] / 1000.0:.1f} ms"),
         reported(
             "memory of the bridge",

@@ -31,5 +31,21 @@ def test_a_page_whose_frames_take_long_gets_them_less_often() -> None:
     page = Page(10.0)
     assert page.is_due(0.0)
     page.took(100.0, 100.5)
-    assert not page.is_due(101.9)
-    assert page.is_due(102.0)
+    assert not page.is_due(101.8)
+    assert page.is_due(101.9)
+
+
+def test_one_long_frame_delays_no_other() -> None:
+    page = Page(10.0)
+    page.took(100.0, 100.02)
+    assert page.is_due(100.025)
+
+
+def test_long_frames_get_no_more_than_their_share() -> None:
+    page, now, worked = Page(10.0), 100.0, 0.0
+    while now < 110.0:
+        now += 0.025
+        if page.is_due(now):
+            page.took(now, now + 0.02)
+            worked += 0.02
+    assert 2.4 < worked < 2.6

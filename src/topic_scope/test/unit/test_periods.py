@@ -118,7 +118,7 @@ def test_one_period_is_too_few() -> None:
 
 
 def test_noise_is_refused_at_little_cost() -> None:
-    """Ten traces at 1 kHz are measured four times a second; sorting says how fast a machine is."""
+    """Ten traces at 1 kHz are measured three times a second; sorting says how fast a machine is."""
     times = 1.7e9 + numpy.arange(10_000) / 1000.0
     noise = numpy.random.RandomState(1).standard_normal(10_000)
     numbers = noise.tolist()

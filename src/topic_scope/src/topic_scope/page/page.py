@@ -18,6 +18,8 @@ from topic_scope.record.recorder import Recorder
 _NOTES = 50
 #: What makes a frame for one page may take this part of the time, so that the others have the rest.
 _SHARE = 0.25
+#: For how long a page may be ahead of that, s: one long frame, with figures, delays no other.
+_CREDIT_S = 0.1
 
 
 class Page:
@@ -126,7 +128,7 @@ class Page:
         :param start: start of the work, s on the monotonic clock
         :param end: its end, s
         """
-        self._rests_until = start + (end - start) / _SHARE
+        self._rests_until = max(self._rests_until, start - _CREDIT_S) + (end - start) / _SHARE
 
     def put(self, message: Dict[str, Any], *key: str) -> None:
         """Send a message; it replaces one of its type and key that has not been sent yet."""

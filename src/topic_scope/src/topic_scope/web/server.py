@@ -32,8 +32,8 @@ from topic_scope.web.web import Socket
 FRAME_S = 0.025
 #: How long the nodes of a launch file may take to start, until a field that is missing is named, s.
 WARN_AFTER_S = 5.0
-#: Time between two measurements of the traces, s.
-STATISTICS_S = 0.25
+#: Time between two measurements of the traces, s: they cost as much as a dozen frames.
+STATISTICS_S = 0.33
 _LOG_PERIOD_S = 10.0
 
 

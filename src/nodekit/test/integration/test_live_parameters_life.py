@@ -4,8 +4,10 @@
 import itertools
 import os
 import signal
+import tempfile
 import threading
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Iterator
 
 from helpers.parameter_node import GaugeParameters
@@ -140,6 +142,19 @@ class Life(ParameterCase):
         node.wait_for_log("starting")
         self.assertEqual(node.interrupt(), 0)
         self.assertEqual(node.logged("Traceback"), [])
+
+    def test_line_logged_amid_the_end_leaves_no_traceback_in_the_file(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        script = os.path.join(HELPERS, "late_line.py")
+        node = Process(script, environment={"ROS_LOG_DIR": folder.name})
+        self.addCleanup(node.end)
+        node.wait_for_log("started")
+        self.assertEqual(node.interrupt(), 0)
+        (log,) = Path(folder.name).glob("late_line*.log")
+        lines = log.read_text()
+        self.assertIn("WARNING", lines[: lines.index("late")].splitlines()[-1])
+        self.assertNotIn("Traceback", lines)
 
     def test_hung_subscribers_hold_nobody_up(self) -> None:
         node = self.start_node("/unhindered")

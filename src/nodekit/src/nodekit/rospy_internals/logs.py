@@ -9,6 +9,7 @@ from typing import Any, Optional
 
 import rosgraph.roslogging
 import rospy
+import rospy.core
 import rospy.impl.rosout
 from rosgraph.roslogging import RosStreamHandler
 
@@ -25,7 +26,8 @@ def mend_logs() -> None:
     whoever logs, so that a talker falls silent. Python's handler of the file prints a traceback
     for each line instead. And a node whose log file cannot be opened does not start. A line with a
     byte that is no text, as a name of a file may have, goes nowhere: ``/rosout`` keeps it for those
-    who come later, and turns each of them away.
+    who come later, and turns each of them away. And where a line comes when the node's end has
+    closed ``/rosout``, a traceback goes to the file, although the line itself stands there.
     """
     emit, handle_error = RosStreamHandler.emit, logging.Handler.handleError
     configure = rosgraph.roslogging.configure_logging
@@ -65,11 +67,17 @@ def mend_logs() -> None:
     RosStreamHandler.emit = emit_or_drop
     setattr(logging.Handler, "handleError", drop_with_notice)
     rosgraph.roslogging.configure_logging = configure_with_or_without_file
+    logging.getLogger("rospy.rosout").addFilter(_is_no_error_of_the_end)
     atexit.register(_let_go_of_output)
     if to_rosout is not None:
         rospy.impl.rosout._rosout = escaped_to_rosout
     else:
         rospy.logwarn("unsupported rospy version: lines that are no text do not reach /rosout")
+
+
+def _is_no_error_of_the_end(record: logging.LogRecord) -> bool:
+    """Tell whether to keep what rospy says of ``/rosout``: not that it is closed at the end."""
+    return record.levelno < logging.ERROR or not rospy.core.is_shutdown_requested()
 
 
 def _as_text(field: Any) -> Any:

@@ -42,6 +42,8 @@ _ERROR = re.compile(r"^.*(?:ERROR|FATAL|Traceback|success: False|not used).*$", 
 _LOGGED_ERROR = re.compile(
     r"^(?:.*\[rosout\]\[(?:(?:ERROR|FATAL)\]|.*not used)|Traceback).*$", re.MULTILINE
 )
+#: How much of a log is shown where something is wrong with it.
+_LINES_OF_A_TRACEBACK = 40
 
 
 class Line(NamedTuple):
@@ -165,9 +167,12 @@ class Typist:
             raise PageError(f"status {job.status}:\n{job.output()}")
 
     def _values(self, node: str) -> Dict[str, Any]:
+        change = f"{node}/change"
         try:
-            answer = rospy.ServiceProxy(f"{node}/change", SetParameters)("{}")
-        except rospy.ServiceException as error:
+            # A node that has come to the end of init_node has yet to offer it.
+            rospy.wait_for_service(change, self.timeout)
+            answer = rospy.ServiceProxy(change, SetParameters)("{}")
+        except (rospy.ROSException, rospy.ServiceException) as error:
             raise PageError(f"nobody follows it: {error}") from error
         values: Dict[str, Any] = yaml.safe_load(answer.values)
         return values
@@ -219,9 +224,11 @@ class Typist:
 
     def _look_into_logs(self) -> None:
         for path in self._home.glob("log/**/*.log"):
-            found = _LOGGED_ERROR.search(path.read_text(errors="replace"))
+            text = path.read_text(errors="replace")
+            found = _LOGGED_ERROR.search(text)
             if found:
-                raise PageError(f"{path.name} has: {found.group()}")
+                rest = text[found.start() :].splitlines()[:_LINES_OF_A_TRACEBACK]
+                raise PageError("\n".join([f"{path.name} has:", *rest]))
 
     def _wait(self, condition: Callable[[], bool], what: Callable[[], str]) -> None:
         wait_until(condition, what, self.timeout)

@@ -92,7 +92,7 @@ class Teleop(unittest.TestCase):
     def test_keys_drive_within_limits_and_each_release_is_one_zero(self) -> None:
         """Course 001-robot-7."""
         ear = Ear("/one/cmd_vel", Twist)
-        terminal = self.terminal("__ns:=one", "_speed:=0.22", "_first_timeout:=0.3")
+        terminal = self.terminal("__ns:=one", "_speed:=0.22", "_first_timeout:=1.0")
 
         def heard() -> List[Any]:
             return [(twist.linear.x, twist.angular.z) for twist in ear.messages()]
@@ -101,7 +101,7 @@ class Teleop(unittest.TestCase):
             return heard()[-1:] == [(0.0, 0.0)]
 
         terminal.wait_for("speed 0.22 m/s, turn 1 rad/s")
-        terminal.wait_for("first_timeout=0.3")  # the settings: from here on it repeats commands
+        terminal.wait_for("first_timeout=1")  # the settings: from here on it repeats commands
         self.wait_for_ear("/one")
         self.assertEqual(heard(), [])
         terminal.type("i")

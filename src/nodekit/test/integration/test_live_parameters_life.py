@@ -153,7 +153,7 @@ class Life(ParameterCase):
         self.assertEqual(node.interrupt(), 0)
         (log,) = Path(folder.name).glob("late_line*.log")
         lines = log.read_text()
-        self.assertIn("WARNING", lines[: lines.index("late")].splitlines()[-1])
+        self.assertRegex(lines, r"\[rosout\]\[WARNING\] .*: late\n")
         self.assertNotIn("Traceback", lines)
 
     def test_hung_subscribers_hold_nobody_up(self) -> None:

@@ -4,6 +4,7 @@
 import itertools
 import os
 import signal
+import socket
 import tempfile
 import threading
 from contextlib import contextmanager
@@ -12,11 +13,13 @@ from typing import Iterator
 
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import HELPERS, ParameterCase, Spy
+from rosgraph.network import write_ros_handshake_header
+from rospy.core import parse_rosrpc_uri
 
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
 TOO_LOW = "/level: refused -1: must be a number in [0, 1e+10] (V)"
@@ -143,18 +146,28 @@ class Life(ParameterCase):
         self.assertEqual(node.interrupt(), 0)
         self.assertEqual(node.logged("Traceback"), [])
 
-    def test_line_logged_amid_the_end_leaves_no_traceback_in_the_file(self) -> None:
+    def test_what_happens_amid_the_end_is_no_error(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        script = os.path.join(HELPERS, "late_line.py")
+        script = os.path.join(HELPERS, "late_events.py")
         node = Process(script, environment={"ROS_LOG_DIR": folder.name})
         self.addCleanup(node.end)
-        node.wait_for_log("started")
-        self.assertEqual(node.interrupt(), 0)
-        (log,) = Path(folder.name).glob("late_line*.log")
+        wait_until(lambda: "/late_events/serve" in self.server.services(), lambda: "no service")
+        uri = self.server.master.lookupService("/test", "/late_events/serve")[2]
+        client = socket.create_connection(parse_rosrpc_uri(uri), TIMEOUT_S)
+        self.addCleanup(client.close)
+        asked = {"callerid": "/test", "service": "/late_events/serve", "md5sum": "*"}
+        write_ros_handshake_header(client, asked)
+        self.assertTrue(client.recv(1), "no answer")  # of the header: the request is waited for
+        node.popen.send_signal(signal.SIGINT)
+        wait_until(lambda: "ending" in node.lines, lambda: str(node.lines))
+        client.close()
+        self.assertEqual(node.wait(), 0)
+        self.assertEqual(node.logged("ERROR"), [])
+        (log,) = Path(folder.name).glob("late_events*.log")
         lines = log.read_text()
         self.assertRegex(lines, r"\[rosout\]\[WARNING\] .*: late\n")
-        self.assertNotIn("Traceback", lines)
+        self.assertNotIn("ERROR", lines)
 
     def test_hung_subscribers_hold_nobody_up(self) -> None:
         node = self.start_node("/unhindered")

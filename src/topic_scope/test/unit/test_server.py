@@ -120,7 +120,7 @@ def test_traces_are_measured_now_and_then_not_for_each_frame(
     page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
     clock = mock.Mock(**{"thread_time.return_value": 0.0})
     monkeypatch.setattr("topic_scope.web.server.time", clock)
-    for moment in (100.0, 100.1, 100.2, 100.3, 100.4):
+    for moment in (100.0, 100.1, 100.3, 100.4, 100.5):
         clock.monotonic.return_value = moment
         server._send_frames()
     assert [call[0][2] for call in page.frame.call_args_list] == [True, False, False, True, False]

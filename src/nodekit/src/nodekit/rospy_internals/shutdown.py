@@ -7,16 +7,21 @@ from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 import rospy.core
+from rospy.impl import tcpros_service
 from rospy.impl.tcpros_base import TCPServer
+
+#: How rospy begins to tell that a client has hung up before its request was read.
+_HUNG_UP = "incoming connection failed"
 
 
 def mend_shutdown() -> None:
     """Let nodes end without a traceback.
 
     A server whose first client comes while the node ends listens on a socket that is closed
-    already.
+    already. And that a client hangs up, as one of the node itself whose call is cancelled, is no
+    error then.
     """
-    serve = TCPServer.run
+    serve, log_error = TCPServer.run, getattr(tcpros_service, "logerr", rospy.logerr)
 
     def serve_until_shutdown(server: TCPServer) -> None:
         try:
@@ -25,7 +30,12 @@ def mend_shutdown() -> None:
             if not rospy.core.is_shutdown_requested():
                 raise
 
+    def log_unless_at_the_end(text: str, *args: object) -> None:
+        if not (text.startswith(_HUNG_UP) and rospy.core.is_shutdown_requested()):
+            log_error(text, *args)
+
     TCPServer.run = serve_until_shutdown
+    tcpros_service.logerr = log_unless_at_the_end
     if _hooks is None:
         rospy.logwarn("unsupported rospy version: nodes end after what rospy.on_shutdown was given")
 

@@ -102,6 +102,19 @@ def test_those_until_a_time_and_all_are_cancelled(ros: both.Both, client: Client
     assert client.end("third") == Status.STATUS_CANCELED
 
 
+def test_cancelling_until_a_time_ahead_leaves_later_goals_alone(
+    ros: both.Both, client: Client2
+) -> None:
+    client.send("early", 60.0)
+    assert client.accepted("early")
+    ahead = client.handles["early"].stamp
+    ahead.sec += 3600
+    assert len(cancel(ros, "/arm/reach", until=ahead).goals_canceling) == 1
+    assert client.end("early") == Status.STATUS_CANCELED
+    client.send("afterwards", 0.1)
+    assert client.accepted("afterwards") and client.end("afterwards") == Status.STATUS_SUCCEEDED
+
+
 def test_server_that_goes_on_is_seen_to_cancel(ros: both.Both, client: Client2) -> None:
     client.send("stubborn", 1.0, PERSIST)
     assert client.accepted("stubborn")

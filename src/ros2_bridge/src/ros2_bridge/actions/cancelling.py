@@ -1,4 +1,4 @@
-"""Which goals a cancellation means. Both ROSes have the same rule, with other words for "none"."""
+"""Which goals a cancellation means. Both ROSes have the same rule for those that are there."""
 
 
 def is_meant(goal_id: str, stamp: int, wanted: str, until: int) -> bool:

@@ -2,15 +2,20 @@
 
 import os
 import signal
+from typing import Any, List
 
 import both
 import pytest
-from action_msgs.msg import GoalStatus
+import rospy
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_parts import Client1, Client2, Server1, Server2, cancel
 from rclpy.action.graph import get_action_names_and_types
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.action_bridge import wire
+from ros2_bridge.actions.goal_ids import bytes_of, text_of
 from ros2_bridge.actions.goals_of_ros2 import GONE
+from ros2_bridge.environment.ros1_messages import GoalID
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
@@ -71,7 +76,12 @@ def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:
         assert "/reach" in offered and "/secret" not in offered and "/arm/reach" not in offered
 
 
-def test_goal_is_lost_where_the_bridge_was_killed(ros: both.Both) -> None:
+def test_goal_is_lost_where_the_bridge_was_killed_and_can_be_cancelled(ros: both.Both) -> None:
+    goals: List[Any] = []
+    raw = ros.types.action("bot_controller_demo_msgs/GoTo").raw_goal
+    subscriber = rospy.Subscriber("/leg/walk/goal", raw, goals.append)
+    ear1 = ros.hear1("/leg/walk/status", "actionlib_msgs/GoalStatusArray")
+    ear2 = ros.hear2("/leg/walk/_action/status", GoalStatusArray, latched=True, depth=1)
     with Server2("/leg/walk"):
         with both.Bridge() as bridge, Client1("/leg/walk") as client:
             client.tell("send on 60.0")
@@ -80,6 +90,18 @@ def test_goal_is_lost_where_the_bridge_was_killed(ros: both.Both) -> None:
             bridge.wait()
             with both.Bridge():
                 assert client.end_of("on") == "LOST -"  # by the rules of ROS 1
+                text = wire.read_goal(goals[0]._buff)[0]
+                listed = text_of(bytes_of(text)).encode()
+                wait_until(lambda: listed in ear1.heard[-1]._buff, lambda: "it is not listed")
+                canceller = rospy.Publisher("/leg/walk/cancel", GoalID, queue_size=1)
+                wait_until(canceller.get_num_connections, lambda: "no connection")
+                canceller.publish(wire.goal_id(text, 0))
+                wait_until(
+                    lambda: ear2.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
+                    lambda: "it goes on",
+                )
+    for end in (subscriber.unregister, canceller.unregister, ear1.end, ear2.end):
+        end()
 
 
 def test_bridge_that_is_killed_leaves_the_goal_to_the_server(ros: both.Both) -> None:

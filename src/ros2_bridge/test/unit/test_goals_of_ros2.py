@@ -158,6 +158,13 @@ def test_goals_of_ros2_are_listed_too(clients: Clients) -> None:
     assert clients.status == {}
 
 
+def test_goal_of_ros1_is_cancelled_by_its_own_id_by_a_bridge_that_did_not_see_it(
+    clients: Clients,
+) -> None:
+    clients.list_goals(one=Status2.EXECUTING, two=Status2.EXECUTING)
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
+
+
 def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
     clients.send(ONE)
     clients.send(TWO)

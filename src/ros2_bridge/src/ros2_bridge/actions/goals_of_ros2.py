@@ -145,13 +145,16 @@ class GoalsOfRos2:
         :returns: the ids of those that are to be cancelled at once; that of no goal for all
         """
         self._cancelled_until = max(self._cancelled_until, until)
-        if wanted and bytes_of(wanted) not in self._goals:  # it has overtaken the goal
-            early = self._goals[bytes_of(wanted)] = Goal(wanted, bytes_of(wanted), until, False)
+        uuid = bytes_of(wanted)
+        if wanted and uuid not in self._goals:  # it has overtaken the goal
+            early = self._goals[uuid] = Goal(wanted, uuid, until, False)
             early.status, early.is_awaited, early.ended = Status1.RECALLING, True, now
             self._publish()
         meant = []
         for goal in self._goals.values():
-            if goal.is_under_way and is_meant(goal.text, goal.stamp, wanted, until):
+            # By its id in ROS 2 too: a bridge that was started again knows no text of ROS 1's own.
+            is_it = goal.uuid == uuid or is_meant(goal.text, goal.stamp, wanted, until)
+            if goal.is_under_way and is_it:
                 goal.is_to_be_cancelled = True
                 if goal.is_accepted:
                     meant.append(goal.uuid)

@@ -119,6 +119,8 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
     [
         (["/a", "--around", "/later"], "mask: nothing could be judged: there is no such topic yet"),
         (["/a", "--around", "=/b +"], "mask: something is missing at the end"),
+        (["/a", "--around", "=delay(/b, 9)", "--time", "595"], "reach over 604 s: at most 600"),
+        (["/a", "--around", f"=-/b{'+-/b' * 17}"], "mask: a formula has at most"),
         (["/a", "--around", "/b", "--value", "-1"], "'-1' is not a number from 0 to 1e+300"),
         (["/a", "--around", "/b", "--time", "nan"], "'nan' is not a number from 0 to 600"),
         (["/a", "--around", "/b", "--seconds", "1s"], "'1s' is not a number from 0.1 to 1e+06"),

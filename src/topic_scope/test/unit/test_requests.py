@@ -205,6 +205,21 @@ def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
         understood(json.dumps(request_))
 
 
+@pytest.mark.parametrize(
+    "changes, sentence",
+    [
+        ({"field": "not a name"}, "mask: .*not a name"),
+        ({"reference": "=/b/x +"}, "mask: something is missing at the end"),
+        ({"reference": "=delay(/b/x, 9)", "time": 595}, "mask: .* reach over 604 s: at most 600"),
+        ({"reference": f"=-/b/x{'+-/b/x' * 17}"}, "mask: a formula has at most"),
+    ],
+)
+def test_a_mask_that_could_never_judge_is_refused(changes: Any, sentence: str) -> None:
+    mask = {"type": "mask", "field": "/a/x", "reference": "/b/x", "value": 1, "time": 0}
+    with pytest.raises(RequestError, match=sentence):
+        understood(json.dumps({**mask, **changes}))
+
+
 @given(st.text(max_size=200) | st.binary(max_size=50))
 def test_garbage_is_refused(text: Any) -> None:
     with pytest.raises(RequestError):

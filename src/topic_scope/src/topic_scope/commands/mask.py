@@ -46,12 +46,15 @@ class Judge:
 
         :param now: the time, s
         :param start: samples that were taken later than this are judged, s
-        :raises FieldError: if a name is none, or stands for several fields
+        :raises FieldError: if a name is none, or stands for several fields, or both with the
+            limits make a formula that is too long, or reaches too far
         """
         field, reference = (
             self._one_of(name) for name in (self._arguments.field, self._arguments.around)
         )
         mask = Mask(field, reference, self._arguments.value, self._arguments.time)
+        if mask.problem:
+            raise FieldError(mask.problem)
         if self._check is None or self._check.mask != mask:
             self._check = MaskCheck(mask, start)
         self._recorder.want(mask.names, now)

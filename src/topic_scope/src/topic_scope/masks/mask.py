@@ -10,7 +10,8 @@ from typing import NamedTuple, Optional, Protocol, Tuple
 import numpy
 
 from topic_scope.analysis.ring import Samples
-from topic_scope.formulas.names import with_letters
+from topic_scope.formulas.names import problem_of, with_letters
+from topic_scope.messages.fields import FieldError
 from topic_scope.record.traces import Recorded
 
 
@@ -44,6 +45,15 @@ class Mask(NamedTuple):
         above = f"a - highest(b, {self.time!r}) - {self.value!r}"
         below = f"lowest(b, {self.time!r}) - {self.value!r} - a"
         return with_letters(f"=max({above}, {below})", [self.field, self.reference])
+
+    @property
+    def problem(self) -> Optional[str]:
+        """Why nothing could ever be judged by it, in words; None where it can be."""
+        try:
+            told = map(problem_of, (self.field, self.reference, self.excess))
+            return next((text for text in told if text), None)
+        except FieldError as error:  # the formula cannot even be put together
+            return str(error)
 
     @property
     def names(self) -> Tuple[str, ...]:

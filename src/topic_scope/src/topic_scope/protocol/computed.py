@@ -2,10 +2,9 @@
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
-from topic_scope.formulas.names import formula_of, is_formula
+from topic_scope.formulas.names import is_formula
 from topic_scope.formulas.reading import SECONDS
 from topic_scope.masks.mask import Mask
-from topic_scope.messages.fields import FieldError
 from topic_scope.protocol.checks import RequestError, field_in, fields_of, number_of
 
 
@@ -38,8 +37,6 @@ def mask_of(request: Dict[str, Any]) -> Optional[Mask]:
         number_of(request, "mask", "value", 0.0, 1e300),
         number_of(request, "mask", "time", 0.0, SECONDS),
     )
-    try:
-        formula_of(mask.excess)
-    except FieldError as error:
-        raise RequestError(f"mask: {error}") from None
+    if mask.problem:
+        raise RequestError(f"mask: {mask.problem}")
     return mask

@@ -179,6 +179,15 @@ def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
     assert clients.answer(TWO, False) is False
 
 
+def test_goal_that_comes_while_its_server_is_looked_up_goes_on(clients: Clients) -> None:
+    clients.send(ONE, now=1.1)
+    clients.goals.lose_goals(set(), 1.0)
+    assert not clients.results
+    clients.goals.lose_goals({SENDER}, 1.2)
+    clients.goals.lose_goals(set(), 1.3)
+    assert clients.results == [(ONE, Status1.ABORTED, GONE, None)]
+
+
 def test_goal_that_the_server_has_forgotten_is_aborted(clients: Clients) -> None:
     clients.send(ONE)
     clients.answer(ONE)

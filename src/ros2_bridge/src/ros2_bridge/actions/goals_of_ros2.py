@@ -29,13 +29,15 @@ class Goal:
     :param text: its id in ROS 1
     :param uuid: its id in ROS 2
     :param stamp: when it began, ns
+    :param now: when it came, s on the clock of time-outs
     :param is_ours: whether a client of ROS 1 has sent it
 
     :ivar why: text of its status
     """
 
-    def __init__(self, text: str, uuid: bytes, stamp: int, is_ours: bool) -> None:
+    def __init__(self, text: str, uuid: bytes, stamp: int, now: float, is_ours: bool) -> None:
         self.text, self.uuid, self.stamp, self.is_ours = text, uuid, stamp, is_ours
+        self.since = now
         self.status, self.why = Status1.PENDING, ""
         #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
         self.is_accepted, self.is_to_be_cancelled = not is_ours, False
@@ -84,7 +86,7 @@ class GoalsOfRos2:
         if goal is not None and not goal.is_awaited:
             return None
         is_cancelled = goal is not None or 0 < stamp <= self._cancelled_until
-        goal = self._goals[uuid] = Goal(text, uuid, stamp, True)
+        goal = self._goals[uuid] = Goal(text, uuid, stamp, now, True)
         if is_cancelled:
             self._end(goal, [Status1.RECALLED], now, RECALLED)
             return None
@@ -115,7 +117,7 @@ class GoalsOfRos2:
         """
         for uuid, stamp, status in listed:
             if uuid not in self._goals and status in STEPS2:
-                self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, False)
+                self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, now, False)
             goal = self._goals.get(uuid)
             if goal is None or not goal.is_under_way:
                 continue
@@ -147,7 +149,7 @@ class GoalsOfRos2:
         self._cancelled_until = max(self._cancelled_until, until)
         uuid = bytes_of(wanted)
         if wanted and uuid not in self._goals:  # it has overtaken the goal
-            early = self._goals[uuid] = Goal(wanted, uuid, until, False)
+            early = self._goals[uuid] = Goal(wanted, uuid, until, now, False)
             early.status, early.is_awaited, early.ended = Status1.RECALLING, True, now
             self._publish()
         meant = []
@@ -164,8 +166,11 @@ class GoalsOfRos2:
         """End the goals whose server has gone.
 
         :param senders: names of the publishers of the list that are there
+        :param now: when these were looked up, s: goals that have come since are left
         """
         for goal in self.listed():
+            if goal.since > now:
+                continue
             if not goal.senders:
                 goal.senders = set(senders)
             if goal.is_under_way and not goal.senders.intersection(senders):

@@ -85,6 +85,28 @@ def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both
         ros.node.destroy_publisher(publisher)
 
 
+def test_late_listeners_in_ros2_get_nothing_outdated(ros: both.Both) -> None:
+    out = publisher1(ros, DESCRIPTION, "std_msgs/String", latch=True)
+    plain = publisher1(ros, "/plain", "std_msgs/String")
+
+    def listen(text: str) -> str:
+        """Latch a text, and return what a listener hears first that comes then."""
+        out.send(struct.pack("<I", len(text)) + text.encode())
+        ear, other = ros.hear2(DESCRIPTION, String, latched=True), ros.hear2("/plain", String)
+        first = ear.wait()[0].data
+        wait_until(plain.get_num_connections, lambda: "the bridge does not listen")
+        for one in (ear, other):
+            one.end()
+        wait_until(lambda: not plain.get_num_connections(), lambda: "the bridge goes on to listen")
+        return str(first)
+
+    with both.Bridge():
+        assert listen("old") == "old"
+        assert listen("new") == "new"
+    for publisher in (out, plain):
+        publisher.unregister()
+
+
 def test_late_listeners_in_ros2_get_what_each_node_of_ros1_has_latched(ros: both.Both) -> None:
     left = publisher1(ros, TF, TF1, latch=True)
     left.send(tf1("left"))

@@ -61,7 +61,8 @@ class Kept(NamedTuple):
 class TopicToRos2:
     """A topic of ROS 1 in ROS 2.
 
-    It is published from the beginning, and subscribed to while it has subscribers in ROS 2.
+    It is published from the beginning, and subscribed to while it has subscribers in ROS 2, and as
+    long as something is kept for those who come later: who does is to get what is latched by then.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -98,11 +99,12 @@ class TopicToRos2:
         return made.close
 
     def forward_while(self, is_heard: bool) -> None:
-        """Subscribe to the topic, or no longer.
+        """Subscribe to the topic, or no longer, unless something of it is kept.
 
         :param is_heard: whether it has subscribers in ROS 2
         """
-        self._subscription.switch(is_heard)
+        is_kept = self._qualities.of(self.topic).latched or self.publishers.has_latched()
+        self._subscription.switch(is_heard or is_kept)
 
     def _forward(self, messages: List[Any]) -> None:
         for message in messages:

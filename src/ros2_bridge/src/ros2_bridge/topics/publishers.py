@@ -135,6 +135,11 @@ class TopicPublishers:
                 if self._by_caller.get(caller) is mine:
                     mine.publish(data)
 
+    def has_latched(self) -> bool:
+        """Tell whether one of them keeps a message for those who come later."""
+        with self._lock:
+            return any(one.is_latched for one in self._by_caller.values())
+
     def _plain(self) -> Optional[NodePublisher]:
         """Return one of those that keep nothing for who comes later."""
         return next((one for one in self._by_caller.values() if not one.is_latched), None)

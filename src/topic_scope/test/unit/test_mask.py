@@ -92,10 +92,10 @@ def test_the_command_says_of_a_bag_whether_a_trace_keeps_within(
 ) -> None:
     around = ("/a", "--around", "/b", "--bag", bag, "--time", "0.1")
     assert status(monkeypatch, *around, "--value", "2.5") == 0
-    assert capsys.readouterr().out == "mask: 380 samples inside, 0 outside, 10 not judged\n"
+    assert capsys.readouterr().out == "mask: 380 samples inside, 0 outside, 20 not judged\n"
     assert status(monkeypatch, *around, "--value", "0.1", "--all") == 1
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "mask: 377 samples inside, 3 outside, 10 not judged"
+    assert said[0] == "mask: 377 samples inside, 3 outside, 20 not judged"
     assert "1700000003.123457 s since the epoch, at worst by 1.8" in said[1]
 
 
@@ -135,6 +135,31 @@ def test_what_cannot_be_judged_is_no_pass(
 ) -> None:
     assert status(monkeypatch, *arguments, "--bag", bag) == 2
     assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "ends, expected, said",
+    [
+        (100, 2, "100 samples inside, 0 outside, 900 not judged"),
+        (960, 0, "960 samples inside, 0 outside, 40 not judged"),  # as messages wait now and then
+    ],
+)
+def test_a_reference_that_ends_long_before_the_trace_is_no_pass(
+    tmp_path: Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    ends: int,
+    expected: int,
+    said: str,
+) -> None:
+    messages: List[Any] = [("/a", Float64(1.0), index * 10**7) for index in range(1000)]
+    messages += [("/b", Float64(1.0), index * 10**7) for index in range(ends)]
+    name = write_bag(tmp_path / "x.bag", sorted(messages, key=lambda one: one[2]))
+    around = ("/a", "--around", "/b", "--bag", name, "--value", "0.1")
+    assert status(monkeypatch, *around) == expected
+    told = capsys.readouterr()
+    assert told.out == f"mask: {said}\n"
+    assert told.err == ("mask: /b/data ended 9.00 s before the trace did\n" if expected else "")
 
 
 def test_a_file_that_is_none_is_refused(

@@ -80,6 +80,9 @@ class Judge:
         :returns: the exit status
         :raises OSError: if it cannot be saved
         """
+        ended: Optional[float] = None
+        if self._check is not None and (self._arguments.all or self._check.verdict.first is None):
+            ended = self._check.finish(self._recorder)
         verdict = self._check.verdict if self._check is not None else Verdict()
         print(f"mask: {verdict.text}", flush=True)
         if verdict.first is not None and self._check is not None:
@@ -95,6 +98,10 @@ class Judge:
             said = [self._recorder.problem(one) for one in self._names()]
             why = next((text for text in said if text), "the reference was known at no sample")
             print(f"mask: nothing could be judged: {why}", file=sys.stderr)
+            return NOT_JUDGED
+        if ended is not None:
+            name = self._names()[1]
+            print(f"mask: {name} ended {ended:.2f} s before the trace did", file=sys.stderr)
             return NOT_JUDGED
         return 0
 
@@ -191,7 +198,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="mask",
         description="Judge whether a trace keeps within limits around another one.",
         epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
-        "judged or something is wrong with the command.",
+        "judged, the reference ended early, or something is wrong with the command.",
     )
     parser.add_argument("field", metavar="FIELD", help="what is judged, or a formula")
     parser.add_argument(

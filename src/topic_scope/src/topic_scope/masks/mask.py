@@ -15,6 +15,10 @@ from topic_scope.messages.fields import FieldError
 from topic_scope.record.traces import Recorded
 
 
+#: A reference has ended where it was silent for longer than this at least, s.
+_ENDED_S = 0.5
+
+
 class Mask(NamedTuple):
     """What a trace has to keep within.
 
@@ -93,6 +97,9 @@ class Samplers(Protocol):
     def samples(self, name: str, start: float, end: float) -> Samples:
         """Return the samples of a name from one time to another, s."""
 
+    def longest_step(self, name: str) -> float:
+        """Return how far apart samples of one line of a name may be, s."""
+
 
 class MaskCheck:
     """Judges the samples of a trace, each once, as soon as its reference is known.
@@ -125,6 +132,25 @@ class MaskCheck:
             self._judged = float(times[-1])
             self._count(times, excess)
         return self.verdict
+
+    def finish(self, samplers: Samplers) -> Optional[float]:
+        """Count what is left as not judged: nothing more is to come.
+
+        :returns: how long before the trace the reference has ended, s; None where it has not, or
+            where all is judged
+        """
+        field, reference = self.mask.field, self.mask.reference
+        begin = float(numpy.nextafter(self._judged, math.inf))
+        left = len(samplers.samples(field, begin, math.inf)[0])
+        self.verdict = self.verdict._replace(unjudged=self.verdict.unjudged + left)
+        traces = [samplers.trace(field), samplers.trace(reference)]
+        # By reception: what has stamps that are late, or is delayed, has not ended.
+        quiet = [one.silence(0.0) for one in traces if one is not None]
+        if not left or len(quiet) < 2 or quiet[0] is None or quiet[1] is None:
+            return None
+        ended, longest = quiet[1] - quiet[0], samplers.longest_step(reference)
+        usual = max(longest if math.isfinite(longest) else 0.0, _ENDED_S)
+        return ended if ended > usual else None
 
     def _count(self, times: numpy.ndarray, excess: numpy.ndarray) -> None:
         outside = numpy.flatnonzero(excess > 0.0)

@@ -2,19 +2,33 @@
 """The judge with a motor that is there already: what it refuses, and that it stops the motor."""
 
 import os
+import pathlib
+import signal
+import tempfile
 import unittest
-from typing import Dict, Optional
+from typing import Dict, List, Optional
 
 import rosgraph
 import rospkg
 import rospy
 
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, free_port
 from nodekit.testing.running import rosrun
 from pid_control.msg import motor_input, motor_output, set_point
 
 PACKAGE = rospkg.RosPack().get_path("pid_control")
+#: A controller that ignores Ctrl-C.
+STUBBORN = """#!/usr/bin/env python3
+import signal, sys
+sys.path.insert(0, {folder!r})
+import rospy
+from student import Student
+rospy.init_node("controller")
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+Student().run()
+"""
 TOPICS = ("/motor_input", "/motor_output", "/set_point")
 
 
@@ -24,8 +38,8 @@ class RealPlant(unittest.TestCase):
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]
         # A student's, whose last input is any: nobody but the judge stops the motor.
-        self.controller = [self.script_of("good_loop.py")]
-        self.controller += [f"{topic}:={self.space}{topic}" for topic in TOPICS]
+        self.remappings = [f"{topic}:={self.space}{topic}" for topic in TOPICS]
+        self.controller = [self.script_of("good_loop.py"), *self.remappings]
 
     @staticmethod
     def script_of(name: str) -> str:
@@ -54,11 +68,28 @@ class RealPlant(unittest.TestCase):
         self.assertTrue(judge.logged("not judged: ", says), (says, judge.logged()))
         self.assertFalse(judge.logged("Traceback"))
 
-    def assert_left_alone(self) -> None:
-        """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
+    def controllers(self) -> List[int]:
+        """Return the processes that go by this test's remappings: its controllers."""
+        mark = self.remappings[0].encode()
+        found = []
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if mark in (process / "cmdline").read_bytes().split(b"\0"):
+                    found.append(int(process.name))
+            except OSError:
+                continue  # it has just ended
+        return found
+
+    def assert_stopped(self) -> None:
+        """Wait until the motor stands, with 0 the last input, and no controller runs."""
+        self.assertEqual(self.controllers(), [])
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+
+    def assert_left_alone(self) -> None:
+        """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
+        self.assert_stopped()
         self.assertEqual(self.wanted.messages()[-1].setPoint, 0.0)
         publishers = dict(rosgraph.Master("/test").getSystemState()[0])
         for topic in ("/motor_input", "/set_point"):
@@ -71,6 +102,43 @@ class RealPlant(unittest.TestCase):
         self.assertEqual(judge.interrupt(), 130)
         self.assertFalse(judge.logged("Traceback"))
         self.assert_left_alone()
+
+    def test_motor_is_stopped_where_the_terminal_is_closed(self) -> None:
+        self.start_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        judge.popen.send_signal(signal.SIGHUP)
+        self.assertEqual(judge.wait(), 128 + signal.SIGHUP)
+        self.assert_left_alone()
+
+    def test_motor_is_stopped_where_the_node_is_shut_down(self) -> None:
+        self.start_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        Graph().kill(self.space + "/judge")
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("not judged: the node was shut down"), judge.logged())
+        self.assert_stopped()
+
+    def test_controller_that_ignores_ctrl_c_is_ended_at_a_second_one_too(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "stubborn.py"
+            script.write_text(STUBBORN.format(folder=os.path.dirname(self.controller[0])))
+            script.chmod(0o755)
+            self.start_motor()
+            judge = self.start("judge", "--real-plant", str(script), *self.remappings)
+            self.addCleanup(self.end_controllers)
+            self.outputs.wait_for(lambda heard: heard.output > 4.0)
+            self.wanted.forget()
+            judge.popen.send_signal(signal.SIGINT)
+            # The judge asks for no speed, and waits for the controller.
+            self.wanted.wait_for(lambda heard: heard.setPoint == 0.0)
+            self.assertEqual(judge.interrupt(), 130)
+        self.assert_stopped()
+
+    def end_controllers(self) -> None:
+        for controller in self.controllers():
+            os.kill(controller, signal.SIGKILL)
 
     def test_motor_that_falls_silent_is_given_up(self) -> None:
         motor = self.start_motor()
@@ -110,5 +178,8 @@ class RealPlant(unittest.TestCase):
 
 
 if __name__ == "__main__":
+    # A program started in the background may ignore these, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     rospy.init_node("test_real_plant")
     rosrun("pid_control", "real_plant", RealPlant)

@@ -74,10 +74,11 @@ class ControllerProcess:
             self._popen.wait(_PATIENCE_S)
 
     def end(self) -> None:
-        """End it, and all that it started."""
-        self.watch.kill(_PATIENCE_S)
-        self._popen.wait()
-        self._reader.join(_PATIENCE_S)
+        """End it, and all that it started; interrupts wait until that is done."""
+        with interrupts_put_off():
+            self.watch.kill(_PATIENCE_S)
+            self._popen.wait()
+            self._reader.join(_PATIENCE_S)
 
     def _read(self) -> None:
         assert self._popen.stdout is not None

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, put off while a process is being started."""
+"""Ctrl-C, SIGTERM and the end of the terminal, put off while processes start or end."""
 
 import contextlib
 import signal
@@ -8,9 +8,10 @@ from typing import Iterator, List
 
 @contextlib.contextmanager
 def interrupts_put_off() -> Iterator[None]:
-    """Put Ctrl-C and SIGTERM off until the end: a process that is half started would stay behind.
+    """Put Ctrl-C, SIGTERM and SIGHUP off until the end.
 
-    Only the main thread is interrupted by them.
+    A process that is half started, or half ended, would stay behind. Only the main thread is interrupted by
+    them.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -18,7 +19,7 @@ def interrupts_put_off() -> Iterator[None]:
     came: List[int] = []
     before = {
         number: signal.signal(number, lambda given, _frame: came.append(given))
-        for number in (signal.SIGINT, signal.SIGTERM)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     }
     try:
         yield

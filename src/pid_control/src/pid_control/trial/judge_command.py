@@ -35,7 +35,9 @@ def main() -> None:
     words, xml = _without_rostest(sys.argv[1:])
     del sys.argv[1:]  # the rest is for the controller, and rospy would go by it
     arguments = _parser().parse_args(words)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # or nohup would be of no use
+            signal.signal(number, lambda given, _frame: sys.exit(128 + given))
     try:
         limits = _limits(arguments.limits)
         if arguments.class_folder is not None:

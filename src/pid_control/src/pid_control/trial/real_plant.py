@@ -2,7 +2,7 @@
 
 import threading
 import time
-from typing import Dict, List
+from typing import Callable, Dict, List
 
 import rospy
 
@@ -10,6 +10,7 @@ from nodekit import init_node
 from nodekit.master import MasterClient, MasterUnreachable
 from pid_control.judging.heard import Heard
 from pid_control.msg import motor_input, motor_output, set_point
+from pid_control.trial.interrupts import interrupts_put_off
 
 #: Name of the node.
 NAME = "judge"
@@ -43,25 +44,36 @@ class RealPlant:
         self._heard = Heard([], [])
         self._input = self._speed = 0.0
         self._heard_at = -_SILENCE_S
+        self._is_shut_down = False
+        self._end_controller: Callable[[], None] = lambda: None
         self._topic = node.resolve("motor_output")
         self._wanted = node.publisher("set_point", set_point)
         self._drive = node.publisher("motor_input", motor_input)
         self._answers = node.subscribe("motor_input", motor_input, self._on_input)
         node.subscribe("motor_output", motor_output, self._on_output, finite=True)
+        node.before_end(self._shut_down)
         node.start()
 
     def close(self) -> None:
         """Stop the plant once more, and leave the graph; this process does not come back to it."""
-        time.sleep(_LOOK_S)  # what a controller sent as it was killed may have come since
-        self.stop()
-        rospy.signal_shutdown("all is judged")
+        with interrupts_put_off():
+            self._rest()
+            rospy.signal_shutdown("all is judged")
+
+    def before_shut_down(self, end_controller: Callable[[], None]) -> None:
+        """Have the controller ended where the node is shut down from outside, as by rosnode kill.
+
+        :param end_controller: ends it, if one runs; called in another thread
+        """
+        self._end_controller = end_controller
 
     def ask(self, speed: float) -> None:
         """Ask for a speed.
 
         :param speed: rad/s
-        :raises Unsuitable: if the plant is silent
+        :raises Unsuitable: if the plant is silent, or the node was shut down
         """
+        self._check_node()
         now = time.monotonic()
         self._wanted.publish(set_point(speed, now - self._began))
         if now - self._heard_at > _SILENCE_S:
@@ -75,10 +87,11 @@ class RealPlant:
     def wait_until_it_stands(self) -> None:
         """Stop the plant, and wait until it stands.
 
-        :raises Unsuitable: if it does not, or is silent
+        :raises Unsuitable: if it does not, or is silent, or the node was shut down
         """
         end = time.monotonic() + _STOP_S
         while True:
+            self._check_node()
             self.stop()
             now = time.monotonic()
             is_heard = now - self._heard_at <= _SILENCE_S
@@ -117,6 +130,20 @@ class RealPlant:
         with self._lock:
             heard, self._heard = self._heard, Heard([], [])
         return heard
+
+    def _check_node(self) -> None:
+        if self._is_shut_down:
+            raise Unsuitable("the node was shut down")
+
+    def _shut_down(self) -> None:
+        # While the publishers work: afterwards nobody could stop the plant.
+        self._is_shut_down = True
+        self._end_controller()
+        self._rest()
+
+    def _rest(self) -> None:
+        time.sleep(_LOOK_S)  # what a controller sent as it was killed may have come since
+        self.stop()
 
     def _on_input(self, message: motor_input) -> None:
         with self._lock:

@@ -1,7 +1,7 @@
 """Runs a controller through a scenario with a plant that is there already."""
 
 import time
-from typing import Dict, List
+from typing import Dict, List, Optional
 
 import rospy
 from rosgraph import get_master_uri
@@ -10,6 +10,7 @@ from pid_control.judging.heard import answers_of, rows_of
 from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import MOTOR, SET_POINT_S, Scenario, value_at
 from pid_control.trial.controller_process import ControllerProcess
+from pid_control.trial.interrupts import interrupts_put_off
 from pid_control.trial.outcome import OutOfTime, completed, fate_of
 from pid_control.trial.pace import RealPace
 from pid_control.trial.real_plant import RealPlant
@@ -42,6 +43,8 @@ class RealTrial:
         self._scale = full_speed / MOTOR.max_output
         #: How late it was at most, s.
         self.latest = 0.0
+        self._controller: Optional[ControllerProcess] = None
+        plant.before_shut_down(self._end_controller)
         for key, value in target.parameters.items():
             rospy.set_param(key, value)
 
@@ -50,12 +53,14 @@ class RealTrial:
 
         :param scenario: one that suits any plant
         :raises OutOfTime: if all takes too long
-        :raises Unsuitable: if the plant falls silent, or does not stand at first
+        :raises Unsuitable: if the plant falls silent, or does not stand at first, or the node is
+            shut down
         :raises OSError: if the controller cannot be started
         """
         self._plant.wait_until_it_stands()
         before = self._plant.connections()
         controller = ControllerProcess(self._target, {"ROS_MASTER_URI": get_master_uri()})
+        self._controller = controller
         try:
             missing = self._connect(controller, before)
             if missing:
@@ -67,9 +72,14 @@ class RealTrial:
             try:
                 self._plant.stop()
                 controller.interrupt()
-                controller.end()
             finally:
-                self._plant.stop()
+                with interrupts_put_off():
+                    controller.end()
+                    self._plant.stop()
+
+    def _end_controller(self) -> None:
+        if self._controller is not None:
+            self._controller.end()
 
     def _connect(self, controller: ControllerProcess, before: Dict[str, int]) -> List[str]:
         """Wait until the controller has found its topics; return those that it has not.

@@ -153,3 +153,19 @@ def test_holdoff_and_position_say_when_the_next_crossing_counts() -> None:
         heard = [watch.update(now, WINDOW, lambda *_: sine(5.0, frequency=3.0)) for now in MOMENTS]
         times = [one["time"] for one in heard if one and one["time"]]
         assert times[1] - times[0] == pytest.approx(apart, abs=1e-4), changes
+
+
+@pytest.mark.parametrize("mode, late", [("normal", 0.8), ("auto", 0.8), ("auto", 2.5)])
+def test_a_trace_whose_stamps_are_late_triggers_as_any_other(mode: str, late: float) -> None:
+    window = 0.4
+    times, values = sine(10.6)
+    watch, heard = TriggerWatch(requests.Trigger(mode, "/a", 0.0, True), 0.0), []
+    for now in (index / 40 for index in range(int((10.6 + late) * 40))):
+
+        def source(_name: str, start: float, end: float) -> Samples:
+            seen = (times >= start) & (times <= end) & (times <= now - late)
+            return times[seen], values[seen]
+
+        heard.append(watch.update(now, window, source))
+    found = [one["time"] for one in heard if one and one["state"] == "triggered"]
+    assert found == pytest.approx([float(second) for second in range(1, 11)], abs=1e-5)

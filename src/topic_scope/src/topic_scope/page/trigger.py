@@ -85,6 +85,7 @@ class TriggerWatch:
         self.request = request
         self._seen = now
         self._hold_until = now
+        self._found_at = now
         self._is_ready = False
         self._state = "off" if request.mode == "off" else "armed"
         self._time: Optional[float] = None
@@ -107,10 +108,12 @@ class TriggerWatch:
         """
         if self._is_waiting:
             field = self.request.field
-            self._search(source(field, self._seen, now), longest_step(field), window)
+            if self._search(source(field, self._seen, now), longest_step(field), window):
+                self._found_at = now
             if self._state == "triggered" and self.request.mode != "single":
                 is_auto = self.request.mode == "auto"
-                if now > self._hold_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
+                shown_until = max(self._hold_until, self._found_at)  # it may have come late
+                if now > shown_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
                     self._state, self._time = "armed", None
         message = {
             "type": "trigger",
@@ -127,10 +130,11 @@ class TriggerWatch:
     def _is_waiting(self) -> bool:
         return self.request.mode in ("normal", "auto") or self._state == "armed"
 
-    def _search(self, samples: Samples, longest: float, window: float) -> None:
+    def _search(self, samples: Samples, longest: float, window: float) -> bool:
+        """Return whether there is a crossing that counts."""
         times, values = samples
         if not len(times):
-            return
+            return False
         self._seen = float(times[-1])  # again with the next look, as the one before its first
         wanted = self.request
         how = (wanted.level, wanted.rising, wanted.hysteresis, longest, self._is_ready)
@@ -140,3 +144,4 @@ class TriggerWatch:
             self._state, self._time = "triggered", float(found[0])
             after = window * (1.0 - wanted.position)
             self._hold_until = self._time + max(after, wanted.holdoff, _SHORTEST_S)
+        return len(found) > 0

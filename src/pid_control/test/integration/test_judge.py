@@ -134,6 +134,12 @@ class Judge(unittest.TestCase):
         self.assertIn("likely cause (windup)", (output / "anna.txt").read_text())
         self.assertTrue((output / "anna.svg").is_file())
 
+    def test_a_package_of_a_class_may_be_called_as_the_judges_own(self) -> None:
+        self.make_package("pid_control", "flaw_windup.py")
+        words = ["--output", self.folder, "--only", "windup", "--class", self.folder / "class"]
+        says = "pid_control: failed: the integral goes on growing"
+        self.assert_judged(1, says, *words)
+
     def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
         wrong = self.folder / "wrong.yaml"
         wrong.write_text("steps: {overshot: 5}\n")

@@ -9,12 +9,14 @@ import pytest
 import rospy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_parts import Client1, Client2, Server1, Server2, cancel
+from action_server2 import Server
 from rclpy.action.graph import get_action_names_and_types
+from rclpy.node import Node
 
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of, text_of
-from ros2_bridge.actions.goals_of_ros2 import GONE
+from ros2_bridge.actions.goals_of_ros2 import GONE, NO_ANSWER
 from ros2_bridge.environment.ros1_messages import GoalID
 
 
@@ -42,6 +44,23 @@ def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
         client2.close()
         assert server1.popen.poll() is server2.popen.poll() is None
         assert not bridge.logged("Traceback")
+
+
+def test_goal_that_the_server_does_not_answer_is_rejected(ros: both.Both) -> None:
+    node = Node("late")
+    Server(node, "/foot/rest")  # which has nobody to spin it
+    with both.Bridge("_service_timeout:=0.5"), Client1("/foot/rest") as client:
+        client.tell("send on 60.0")
+        assert client.end_of("on") == f"REJECTED - {NO_ANSWER}"
+        ear = ros.hear2("/foot/rest/_action/status", GoalStatusArray, latched=True, depth=1)
+        ros.executor.add_node(node)  # it accepts the goal after all
+        wait_until(
+            lambda: ear.heard and ear.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
+            lambda: f"it goes on: {ear.heard[-1:]}",
+        )
+        ear.end()
+    ros.executor.remove_node(node)
+    node.destroy_node()
 
 
 def test_two_servers_whose_nodes_have_one_name_are_told(ros: both.Both) -> None:

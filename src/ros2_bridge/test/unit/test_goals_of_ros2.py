@@ -10,6 +10,7 @@ from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 from ros2_bridge.actions.goals_of_ros2 import (
     GONE,
     LISTED_S,
+    NO_ANSWER,
     NO_END,
     RECALLED,
     REJECTED,
@@ -19,6 +20,7 @@ from ros2_bridge.actions.goals_of_ros2 import (
 from ros2_bridge.actions.states import OVER1, OVER2, STEPS1, Status1, Status2, nearest
 
 ONE, TWO = "/node-1-7.5", "/node-2-7.5"
+PATIENCE_S = 1.5
 SENDER, OTHER = b"s" * 16, b"o" * 16
 
 
@@ -26,7 +28,7 @@ class Clients:
     """What the clients of ROS 1 are told."""
 
     def __init__(self) -> None:
-        self.goals = GoalsOfRos2(self._end, self._publish)
+        self.goals = GoalsOfRos2(lambda: PATIENCE_S, self._end, self._publish)
         self.status: Dict[str, Status1] = {}
         self.results: List[Tuple[str, Status1, str, Optional[bytes]]] = []
 
@@ -87,6 +89,35 @@ def test_rejected_goal_says_why(clients: Clients) -> None:
         (ONE, Status1.REJECTED, REJECTED, None),
         (TWO, Status1.REJECTED, "not there", None),
     ]
+
+
+def test_goal_that_the_server_does_not_answer_is_rejected(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.send(TWO, now=1.0)
+    clients.goals.request_cancel(ONE, 0, 0.0)
+    assert clients.goals.end_waits(PATIENCE_S) == [] and not clients.results
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == []
+    assert clients.results == [(ONE, Status1.REJECTED, NO_ANSWER, None)]
+    assert clients.status == {ONE: Status1.REJECTED, TWO: Status1.PENDING}
+    assert clients.answer(ONE) is True  # accepted after all: it is to be cancelled
+
+
+def test_goal_that_is_listed_without_an_answer_is_accepted(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status2.EXECUTING)
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == []
+    assert clients.goals.end_waits(PATIENCE_S) == []
+    (goal,) = clients.goals.end_waits(PATIENCE_S + 0.1)
+    assert goal.uuid == bytes_of(ONE) and goal.is_to_be_cancelled
+    assert clients.goals.end_waits(PATIENCE_S + 0.2) == [] and not clients.results
+    assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
+
+
+def test_goal_that_is_rejected_once_it_was_listed_is_aborted(clients: Clients) -> None:
+    clients.send(ONE)
+    clients.list_goals(one=Status2.EXECUTING)
+    clients.answer(ONE, False)
+    assert clients.results == [(ONE, Status1.ABORTED, REJECTED, None)]
 
 
 @pytest.mark.parametrize("is_active", [True, False])
@@ -212,7 +243,8 @@ def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> N
     sent: List[str] = []
     for what, text, (one, two, theirs), pause in events:
         now += pause
-        if what == "send" and text not in sent:
+        is_theirs = text_of(bytes_of(text)) in clients.status  # of the same id
+        if what == "send" and text not in sent and not is_theirs:
             sent.append(text)
             clients.send(text, 1, now)
         elif what in ("accept", "reject"):
@@ -225,8 +257,9 @@ def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> N
             clients.end(text, one)
         else:
             clients.goals.forget_old(now)
+            clients.goals.end_waits(now)
     clients.goals.lose_goals(set(), now)
     clients.goals.forget_old(now + LISTED_S + 0.1)
-    ended = [text for text, status, _, _ in clients.results if status in OVER1]
-    assert sorted(ended) == sorted(sent)
+    assert all(status in OVER1 for _, status, _, _ in clients.results)
+    assert sorted(text for text, _, _, _ in clients.results) == sorted(sent)
     assert not clients.goals.listed()

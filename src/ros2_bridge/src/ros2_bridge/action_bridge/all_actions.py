@@ -24,7 +24,7 @@ class ActionBridge(PairBridge[_Pair]):
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
-    :param timeout: returns the longest wait for a server of ROS 1, s
+    :param timeout: returns the longest wait for a server's word, s
     """
 
     def __init__(
@@ -83,7 +83,7 @@ class ActionBridge(PairBridge[_Pair]):
         if way.to_ros2:
             owner = self._owner(way)
             return ActionToRos2(self._node, self._side, owner, name, other, kind, self._timeout)
-        return ActionToRos1(self._node, self._side, name, other, kind)
+        return ActionToRos1(self._node, self._side, name, other, kind, self._timeout)
 
     def _owner(self, way: Way) -> Ros2Node:
         """Return the node that offers an action of ROS 1 in ROS 2."""

@@ -1,11 +1,12 @@
 """An action server of ROS 2, offered in ROS 1."""
 
+import collections
 import contextlib
 import itertools
 import threading
 import time
 from functools import partial
-from typing import Any, List, Optional, Sequence, Set
+from typing import Any, Callable, Deque, List, Optional, Sequence, Set
 
 import rospy
 from action_msgs.msg import GoalInfo
@@ -39,13 +40,25 @@ class ActionToRos1:
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
+    :param timeout: returns the longest wait for the server's answer to a goal, s
     """
 
-    def __init__(self, node: Node, side: Ros2, name: str, other: str, kind: ActionType) -> None:
+    def __init__(
+        self,
+        node: Node,
+        side: Ros2,
+        name: str,
+        other: str,
+        kind: ActionType,
+        timeout: Callable[[], float],
+    ) -> None:
         self._node, self._side, self._name, self.kind = node, side, name, kind
         self._lock = threading.RLock()
-        self._goals = GoalsOfRos2(self._publish_result, self._publish_status)
+        self._goals = GoalsOfRos2(timeout, self._publish_result, self._publish_status)
         self._numbers = itertools.count(1)
+        #: The latest calls of send_goal. Their answers are waited for beyond the time-out: what is
+        #: accepted later is to be cancelled.
+        self._calls: Deque[int] = collections.deque()
         self._unknown: Set[int] = set()
         self._made = node.lifetime()
         self._is_offered = False
@@ -66,7 +79,7 @@ class ActionToRos1:
         ]
 
     def follow(self) -> None:
-        """Offer it once the server is there, and end the goals of one that has gone."""
+        """Offer it once the server is there, and end the goals that it leaves alone."""
         now, is_there = time.monotonic(), all(client.is_ready() for client in self._clients)
         if not self._is_offered and is_there and self._senders():
             self._offer()
@@ -76,6 +89,9 @@ class ActionToRos1:
         with self._lock:
             self._goals.lose_goals(senders if is_there else set(), now)
             self._goals.forget_old(now)
+            waited = [(one.uuid, one.is_to_be_cancelled) for one in self._goals.end_waits(now)]
+        for uuid, is_cancelled in waited:
+            self._follow_goal(uuid, is_cancelled)
 
     def _senders(self) -> Set[bytes]:
         """Return the names of those who list the goals in ROS 2."""
@@ -108,18 +124,30 @@ class ActionToRos1:
         try:
             goal = deserialize_message(self.kind.goal.to_cdr(content), self.kind.cls.Goal)
             request = self._send_type.Request(goal_id=UUID(uuid=list(uuid)), goal=goal)
-            self._send.send(request, partial(self._hear_answer, uuid))
+            number = self._send.send(request, partial(self._hear_answer, uuid))
         except (NoResponse, ConversionError) as error:
             with self._lock:
                 self._goals.hear_answer(uuid, False, time.monotonic(), str(error))
+            return
+        with self._lock:
+            self._calls.append(number)
+            if len(self._calls) > DEPTH:
+                self._send.forget(self._calls.popleft())
 
     def _hear_answer(self, uuid: bytes, response: Any) -> None:
         with self._lock:
             is_cancelled = self._goals.hear_answer(uuid, response.accepted, time.monotonic())
         if response.accepted:
-            with contextlib.suppress(NoResponse):  # it has just gone, which is noticed soon
-                request = self._get_type.Request(goal_id=UUID(uuid=list(uuid)))
-                self._get.send(request, partial(self._hear_result, uuid))
+            self._follow_goal(uuid, is_cancelled)
+
+    def _follow_goal(self, uuid: bytes, is_cancelled: bool) -> None:
+        """Ask for the result of a goal that was accepted.
+
+        :param is_cancelled: whether it is to be cancelled, too
+        """
+        with contextlib.suppress(NoResponse):  # it has just gone, which is noticed soon
+            request = self._get_type.Request(goal_id=UUID(uuid=list(uuid)))
+            self._get.send(request, partial(self._hear_result, uuid))
         if is_cancelled:
             self._cancel_goal(uuid)
 

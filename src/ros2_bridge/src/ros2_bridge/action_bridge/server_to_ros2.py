@@ -150,8 +150,8 @@ class ActionToRos2:
         asked = request.goal_info
         uuid, until = bytes(asked.goal_id.uuid), asked.stamp.sec * 10**9 + asked.stamp.nanosec
         if until:
-            # Not later than now: actionlib keeps it, and recalls what begins until then. Not 0, which
-            # means all: nothing began by 1, and ROS 1 has no earlier times.
+            # Not later than now: actionlib keeps it, and recalls what begins until then. Not 0,
+            # which means all: nothing began by 1, and ROS 1 has no earlier times.
             until = max(1, min(until, rospy.Time.now().to_nsec()))
         with self._lock:
             text = self._goals.request_cancel(uuid, until, time.monotonic(), answer)

@@ -19,6 +19,7 @@ from ros2_bridge.actions.states import (
 LISTED_S = 5.0
 RECALLED = "cancelled before it began"
 REJECTED = "the server in ROS 2 has rejected it"
+NO_ANSWER = "the server in ROS 2 does not answer"
 NO_END = "the server in ROS 2 does not say how it ended"
 GONE = "the server in ROS 2, or the bridge to it, has gone"
 
@@ -41,6 +42,8 @@ class Goal:
         self.status, self.why = Status1.PENDING, ""
         #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
         self.is_accepted, self.is_to_be_cancelled = not is_ours, False
+        #: Whether the server has listed it.
+        self.is_listed = False
         #: Names of the publisher that has listed it, or of those that were there when it came:
         #: where they have gone, its server has, though another one of its name may have come.
         self.senders: Set[bytes] = set()
@@ -57,6 +60,7 @@ class Goal:
 class GoalsOfRos2:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
+    :param patience: returns the longest wait for the server's answer to a goal, s
     :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
         where there is none
     :param publish_status: called with the goals after a change
@@ -64,9 +68,11 @@ class GoalsOfRos2:
 
     def __init__(
         self,
+        patience: Callable[[], float],
         publish_result: Callable[[Goal, Optional[bytes]], None],
         publish_status: Callable[[Sequence[Goal]], None],
     ) -> None:
+        self._patience = patience
         self._publish_result, self._publish_status = publish_result, publish_status
         self._goals: Dict[bytes, Goal] = {}
         self._cancelled_until = 0
@@ -104,7 +110,8 @@ class GoalsOfRos2:
             return is_accepted  # whoever wanted it was told that it is over
         goal.is_accepted = is_accepted
         if not is_accepted:
-            self._end(goal, [Status1.REJECTED], now, why)
+            # The server may have listed it before.
+            self._end(goal, [Status1.REJECTED, Status1.ABORTED], now, why)
         return is_accepted and goal.is_to_be_cancelled
 
     def hear_status(
@@ -121,7 +128,7 @@ class GoalsOfRos2:
             goal = self._goals.get(uuid)
             if goal is None or not goal.is_under_way:
                 continue
-            goal.senders = {sender}
+            goal.senders, goal.is_listed = {sender}, True
             if status in STEPS2:
                 goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
             elif status in OVER2 and not goal.is_ours:  # of ours the result tells
@@ -175,6 +182,21 @@ class GoalsOfRos2:
                 goal.senders = set(senders)
             if goal.is_under_way and not goal.senders.intersection(senders):
                 self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
+
+    def end_waits(self, now: float) -> List[Goal]:
+        """End the goals that the server has not answered for long enough.
+
+        :returns: those that it lists all the same, which are accepted: they are to be followed
+        """
+        accepted, patience = [], self._patience()
+        for goal in self.listed():
+            if goal.is_under_way and not goal.is_accepted and now > goal.since + patience:
+                if goal.is_listed:
+                    goal.is_accepted = True
+                    accepted.append(goal)
+                else:
+                    self._end(goal, [Status1.REJECTED], now, NO_ANSWER)
+        return accepted
 
     def is_any_under_way(self) -> bool:
         """Tell whether any goal is under way."""

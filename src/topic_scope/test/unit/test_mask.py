@@ -114,6 +114,19 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
     assert max(values.values()) > 1.2 or len(values) < 100
 
 
+@pytest.mark.parametrize("history, peak", [(0.9, 1), (60.0, 3)])
+def test_a_failure_is_saved_before_it_is_forgotten(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", history: float, peak: int
+) -> None:
+    """What comes after it is added at the end, if it is still there then."""
+    monkeypatch.setattr(mask_command, "_HISTORY_S", history)
+    arguments = ("/a", "--around", "/b", "--bag", bag, "--value", "0.3", "--save", "out.csv")
+    assert status(monkeypatch, *arguments, "--all") == 1
+    with open("out.csv", newline="") as file:
+        values = [float(row["/a/data"] or "nan") for row in csv.DictReader(file)]
+    assert sum(value > 1.2 for value in values) == peak
+
+
 @pytest.mark.parametrize(
     "arguments, sentence",
     [

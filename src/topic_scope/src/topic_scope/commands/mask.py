@@ -15,7 +15,7 @@ from topic_scope.bag.bag_file import BagError, BagFile
 from topic_scope.bag.bag_player import BagPlayer
 from topic_scope.formulas.reading import SECONDS
 from topic_scope.graph.master_watch import GraphState, MasterWatch
-from topic_scope.masks.failure_file import save_failure
+from topic_scope.masks.failure_file import BEFORE_S, save_failure
 from topic_scope.masks.mask import Mask, MaskCheck, Verdict
 from topic_scope.messages.fields import FieldError
 from topic_scope.messages.layouts import Layouts
@@ -40,6 +40,7 @@ class Judge:
     def __init__(self, recorder: Recorder, arguments: argparse.Namespace) -> None:
         self._recorder, self._arguments = recorder, arguments
         self._check: Optional[MaskCheck] = None
+        self._saved = 0
 
     def begin(self, now: float, start: float) -> None:
         """Record what is needed, now that the topics are known.
@@ -66,16 +67,31 @@ class Judge:
         return names[0]
 
     def look(self) -> bool:
-        """Judge what has come.
+        """Judge what has come, and save the first failure: it may be forgotten later.
 
         :returns: whether the verdict is there: a sample is outside, and the first one ends it
+        :raises OSError: if it cannot be saved
         """
         self._recorder.update()
-        verdict = self._check.update(self._recorder) if self._check is not None else Verdict()
-        return verdict.first is not None and not self._arguments.all
+        if self._check is None:
+            return False
+        first = self._check.update(self._recorder).first
+        if first is None:
+            return False
+        if not self._saved:
+            self._save(self._check.mask, first)
+        return not self._arguments.all
+
+    def _save(self, mask: Mask, first: float) -> None:
+        """Save a failure with all that has come since, unless what it is about was forgotten."""
+        read = self._recorder.samples
+        there = sum(len(read(name, first - BEFORE_S, first)[0]) for name in mask[:2])
+        if self._arguments.save is not None and there >= self._saved:
+            save_failure(self._arguments.save, self._recorder, mask, first)
+        self._saved = max(self._saved, there)
 
     def finish(self) -> int:
-        """Say what has come out, and save a failure.
+        """Say what has come out, and save a failure once more with what came after it.
 
         :returns: the exit status
         :raises OSError: if it cannot be saved
@@ -91,8 +107,7 @@ class Judge:
                 f"worst by {verdict.worst:.6g}",
                 flush=True,
             )
-            if self._arguments.save is not None:
-                save_failure(self._arguments.save, self._recorder, self._check.mask, verdict.first)
+            self._save(self._check.mask, verdict.first)
             return OUTSIDE
         if verdict.inside == 0:
             said = [self._recorder.problem(one) for one in self._names()]

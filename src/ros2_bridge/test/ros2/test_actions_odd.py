@@ -20,6 +20,7 @@ from unique_identifier_msgs.msg import UUID
 from bot_controller_demo_msgs.action import GoTo
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
+from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.goals_of_ros2 import NO_END
 from ros2_bridge.actions.states import Status1
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
@@ -137,6 +138,16 @@ def test_result_that_is_none_aborts_the_goal(
     server1.end(Status1.SUCCEEDED, cut=3)
     assert client2.end("short") == Status2.STATUS_ABORTED
     bridge.wait_for_log("is aborted, its result refused")
+
+
+def test_result_that_does_not_come_is_told(
+    bridge: both.Bridge, server1: Server1, client2: Client2
+) -> None:
+    begin(server1, client2, "mute")
+    server1.list_goal(Status1.SUCCEEDED)
+    assert client2.end("mute") == Status2.STATUS_SUCCEEDED
+    uuid = bytes(client2.handles["mute"].goal_id.uuid)
+    bridge.wait_for_log(f"/odd/arm sends no result of {text_of(uuid)}")
 
 
 def test_text_in_another_encoding_moves_nothing(server1: Server1, client2: Client2) -> None:

@@ -14,6 +14,7 @@ from ros2_bridge.actions.goals_of_ros1 import (
     REJECTED,
     RESULT_S,
     UNKNOWN_GOAL,
+    GivenUp,
     Goal,
     GoalsOfRos1,
 )
@@ -21,13 +22,15 @@ from ros2_bridge.actions.states import OVER1, STEPS2, Status1, Status2, nearest
 
 ONE, TWO = bytes([1]) * 16, bytes([2]) * 16
 PATIENCE_S = 5.0
+NOTHING = GivenUp([], [])
 
 
 class Clients:
     """What the clients of ROS 2 are told."""
 
     def __init__(self) -> None:
-        self.goals = GoalsOfRos1(lambda: PATIENCE_S, self._publish)
+        self.patience = PATIENCE_S
+        self.goals = GoalsOfRos1(lambda: self.patience, self._publish)
         self.accepted: Dict[bytes, List[bool]] = {}
         self.results: Dict[bytes, List[Tuple[Status2, bytes]]] = {}
         self.cancelled: List[Tuple[int, List[bytes]]] = []
@@ -109,8 +112,8 @@ def test_rejected_goal_has_no_state(clients: Clients) -> None:
 def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals(one=Status1.PENDING)
-    assert clients.goals.end_waits(PATIENCE_S) == [] and clients.accepted == {ONE: []}
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == []
+    assert clients.goals.end_waits(PATIENCE_S) == NOTHING and clients.accepted == {ONE: []}
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == NOTHING
     assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.ACCEPTED}
     clients.end(ONE, Status1.REJECTED)
     assert clients.status == {ONE: Status2.ABORTED}
@@ -119,7 +122,7 @@ def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: C
 def test_goal_that_the_server_never_lists_is_given_up(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals()
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == [text_of(ONE)]
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == GivenUp([text_of(ONE)], [])
     assert clients.accepted == {ONE: [False]}
     clients.list_goals(one=Status1.RECALLING)
     clients.list_goals(one=Status1.RECALLED)
@@ -134,14 +137,18 @@ def test_goal_that_is_listed_no_longer_is_lost(clients: Clients) -> None:
     assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
 
 
-def test_result_that_never_comes_is_empty(clients: Clients) -> None:
+@pytest.mark.parametrize("patience, longest", [(PATIENCE_S, PATIENCE_S), (0.1, RESULT_S)])
+def test_result_that_never_comes_is_empty(
+    clients: Clients, patience: float, longest: float
+) -> None:
+    clients.patience = patience
     clients.send(ONE)
     clients.list_goals(one=Status1.SUCCEEDED, now=1.0)
     clients.ask(ONE)
     clients.list_goals(now=1.5)
-    clients.goals.end_waits(1.0 + RESULT_S)
+    assert clients.goals.end_waits(1.0 + longest) == NOTHING
     assert clients.results == {ONE: []}
-    clients.goals.end_waits(1.1 + RESULT_S)
+    assert clients.goals.end_waits(1.1 + longest) == GivenUp([], [text_of(ONE)])
     assert clients.results == {ONE: [(Status2.SUCCEEDED, b"")]}
 
 

@@ -83,7 +83,11 @@ class ActionToRos2:
             if now > self._connected + _GONE_S:
                 self._goals.lose_server(now)
             given_up = self._goals.end_waits(now)
-        for text in given_up:
+        for text in given_up.without_result:
+            rospy.logwarn(
+                f"{self._name} sends no result of {text}, which is over: it has an empty one"
+            )
+        for text in given_up.unheard:
             rospy.logwarn(f"{self._name} says nothing about a goal of ROS 2, which is given up")
             self._cancel.publish(wire.goal_id(text, 0))
 

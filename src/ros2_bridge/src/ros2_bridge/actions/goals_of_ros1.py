@@ -8,8 +8,8 @@ from ros2_bridge.actions.states import OVER2, STEPS2, TO_ROS2, Status1, Status2,
 
 #: For how long a result is kept, s: rclpy's ``result_timeout``.
 KEPT_S = 900.0
-#: Longest wait for the result of a goal whose status says that it is over, s: they come by
-#: different connections.
+#: Least wait for the result of a goal whose status says that it is over, s: they come by different
+#: connections.
 RESULT_S = 2.0
 #: action_msgs/CancelGoal's answers.
 DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
@@ -62,11 +62,22 @@ class _Cancellation(NamedTuple):
     since: float
 
 
+class GivenUp(NamedTuple):
+    """Ids of goals that have waited for long enough.
+
+    :param unheard: that the server has not listed: it is to cancel them, as it may still begin
+    :param without_result: that it says are over, and whose results have not come
+    """
+
+    unheard: Sequence[str]
+    without_result: Sequence[str]
+
+
 class GoalsOfRos1:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
     :param patience: returns the longest wait for the server's word on a new goal, and on a
-        cancellation, s
+        cancellation, and for a result, s
     :param publish_status: called with the goals that ROS 2 knows whenever one has changed
     """
 
@@ -178,27 +189,26 @@ class GoalsOfRos1:
             self._move(goal, Status1.LOST, now)
         self._report(now)
 
-    def end_waits(self, now: float) -> List[str]:
-        """End what has waited for long enough.
-
-        :returns: the ids of goals that are given up: the server is to cancel them, as it may still
-            begin with them
-        """
-        given_up, patience = [], self._patience()
+    def end_waits(self, now: float) -> GivenUp:
+        """End what has waited for long enough."""
+        unheard, without_result, patience = [], [], self._patience()
         for goal in list(self._goals.values()):
             if goal.answer is not None and now > goal.since + patience:
                 if goal.is_listed:  # it is among those that the server keeps for later
                     self._accept(goal)
                 else:
-                    given_up.append(goal.text)
+                    unheard.append(goal.text)
                     self._move(goal, Status1.LOST, now)
-            elif goal.awaiting_result is not None and now > goal.awaiting_result[1] + RESULT_S:
-                self._move(goal, goal.awaiting_result[0], now)
+            elif goal.awaiting_result is not None:
+                status, since = goal.awaiting_result
+                if now > since + max(RESULT_S, patience):
+                    without_result.append(goal.text)
+                    self._move(goal, status, now)
             elif goal.is_over and now > goal.since + KEPT_S:
                 del self._goals[goal.text]
                 self._is_changed = True
         self._report(now)
-        return given_up
+        return GivenUp(unheard, without_result)
 
     def _move(self, goal: Goal, status: Status1, now: float, result: bytes = b"") -> None:
         """Give a goal the state that the server says it has, which may be old news."""

@@ -85,6 +85,34 @@ def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both
         ros.node.destroy_publisher(publisher)
 
 
+def test_one_node_of_ros2_that_does_not_latch_leaves_what_another_has_latched(
+    ros: both.Both,
+) -> None:
+    left = ros.node.create_publisher(TFMessage, TF, QOS)
+    left.publish(tf2("left"))
+    with both.Bridge():
+        early = ros.hear1(TF, TF1)
+        wait_for(ros, early, "left")
+        plain = ros.node.create_publisher(TFMessage, TF, 10)
+
+        def is_heard(child: str) -> bool:
+            plain.publish(tf2(child))
+            return child in frames(ros, early)
+
+        for child in ("new", "left"):
+            wait_until(lambda: is_heard(f"not {child}"), lambda: str(frames(ros, early)))
+            left.publish(tf2(child))
+        wait_for(ros, early, "new")
+        wait_until(lambda: is_heard("last"), lambda: str(frames(ros, early)))
+        latched = [one for one in frames(ros, early) if one in ("left", "new")]
+        assert latched == ["left", "new", "left"]  # each once
+        early.end()
+        assert late1(ros, "left") == ["left"]
+        ros.node.destroy_publisher(plain)
+        assert late1(ros, "left") == ["left"]
+    ros.node.destroy_publisher(left)
+
+
 def test_late_listeners_in_ros2_get_nothing_outdated(ros: both.Both) -> None:
     out = publisher1(ros, DESCRIPTION, "std_msgs/String", latch=True)
     plain = publisher1(ros, "/plain", "std_msgs/String")

@@ -317,7 +317,7 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
         (good, b"b", 9),
         (good, b"ours", 1),
     ]
-    pair._forward([Arrived(*one) for one in arrived])
+    pair._forward(False, [Arrived(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
     assert len(passed) == 4
 

@@ -3,10 +3,10 @@
 import collections
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import ReliabilityPolicy
 
 from nodekit.master import Turns
-from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.side import Ros2, keeps
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
 
@@ -21,16 +21,20 @@ class Topic(NamedTuple):
     :param publishers: names of the publishing nodes in ROS 1
     :param senders: names of the publishers themselves, 16 bytes each
     :param subscribers: names of the subscribing nodes in ROS 1
-    :param latched: whether all publishers keep messages for those who come later
-    :param best_effort: whether one of the publishers may lose messages
+    :param offers: of those publishers that keep messages for those who come later (True), and of
+        those that do not (False), as far as there are such, whether one may lose messages
     """
 
     types: Set[str]
     publishers: Set[str]
     senders: Set[bytes]
     subscribers: Set[str]
-    latched: bool
-    best_effort: bool
+    offers: Dict[bool, bool]
+
+    @property
+    def latched(self) -> bool:
+        """Whether one of the publishers keeps messages for those who come later."""
+        return True in self.offers
 
 
 class Ros2Graph:
@@ -74,8 +78,10 @@ class Ros2Graph:
             subscribers = self._others(self._side.node.get_subscriptions_info_by_topic(name))
             if not publishers and not subscribers:
                 continue
-            durabilities = {each.qos_profile.durability for each in publishers}
-            reliabilities = {each.qos_profile.reliability for each in publishers}
+            offers: Dict[bool, bool] = {}
+            for each in publishers:
+                may_lose = each.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+                offers[keeps(each)] = may_lose or offers.get(keeps(each), False)
             name_in_ros1 = self._named(name)
             if name_in_ros1 is None:
                 continue
@@ -84,8 +90,7 @@ class Ros2Graph:
                 set(map(self._node_of, publishers)),
                 {bytes(each.endpoint_gid) for each in publishers},
                 set(map(self._node_of, subscribers)),
-                durabilities == {DurabilityPolicy.TRANSIENT_LOCAL},
-                ReliabilityPolicy.BEST_EFFORT in reliabilities,
+                offers,
             )
         return found
 

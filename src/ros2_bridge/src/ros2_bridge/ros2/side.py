@@ -239,6 +239,11 @@ class Ros2:
             and self.node.count_subscribers(topic) == self._subscribed[topic]
         )
 
+    def latching(self, topic: str) -> Dict[bytes, bool]:
+        """Tell by the name of each publisher of a topic whether it keeps messages for later."""
+        publishers = self.node.get_publishers_info_by_topic(topic)
+        return {bytes(each.endpoint_gid): keeps(each) for each in publishers}
+
     def own_names(self) -> Set[str]:
         """Return the names of our nodes."""
         with self._lock:
@@ -247,6 +252,14 @@ class Ros2:
     def is_ours(self, gid: bytes) -> bool:
         """Tell whether the endpoint of this name is one of our own."""
         return gid.startswith(self.participant)
+
+
+def keeps(publisher: Any) -> bool:
+    """Tell whether a publisher keeps messages for those who come later.
+
+    :param publisher: as rclpy describes it
+    """
+    return bool(publisher.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def _uncount(counter: "Counter[str]", topic: str) -> None:

@@ -57,7 +57,7 @@ class TopicBridge(PairBridge[_Pair]):
                 self._update_publishers(pair)
                 pair.forward_while(self._is_heard(way.name))
             elif way.name in ros2:
-                pair.forget_all_but(ros2[way.name].senders)
+                pair.follow_publishers(ros2[way.name])
         self.follow_subscribers1()
 
     def follow_subscribers1(self) -> None:

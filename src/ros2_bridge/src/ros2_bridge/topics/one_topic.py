@@ -3,7 +3,8 @@
 import contextlib
 import threading
 import time
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 import rospy
 from rclpy.node import Node as Ros2Node
@@ -14,7 +15,7 @@ from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.ros2.taking import Arrived
 from ros2_bridge.rules.pairs import Bridged
 from ros2_bridge.rules.rates import RateLimit
-from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.rules.settings import Qualities, Quality
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.types import MessageType
@@ -136,7 +137,10 @@ class TopicToRos1:
     """A topic of ROS 2 in ROS 1.
 
     It is published from the beginning, and subscribed to while it has subscribers in ROS 1; where
-    it is latched, always. Who comes later then gets the latest of each publisher.
+    it is latched, always. Who comes later then gets the latest of each publisher that latches it.
+
+    Where only some latch it, there are two subscriptions: one that asks for what was before, which
+    only they match, and one for the others.
 
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
@@ -156,6 +160,7 @@ class TopicToRos1:
     ) -> None:
         self._side, self.topic, self._other, self.kind = side, topic, other, kind
         self._qualities, self._found = qualities, found
+        self._wanted = self._wanted_qualities()
         self.count, self.limit = Count(), RateLimit()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
@@ -163,35 +168,77 @@ class TopicToRos1:
         self._kept: Bridged[bytes, Kept] = Bridged()
         self._made = node.lifetime()
         self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
-        self._subscription = OnDemand(self._subscribe)
+        #: What there is of the subscriptions wanted, each with what ends it.
+        self._subscriptions: Dict[bool, Tuple[Quality, Callable[[], None]]] = {}
+        #: Of each publisher whether it latches, as far as that was asked.
+        self._latching: Dict[bytes, bool] = {}
         try:
             self.forward_if_heard()
         except BaseException:
             self.close()
             raise
 
-    def _subscribe(self) -> Callable[[], None]:
-        qos = self._qualities.of(self.topic, self._found.latched, self._found.best_effort)
-        self._last.clear()
-        return self._side.subscribe(self.kind.cls, self._other, qos, self._forward)
+    def _wanted_qualities(self) -> Dict[bool, Quality]:
+        """Return the subscriptions that are needed, by whether they ask for what was before."""
+        wanted: Dict[bool, Quality] = {}
+        for latched, may_lose in self._found.offers.items():
+            quality = self._qualities.of(self.topic, latched, may_lose)
+            other = wanted.get(quality.latched, quality)  # where the user has chosen
+            may_lose = quality.best_effort or other.best_effort
+            wanted[quality.latched] = quality._replace(best_effort=may_lose)
+        return wanted
 
     def forward_if_heard(self) -> None:
         """Subscribe to the topic, or no longer."""
-        self._subscription.switch(self._found.latched or self._publisher.get_num_connections() > 0)
+        is_heard = self._found.latched or self._publisher.get_num_connections() > 0
+        self._switch(self._wanted if is_heard else {})
+
+    def _switch(self, wanted: Mapping[bool, Quality]) -> None:
+        for kept, (quality, end) in list(self._subscriptions.items()):
+            if wanted.get(kept) != quality:
+                del self._subscriptions[kept]
+                end()
+        for kept, quality in wanted.items():
+            if kept not in self._subscriptions:
+                self._last.clear()
+                forward = partial(self._forward, kept)
+                end = self._side.subscribe(self.kind.cls, self._other, quality, forward)
+                self._subscriptions[kept] = quality, end
 
     def fits(self, found: Topic) -> bool:
-        """Tell whether others publish it as they did, as far as it matters."""
-        mine = self._found
-        return (mine.latched, mine.best_effort) == (found.latched, found.best_effort)
+        """Tell whether others latch it as they did."""
+        return self._found.latched == found.latched
 
-    def _forward(self, arrived: List[Arrived]) -> None:
+    def follow_publishers(self, found: Topic) -> None:
+        """Subscribe as others publish it now, and forget what is kept of those that have gone.
+
+        :param found: how they do
+        """
+        if found.offers not in ({}, self._found.offers):
+            self._found = found
+            self._wanted = self._wanted_qualities()
+        self.forget_all_but(found.senders)
+
+    def _is_latched(self, sender: bytes) -> bool:
+        if sender not in self._latching:
+            self._latching = self._side.latching(self._other)
+        return self._latching.get(sender, False)
+
+    def _forward(self, kept: bool, arrived: List[Arrived]) -> None:
+        """Publish what has come.
+
+        :param kept: whether from the subscription that asks for what was before
+        """
         messages = []
         latest: Dict[bytes, Kept] = {}
         for data, sender, number in arrived:
             if self._side.is_ours(sender):
                 continue  # what has come from ROS 1
+            is_latched = self._found.latched and (kept or self._is_latched(sender))
+            if is_latched and not kept and True in self._subscriptions:
+                continue  # it comes by that one as well
             self._count_lost(sender, number)
-            if not (self._found.latched or self.limit.passes(time.monotonic())):
+            if not (is_latched or self.limit.passes(time.monotonic())):
                 self.count.thinned += 1
                 continue
             message = self.kind.raw()
@@ -203,13 +250,16 @@ class TopicToRos1:
                 continue
             self._seq += 1
             messages.append(message)
-            latest[sender] = Kept(message)
+            if is_latched:
+                latest[sender] = Kept(message)
         if messages:
-            if self._found.latched:
+            if latest:
                 self._keep(latest)
             with contextlib.suppress(rospy.ROSException):  # it has just been closed
                 self._publisher.publish_all(messages)
                 self.count.passed += len(messages)
+            if self._found.latched and not latest:
+                self._keep({})  # or the last that was published would be kept
 
     def _keep(self, latest: Mapping[bytes, Kept]) -> None:
         with self._lock:
@@ -244,5 +294,5 @@ class TopicToRos1:
 
     def close(self) -> None:
         """End it."""
-        self._subscription.switch(False)
+        self._switch({})
         self._made.close()

@@ -8,9 +8,9 @@ from typing import Any, Callable, Dict, List, Optional
 
 import numpy
 import pytest
-from bags import Told, reading, slices
+from bags import Told, reading, serialized, slices
 from geometry_msgs.msg import PointStamped
-from rospy import Time
+from rospy import Duration, Time
 
 from topic_scope.analysis.measurements import phase
 from topic_scope.bag.bag_columns import Column
@@ -82,6 +82,27 @@ def check(times: Any, values: Any) -> None:
     times, values = numpy.array(times), numpy.array(values)
     assert times == pytest.approx(STAMPS, abs=1e-6)
     assert values == pytest.approx(truth(times), abs=1e-4)
+
+
+def far_ahead() -> List[Told]:
+    """Return messages of which one has a stamp more than an hour ahead."""
+    told = told_of([0.0] * COUNT)
+    told[COUNT // 2][2].header.stamp += Duration(3950)
+    return told
+
+
+@pytest.mark.parametrize("timestamp", ["stamp", ""])
+def test_a_stamp_far_ahead_is_shown_at_reception_and_pushes_nothing_out(timestamp: str) -> None:
+    stream = Stream("/s", timestamp)
+    trace = stream.record(("point", "x"), 100.0)
+    for time, _, message in far_ahead():
+        stream.add(layout_of(PointStamped), Batch({}, [time / 1e9], [serialized(message)]))
+    check(*trace.samples(-math.inf, math.inf))
+    told = [(time - BAG_BEGIN, topic, message) for time, topic, message in far_ahead()]
+    column = EXACT._replace(timestamp=timestamp)
+    (series,) = collect(reading([column], told, BAG_BEGIN), slices(told))
+    there = numpy.isfinite(series.values)  # without a name, the line ends where a clock is set back
+    check(START + numpy.array(series.times)[there], numpy.array(series.values)[there])
 
 
 class OneTrace:

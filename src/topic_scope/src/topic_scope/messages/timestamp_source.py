@@ -120,7 +120,7 @@ def placed(
     """
     said = said_in(path, own)
     if exact and said.any() and abs(numpy.median((received - own)[said])) < ELSEWHERE_S:
-        return [numpy.where(said, own, received)]
+        return [numpy.where(said & _is_near(own, received), own, received)]
     ends = numpy.flatnonzero(numpy.diff(own) < -BACK_S) + 1
     times = []
     for told, came in zip(numpy.split(own, ends), numpy.split(received, ends)):
@@ -142,6 +142,12 @@ def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
     several = _MISSING * float(numpy.partition(steps, middle)[middle])
     # What is received is received with delays, and nothing needs to be missing.
     return several if path is not None else max(several, _LONGEST_DELAY_S)
+
+
+def _is_near(own: numpy.ndarray, received: numpy.ndarray) -> numpy.ndarray:
+    """Tell which stamps of the scope's clock can be: one far ahead would push out all others."""
+    near: numpy.ndarray = own - received <= ELSEWHERE_S
+    return near
 
 
 def _is_time(layout: Record, path: Path) -> bool:
@@ -187,8 +193,10 @@ class OwnClock:
         """
         said = said_in(self._path, own)
         back = 0.0
-        if self._exact and said.any() and self._is_same is None:
+        if said.any() and self._is_same is None:
             self._middle(received[said] - own[said])
+        if self._is_same:
+            said &= _is_near(own, received)
         if self._exact and self._is_same:
             self.is_said = True
             return numpy.where(said, own, received), back

@@ -16,6 +16,8 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 GRACE = 30.0
 # How often a command is asked whether it has ended, s.
 POLL_S = 0.05
+#: How much is told of why a test has failed, characters.
+_LONGEST_REASON = 400
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,7 +48,7 @@ class StepResult:
     seconds: float
     cpu_seconds: float  # of the command and of all that it has waited for
     log: str
-    failures: Sequence[str] = ()  # each failed case and the first line of why
+    failures: Sequence[str] = ()  # each failed case, and why
 
     @property
     def good(self) -> bool:
@@ -205,7 +207,8 @@ def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
             if defects:
                 said = defects[0].get("message") or defects[0].text or ""
                 lines = [line.strip() for line in said.splitlines() if line.strip()]
-                failures.append(": ".join([case.get("name", "a test"), *lines[:1]]))
+                why = " ".join(lines)[:_LONGEST_REASON]
+                failures.append(": ".join([case.get("name", "a test"), *([why] if why else [])]))
             elif case.find("skipped") is not None:
                 skipped += 1
             elif not path.name.startswith("rostest-"):

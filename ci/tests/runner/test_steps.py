@@ -44,7 +44,7 @@ def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
 def test_cases_are_counted_by_their_end(tmp_path: pathlib.Path) -> None:
     result = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
     assert tally(result) == (3, 2, 1, False)
-    assert result.failures == ["b: 1 is not 2", "c: no such file"]
+    assert result.failures == ["b: 1 is not 2 at line 3", "c: no such file"]
 
 
 def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:

@@ -33,6 +33,18 @@ from nodekit.testing.processes import free_port
 from nodekit.testing.running import rosrun
 
 
+#: How many lines of the grid there are: strokes in a column of pixels at the right edge.
+_ROWS = """
+const { x, y, width, height } = document.querySelector("#overlay").getBoundingClientRect();
+const canvas = document.querySelector(".pane canvas");
+const { left, top } = canvas.getBoundingClientRect();
+const copy = new OffscreenCanvas(1, Math.round(height)).getContext("2d");
+copy.drawImage(canvas, left - x - width + 3, top - y);
+const { data } = copy.getImageData(0, 0, 1, Math.round(height));
+let count = 0;
+for (let at = 7; at < data.length; at += 4) if (data[at] && !data[at - 4]) count += 1;
+return count;
+"""
 #: How much of a colour there is in each pixel of the plot, 0 to 1, by rows.
 _INK = """
 const box = document.querySelector("#overlay").getBoundingClientRect();
@@ -573,12 +585,17 @@ class Page(PageTest):
         self.assertEqual(self.browser.count(".level-cursor:not([hidden])"), 0)
 
     def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
+        grid = self.browser.run(_ROWS)
         for field in (SIGNAL, PROCESSED):
             self.browser.find(f"[aria-label='right axis for {field}']").click()
         wait_until(
             lambda: self.browser.count(".dygraph-axis-label-y2") > 3
             and not self.browser.count(".dygraph-axis-label-y1"),
             lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
+        )
+        wait_until(  # more strokes than the traces alone ever have there
+            lambda: min(self.browser.run(_ROWS) for _ in range(5)) > 6,
+            lambda: f"{grid} lines before, none now",
         )
         self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
         wait_until(

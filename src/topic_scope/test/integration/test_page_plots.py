@@ -22,6 +22,7 @@ from browsing.page_test import PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
 from std_msgs.msg import Float64MultiArray, Header, Int32
 
 from geometry_msgs.msg import Point, PointStamped  # isort: skip
@@ -364,10 +365,22 @@ class Plots(PageTest):
         below = self.browser.count(".pane:last-child .dygraph-axis-label-x")
         return count if below == self.browser.count(".dygraph-axis-label-x") > 2 else 0
 
+    def wait_still(self, *elements: WebElement) -> None:
+        """Wait until elements stay where they are: new figures may move the table and the plots."""
+        places: List[Any] = []
+
+        def stand_still() -> bool:
+            places.append([element.rect for element in elements])
+            return len(places) > 5 and places[-5:] == [places[-1]] * 5
+
+        wait_until(stand_still, lambda: str(places[-5:]))
+
     def drag(self, field: str, up: float) -> None:
         """Drag the name of a trace to a part of the height of all plots, from below."""
         name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
-        stage = self.browser.find("#stage").rect
+        stage_element = self.browser.find("#stage")
+        self.wait_still(name, stage_element)
+        stage = stage_element.rect
         middle = name.rect["y"] + name.rect["height"] / 2
         down = stage["y"] + (1.0 - up) * stage["height"] - middle
         actions = ActionChains(self.browser.driver)
@@ -405,6 +418,7 @@ class Plots(PageTest):
         lower = self.browser.find(".pane:last-child").rect
         middle = lower["y"] + 0.45 * lower["height"]  # of the numbers, not of the times below
         wait_until(lambda: abs(level.rect["y"] - middle) < 40.0, lambda: (level.rect, lower))
+        self.wait_still(level)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
         wait_until(
             lambda: float(self.browser.value("#trigger-level")) > 2.0,

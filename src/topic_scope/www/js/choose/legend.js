@@ -40,6 +40,7 @@ export class Legend {
     this.rows = new Map();
     this.references = new Map(); // reference -> its row
     this.spreads = new Map(); // field -> from its least to its greatest value
+    this.measured = {}; // what was measured last, by field
     this.body = byId("legend");
     this.table = this.body.parentElement;
     this.room = this.table.parentElement;
@@ -78,6 +79,7 @@ export class Legend {
       [one, referenceRow(this.state, one, this.columns)]));
     const all = [...this.rows.values(), ...this.references.values()];
     this.body.replaceChildren(...all.map((row) => row.element));
+    this.showStats(this.measured); // or buttons move under the pointer when the next figures come
     this.fit();
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
   }
@@ -162,6 +164,7 @@ export class Legend {
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
+    this.measured = traces;
     for (const [field, { element, name, cells, timestamp, badge }] of this.rows) {
       const measured = traces[field] || {};
       element.classList.toggle("gone", Boolean(measured.problem));

@@ -71,6 +71,8 @@ export function startDrag(handle, state, field) {
     if (event.button !== 0 || event.pointerType === "touch" || state.values.chart.kind !== "time") return;
     from = event;
     handle.setPointerCapture(event.pointerId);
+    // At the document, as the row may be made anew meanwhile.
+    document.addEventListener("lostpointercapture", end, { once: true });
   });
   handle.addEventListener("pointermove", (event) => {
     if (!from) return;
@@ -87,5 +89,4 @@ export function startDrag(handle, state, field) {
     end();
     if (plot !== null) choose(state, field, { plot });
   });
-  handle.addEventListener("pointercancel", end);
 }

@@ -148,7 +148,6 @@ export class Plot {
         y: {
           valueRange: ranges.y,
           drawAxis: !onlyRight || (widths !== null && widths.y > 0),
-          drawGrid: !onlyRight,
           axisLabelWidth: own.y,
           axisLineColor: onlyRight ? "transparent" : this.axisColour,
         },

@@ -571,7 +571,10 @@ class Page(PageTest):
         above = float(handle.get_attribute("aria-valuenow"))
         self.assertGreater(above, places[1])
         handle.send_keys(Keys.ARROW_UP)
-        self.assertGreater(float(handle.get_attribute("aria-valuenow")), above)
+        wait_until(
+            lambda: float(handle.get_attribute("aria-valuenow")) > above,
+            lambda: f"{handle.get_attribute('aria-valuenow')}, {above} before",
+        )
         c, d, apart = re.findall(r"(?:C|D|C − D) (−?[\d.]+)", self.browser.text(".of-levels"))
         self.assertAlmostEqual(float(c) - float(d), float(apart), delta=2e-4)
         wait_until(

@@ -113,6 +113,8 @@ class GraphLoop:
         self._services.update_services(rules, ros1, services, owners)
         self._actions.update_actions(rules, ros1, services, owners)
         entries = self._entries(in_ros2, topics)
+        if self._ended.is_set():
+            return
         self._nodes_in_ros1.register(entries, ros1.nodes(), is_restarted)
         self._report_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})
         line = self._skipped.next_line(time.monotonic())
@@ -163,6 +165,8 @@ class GraphLoop:
         """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
         self._ended.set()
         self._thread.join(0.5)
-        self._actions.end_goals()
-        self._nodes_in_ros1.close()
-        self._side.close()
+        for end in (self._actions.end_goals, self._nodes_in_ros1.close, self._side.close):
+            try:
+                end()
+            except Exception:  # what comes next is to end all the same
+                rospy.logerr(traceback.format_exc())

@@ -4,7 +4,10 @@ import contextlib
 import os
 import signal
 import struct
+import threading
 import time
+from functools import partial
+from types import SimpleNamespace
 from typing import Any, List
 
 import both
@@ -17,6 +20,8 @@ from std_srvs.srv import Trigger
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.graph_loop import GraphLoop
+from ros2_bridge.ros1.nodes import NodesInRos1
 from ros2_bridge.ros1.one_bridge import domain
 
 
@@ -121,6 +126,32 @@ def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
         node.destroy_node()
         wait_until(lambda: not listed(), lambda: str(listed()))
         assert not bridge.logged("registered again")
+
+
+def test_nothing_is_registered_after_the_end(ros: both.Both) -> None:
+    nodes = NodesInRos1("/ros2_bridge")
+    nodes.register({"/early": set()}, set(), False)
+    assert rospy.get_master().lookupNode("/early")[0] == 1
+    nodes.close()
+    nodes.register({"/early": set(), "/late": set()}, set(), False)  # by a poll that was slow
+    assert rospy.get_master().lookupNode("/early")[0] == -1
+    assert rospy.get_master().lookupNode("/late")[0] == -1
+
+
+def test_what_fails_at_the_end_leaves_the_rest_to_end() -> None:
+    ended: List[str] = []
+
+    def fail() -> None:
+        raise RuntimeError("a goal does not end")
+
+    loop: Any = GraphLoop.__new__(GraphLoop)
+    loop._ended, loop._thread = threading.Event(), threading.Thread()
+    loop._thread.start()
+    loop._actions = SimpleNamespace(end_goals=fail)
+    for part in ("nodes_in_ros1", "side"):
+        setattr(loop, f"_{part}", SimpleNamespace(close=partial(ended.append, part)))
+    loop.close()
+    assert loop._ended.is_set() and ended == ["nodes_in_ros1", "side"]
 
 
 def test_nothing_is_lost_and_all_is_counted(ros: both.Both) -> None:

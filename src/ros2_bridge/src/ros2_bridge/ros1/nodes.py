@@ -47,6 +47,8 @@ _EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEven
 class NodesInRos1:
     """Registers nodes of ROS 2 with the master, and takes them back.
 
+    One thread does so; another may close it meanwhile.
+
     :param bridge: name of the bridge, which offers services for them
     """
 
@@ -56,6 +58,8 @@ class NodesInRos1:
         #: Nodes of another bridge, as of one to another domain, which is there.
         self._others: Set[str] = set()
         self._calls_to = ""
+        #: Held while the master is told something, which ends as soon as this is being closed.
+        self._lock, self._is_closed = threading.Lock(), False
         self._address = _Address()
         self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
         self._server.start()
@@ -77,8 +81,11 @@ class NodesInRos1:
         found = False
         for name in listed - self._others:
             if _refuses(self._address_of(name)):
-                self._change(name, {_EVENTS})  # the master forgets all of the old address
-                self._forget(name)
+                with self._lock:
+                    if self._is_closed:
+                        return found
+                    self._change(name, {_EVENTS})  # the master forgets all of the old address
+                    self._forget(name)
                 found = True
             else:
                 self._others.add(name)
@@ -94,6 +101,19 @@ class NodesInRos1:
         :param is_restarted: whether the master has forgotten all
         :raises MasterUnreachable: if it does not answer
         """
+        with self._lock:
+            self._drop_forgotten(is_restarted)
+            for name in (*self.names.difference(nodes), *nodes):
+                if self._is_closed:
+                    return
+                if name not in nodes:
+                    self._forget(name)
+                # One of ROS 1 that has just come would end if its name were registered.
+                elif name in self._registered or not (name in in_ros1 or self._address_of(name)):
+                    self._change(name, {_EVENTS, *nodes[name]})
+
+    def _drop_forgotten(self, is_restarted: bool) -> None:
+        """Drop what the master has of us no longer."""
         if is_restarted:
             self._registered = {}
         if self._address.is_taken.is_set():
@@ -101,12 +121,6 @@ class NodesInRos1:
             for name in self.names:
                 if self._address_of(name) != self._address.uri:
                     del self._registered[name]
-        for name in self.names.difference(nodes):
-            self._forget(name)
-        for name, entries in nodes.items():
-            # One of ROS 1 that has just come would end if its name were registered.
-            if name in self._registered or not (name in in_ros1 or self._address_of(name)):
-                self._change(name, {_EVENTS, *entries})
 
     def _forget(self, name: str) -> None:
         self._change(name, set())
@@ -128,9 +142,15 @@ class NodesInRos1:
         self._registered[name] = wanted
 
     def close(self) -> None:
-        """Take all of them back, if the master answers."""
-        with contextlib.suppress(ConnectionError):
-            self.register({}, set(), False)
+        """Take all of them back, if the master answers, and register no more."""
+        self._is_closed = True
+        if self._lock.acquire(timeout=_TIMEOUT_S / 2):
+            try:
+                with contextlib.suppress(ConnectionError):
+                    for name in self.names:
+                        self._forget(name)
+            finally:
+                self._lock.release()
         self._server.shutdown("")
 
     def _address_of(self, name: str) -> str:

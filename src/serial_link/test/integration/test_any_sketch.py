@@ -94,7 +94,8 @@ class AnySketch(unittest.TestCase):
         self.port = os.path.join(self.folder, "board")
         self.sketch = TestSketch()
         self.end = PtyEnd(self.port)
-        make = lambda now: Device(self.sketch, BUFFER, 512)  # noqa: E731
+        self.buffer = BUFFER
+        make = lambda now: Device(self.sketch, self.buffer, 512)  # noqa: E731
         self.board = SimulatedBoard(self.end, 115200, make)
 
     def start(self, *words: str, environment: Optional[Dict[str, str]] = None) -> Process:
@@ -214,6 +215,27 @@ class AnySketch(unittest.TestCase):
         node.wait_for_log("/told: a message of 101 bytes is not sent", "the board's buffer has 100")
         publisher.publish("x" * (BUFFER - 4))
         self.wait_until_told("x" * (BUFFER - 4))
+        self.assertEqual(self.board.device.receiver.too_long, 0)
+
+    def test_what_is_latched_is_too_long_for_the_smaller_buffer_of_a_new_sketch(self) -> None:
+        node = self.start()
+        text = "x" * (BUFFER - 4)
+        self.publisher(latch=True).publish(text)
+        self.wait_until_told(text)
+        self.buffer = 70
+        self.board.reset()
+        node.wait_for_log("/told: a message of 100 bytes is not sent", "the board's buffer has 70")
+
+    def test_a_parameter_beyond_the_buffer_is_answered_by_nothing(self) -> None:
+        rospy.set_param(self.space + "/long", "x" * BUFFER)
+        rospy.set_param(self.space + "/huge", "x" * 40000)
+        node = self.start()
+        for name in ("long", "huge"):
+            self.do(lambda device, name=name: device.ask_parameter(name))  # type: ignore[misc]
+        wait_until(lambda: len(self.sketch.parameters) == 2, lambda: str(self.sketch.parameters))
+        self.assertEqual(self.sketch.parameters, [Values((), (), ()), Values((), (), ())])
+        for name, size in (("long", 116), ("huge", 40016)):
+            node.wait_for_log(f"asks for {name}: an answer of {size} bytes", "buffer has 100")
         self.assertEqual(self.board.device.receiver.too_long, 0)
 
     def test_more_than_the_line_takes_leaves_the_newest_and_what_is_latched_all_comes(self) -> None:

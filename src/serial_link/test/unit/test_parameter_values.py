@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from serial_link.endpoints.parameter_values import NotForBoards, values_of
+from serial_link.endpoints.parameter_values import NotForBoards, answer_of, values_of
+from serial_link.negotiation.payloads import decode_values
 
 
 @pytest.mark.parametrize(
@@ -38,3 +39,10 @@ def test_what_no_board_takes_is_refused(raw: Any) -> None:
 def test_what_no_float_holds_is_refused(raw: Any) -> None:
     with pytest.raises(NotForBoards, match="32-bit"):
         values_of(raw)
+
+
+def test_an_answer_fits_into_the_boards_buffer_or_both_sizes_are_told() -> None:
+    payload = answer_of("x" * 84, 100)
+    assert len(payload) == 100 and decode_values(payload).texts == ("x" * 84,)
+    with pytest.raises(NotForBoards, match="of 101 bytes is not sent: .* buffer has 100"):
+        answer_of("x" * 85, 100)

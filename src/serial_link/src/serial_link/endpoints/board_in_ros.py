@@ -9,11 +9,12 @@ import rospy
 
 from nodekit import IllegalName, Maker
 from serial_link.endpoints.log_lines import LogLines
-from serial_link.endpoints.parameter_values import NotForBoards, values_of
+from serial_link.endpoints.parameter_values import NotForBoards, answer_of
 from serial_link.endpoints.refused import RefusedEndpoint
 from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
 from serial_link.endpoints.types import Malformed, TypeRefused
+from serial_link.framing.frames import LONGEST
 from serial_link.host.counts import MALFORMED, Counts
 from serial_link.link.arrivals import (
     InStep,
@@ -71,6 +72,10 @@ class BoardInRos:
         self._log = LogLines(maker, maker.name + "/board")
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
+        #: Whether the board has told of its topics, and so of its buffer, since it was started; and
+        #: the parameters that it has asked for before.
+        self._is_known = False
+        self._asked: List[str] = []
         self._retry_at = 0.0
         self._sayings = Sayings(_WARN_EVERY_S)
         self._is_over = threading.Event()
@@ -99,11 +104,19 @@ class BoardInRos:
             self._receive(arrival)
         elif isinstance(arrival, Topics):
             self._update(arrival.endpoints)
+            self._is_known = True
+            asked, self._asked = self._asked, []
+            for name in asked:
+                self._answer(name)
         elif isinstance(arrival, LogLine):
             self._log.write(*arrival)
         elif isinstance(arrival, ParameterWanted):
-            self._answer(arrival.name)
+            if self._is_known:
+                self._answer(arrival.name)
+            else:
+                self._asked.append(arrival.name)
         elif isinstance(arrival, Restarted):
+            self._is_known, self._asked = False, []
             for _, one in self._open.values():
                 one.fail(arrival.why)
         elif isinstance(arrival, InStep):
@@ -163,18 +176,23 @@ class BoardInRos:
         return kind(maker, endpoint, link, tally, self._timeout)
 
     def _answer(self, name: str) -> None:
-        """Send a parameter to the board; one that there is not as nothing, so that it goes on."""
-        values = Values()
+        """Send a parameter to the board; what it cannot get as nothing, so that it goes on."""
+        payload = encode_values(Values())
         try:
             resolved = self._maker.resolve(name)
             raw = self._find_parameter(resolved)
             if raw is None:
                 rospy.logwarn("the board asks for %s, which is not set", resolved)
             else:
-                values = values_of(raw)
+                payload = answer_of(raw, self._buffer_size())
         except (NotForBoards, IllegalName, ConnectionError) as error:
             rospy.logwarn("the board asks for %s: %s", name, error)
-        self._link.answer(PARAMETER, encode_values(values))
+        self._link.answer(PARAMETER, payload)
+
+    def _buffer_size(self) -> int:
+        """Return the longest payload that the board takes as far as it has told, bytes."""
+        infos = [endpoint.outgoing for endpoint in self._wanted.values()]
+        return min([LONGEST, *(info.buffer_size for info in infos if info is not None)])
 
 
 def _key(endpoint: Endpoint) -> _Key:

@@ -4,13 +4,28 @@ import math
 import struct
 from typing import Any, List
 
-from serial_link.negotiation.payloads import Values
+from serial_link.negotiation.payloads import Values, encode_values
 
 _INT32 = range(-(2**31), 2**31)
 
 
 class NotForBoards(ValueError):
     """A parameter that no board can take; the text says why."""
+
+
+def answer_of(raw: Any, size: int) -> bytes:
+    """Return the payload that answers a board's request for a parameter.
+
+    :param raw: as the parameter server holds it
+    :param size: what the board's buffer holds, bytes
+    :raises NotForBoards: if it is nothing that a board takes, or too long
+    """
+    payload = encode_values(values_of(raw))
+    if len(payload) > size:
+        raise NotForBoards(
+            f"an answer of {len(payload)} bytes is not sent: the board's buffer has {size}"
+        )
+    return payload
 
 
 def values_of(raw: Any) -> Values:

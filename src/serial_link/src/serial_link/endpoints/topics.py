@@ -82,7 +82,7 @@ class SubscribedTopic:
 
     def enter(self) -> None:
         """Send what is latched to a board that was started anew."""
-        if self._is_latched:
+        if self._is_latched and self._fits(self._latched):
             self._link.send_latched(self._info.topic_id, self._latched)
 
     def fail(self, why: str) -> None:
@@ -90,14 +90,7 @@ class SubscribedTopic:
 
     def _on_message(self, message: Any) -> None:
         payload, info = message._buff, self._info
-        if len(payload) > info.buffer_size:
-            self._tally.add(TOO_LARGE)
-            self._sayings.say(
-                rospy.logwarn,
-                f"{self._name}: a message of {len(payload)} bytes is not sent: the board's buffer "
-                f"has {info.buffer_size}",
-                "size",
-            )
+        if not self._fits(payload):
             return
         baud = self._link.baud
         if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
@@ -113,3 +106,17 @@ class SubscribedTopic:
             self._link.send_latched(info.topic_id, payload)
         else:
             self._link.send(info.topic_id, payload)
+
+    def _fits(self, payload: bytes) -> bool:
+        """Tell whether the board's buffer holds a message; if not, it is counted and told."""
+        size = self._info.buffer_size
+        if len(payload) <= size:
+            return True
+        self._tally.add(TOO_LARGE)
+        self._sayings.say(
+            rospy.logwarn,
+            f"{self._name}: a message of {len(payload)} bytes is not sent: the board's buffer "
+            f"has {size}",
+            "size",
+        )
+        return False

@@ -2,7 +2,7 @@
 
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Sequence
 
 import pytest
 from bags import write_bag
@@ -19,11 +19,15 @@ from topic_scope.web.overlays import Overlays
 
 
 class Bench:
-    """A bag of a triangle that rises for 1 s and falls for 1 s, and a page."""
+    """A bag of a triangle that rises for 1 s and falls for 1 s, and a page.
 
-    def __init__(self, path: Path) -> None:
-        values = [0.1 * min(index, 20 - index) for index in range(21)]
-        messages = [("/x", Float64(one), index * 10**8) for index, one in enumerate(values)]
+    :param missing: messages that the bag does not have, of 21
+    """
+
+    def __init__(self, path: Path, missing: Sequence[int] = ()) -> None:
+        there = [index for index in range(21) if index not in missing]
+        values = {index: 0.1 * min(index, 20 - index) for index in there}
+        messages = [("/x", Float64(one), index * 10**8) for index, one in values.items()]
         self.bag = BagOverlay(write_bag(path / "old.bag", messages), "old")
         self.changes = 0
         self.page = Page(5.0)
@@ -101,6 +105,7 @@ def test_it_is_laid_by_an_offset_and_at_a_begin(bench: Bench) -> None:
         ({"field": "=/x/data*2"}, TraceScale(), 0.25),
         ({}, TraceScale(gain=0.5, offset=0.25), 0.5),
         ({"level": 0.0, "hysteresis": 0.5}, TraceScale(offset=-0.6), 0.6),
+        ({"level": 0.25}, TraceScale(steps=True), 0.3),
     ],
 )
 def test_it_is_aligned_where_it_would_trigger_the_page(
@@ -112,6 +117,15 @@ def test_it_is_aligned_where_it_would_trigger_the_page(
     bench.finish()
     assert bench.errors() == []
     assert bench.bag.place + crossing == pytest.approx(300.0)
+
+
+@pytest.mark.parametrize("field", ["/x/data", "=/x/data * 1"])
+def test_behind_a_gap_it_is_aligned_where_the_line_goes_on(tmp_path: Path, field: str) -> None:
+    bench = Bench(tmp_path, range(3, 10))
+    bench.trigger(field=field)
+    bench.overlays.lay(bench.page, Lay("old", trigger=300.0))
+    bench.finish()
+    assert bench.bag.place + 1.0 == pytest.approx(300.0)
 
 
 def test_what_cannot_be_aligned_is_said_by_name(bench: Bench) -> None:

@@ -2,15 +2,17 @@
 
 from typing import Dict, List, Sequence, Tuple
 
+import numpy
+
 from topic_scope.bag.bag_columns import Column, choose
 from topic_scope.bag.bag_file import BagFile
 from topic_scope.bag.bag_lines import chosen, series_of
 from topic_scope.bag.bag_messages import first_messages, slices
 from topic_scope.bag.bag_series import Series
-from topic_scope.formulas.names import formula_of
+from topic_scope.formulas.names import formula_of, terms
 from topic_scope.messages.arrays import Arrays
-from topic_scope.messages.fields import FieldError, Path
-from topic_scope.messages.timestamp_source import path_of
+from topic_scope.messages.fields import FieldError, Path, parted, split
+from topic_scope.messages.timestamp_source import longest_step, path_of
 from topic_scope.record.laid import LaidStream, LaidTrace
 
 
@@ -85,6 +87,17 @@ class BagOverlay:
         """
         formula = formula_of(name)
         return self._own(name) if formula is None else "=" + formula.text(self._own)
+
+    def longest_step(self, series: Series) -> float:
+        """Return how far apart samples of one line may be, s.
+
+        :param series: one that :meth:`read` has returned
+        """
+        bare, _, timestamp = parted(terms(series.name)[0])
+        place = split(bare, self._first)
+        path = path_of(timestamp, self._first[place[0]].layout) if place else None
+        there = numpy.isfinite(numpy.array(series.values))  # where a line ends no sample is
+        return longest_step(path, numpy.array(series.times)[there])
 
     def read(self, names: Sequence[str]) -> List[Series]:
         """Return lines over time; as it opens the file anew, any thread may call it.

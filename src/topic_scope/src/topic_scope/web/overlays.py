@@ -126,7 +126,7 @@ class Overlays:
             if isinstance(found, Exception):
                 page.put_once({"type": "error", "text": f"{bag.name}: {found}"})
                 return
-            moments = _crossings(found[0], page, trigger)
+            moments = _crossings(found[0], page, trigger, bag.longest_step(found[0]))
             if not len(moments):
                 way = "rises" if trigger.rising else "falls"
                 text = f"{bag.name}: {name} never {way} through {trigger.level:g}"
@@ -139,8 +139,11 @@ class Overlays:
             raise RequestError(f"overlay: {bag.name} is being aligned already")
 
 
-def _crossings(series: Series, page: Page, trigger: Trigger) -> numpy.ndarray:
+def _crossings(
+    series: Series, page: Page, trigger: Trigger, longest: float
+) -> numpy.ndarray:
     """Return when a line of a bag would trigger a page, scaled as the page wants that trace, s."""
     samples = numpy.array(series.times), numpy.array(series.values)
     times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)
-    return crossings(times, values, trigger.level, trigger.rising, trigger.hysteresis)
+    longest = 0.0 if page.scaling.is_stepped(trigger.field) else longest
+    return crossings(times, values, trigger.level, trigger.rising, trigger.hysteresis, longest)

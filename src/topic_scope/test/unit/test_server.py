@@ -124,3 +124,24 @@ def test_traces_are_measured_now_and_then_not_for_each_frame(
         clock.monotonic.return_value = moment
         server._send_frames()
     assert [call[0][2] for call in page.frame.call_args_list] == [True, False, False, True, False]
+
+
+@pytest.mark.parametrize("why", ["busy", "resting"])
+def test_a_page_that_gets_no_frame_when_traces_are_measured_has_figures_with_the_next(
+    server: Server, monkeypatch: "pytest.MonkeyPatch", why: str
+) -> None:
+    server.on_topics({})
+    socket = Socket(server)
+    socket.page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
+    clock = mock.Mock(**{"thread_time.return_value": 0.0})
+    monkeypatch.setattr("topic_scope.web.server.time", clock)
+    if why == "busy":
+        socket.is_ready = False
+    else:
+        socket.page.took(100.0, 100.01)  # it rests for four times as long
+        socket.page.took(100.0, 100.05)
+    for moment in (100.0, 100.2, 100.25):
+        clock.monotonic.return_value = moment
+        server._send_frames()
+        socket.is_ready = True
+    assert [call[0][2] for call in socket.page.frame.call_args_list] == [True, False]

@@ -35,6 +35,8 @@ class Page:
         #: Names as the page chose them, None as long as it has chosen nothing.
         self.chosen: Optional[Tuple[str, ...]] = None
         self.wants_graph = False
+        #: Whether its next frame is to come with figures.
+        self.is_to_measure = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
         self.chart = ChartFeed(Chart())

@@ -274,26 +274,27 @@ class Server:
 
     def _send_frames(self) -> None:
         now = self._recorder.update()
-        measures = time.monotonic() >= self._statistics_at + STATISTICS_S
-        if measures:
+        if time.monotonic() >= self._statistics_at + STATISTICS_S:
             self._statistics_at = time.monotonic()
+            for page in self.pages():
+                page.is_to_measure = True
         for connection in list(self.sockets):
-            page = connection.page
-            if page is None:
+            if connection.page is None:
                 continue
             try:
                 if self._is_halted or not self._knows_topics:
                     if connection.is_ready:
-                        connection.send(page.pop_messages())
+                        connection.send(connection.page.pop_messages())
                 else:
-                    self._send_frame(connection, page, now, measures)
+                    self._send_frame(connection, connection.page, now)
             except Exception:  # of any kind: the other pages have theirs all the same
                 rospy.logerr_throttle(_LOG_PERIOD_S, f"no frame: {traceback.format_exc()}")
 
-    def _send_frame(self, connection: Socket, page: Page, now: float, measures: bool) -> None:
+    def _send_frame(self, connection: Socket, page: Page, now: float) -> None:
         page.watch(self._recorder, now)
         began, used = time.monotonic(), time.thread_time()
         if connection.is_ready and page.is_due(began):  # the next frame holds what this one would
+            measures, page.is_to_measure = page.is_to_measure, False
             connection.send(page.frame(self._recorder, now, measures))
             # By the processor: what others do on this machine is not the page's work.
             page.took(began, began + time.thread_time() - used)

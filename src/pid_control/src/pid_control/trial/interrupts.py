@@ -10,8 +10,8 @@ from typing import Iterator, List
 def interrupts_put_off() -> Iterator[None]:
     """Put Ctrl-C, SIGTERM and SIGHUP off until the end.
 
-    A process that is half started, or half ended, would stay behind. Only the main thread is interrupted by
-    them.
+    A process that is half started, or half ended, would stay behind. Only the main thread is
+    interrupted by them.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

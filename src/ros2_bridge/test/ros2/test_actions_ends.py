@@ -2,7 +2,7 @@
 
 import os
 import signal
-from typing import Any, List
+from typing import Any, List, cast
 
 import both
 import pytest
@@ -11,13 +11,20 @@ from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_parts import Client1, Client2, Server1, Server2, cancel
 from action_server2 import Server
 from rclpy.action.graph import get_action_names_and_types
+from rclpy.exceptions import InvalidServiceNameException
 from rclpy.node import Node
 
+import nodekit
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
+from ros2_bridge.action_bridge.all_actions import ActionBridge
+from ros2_bridge.action_bridge.server_to_ros2 import ActionToRos2
 from ros2_bridge.actions.goal_ids import bytes_of, text_of
 from ros2_bridge.actions.goals_of_ros2 import GONE, NO_ANSWER
 from ros2_bridge.environment.ros1_messages import GoalID
+from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.rules.pairing import Way
+from ros2_bridge.rules.skipped import SkipLog
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
@@ -68,6 +75,31 @@ def test_two_servers_whose_nodes_have_one_name_are_told(ros: both.Both) -> None:
         bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
 
 
+def test_servers_of_both_that_have_one_name_are_told(ros: both.Both) -> None:
+    with Server1("/arm/twice"), Server2("/arm/twice"), both.Bridge() as bridge:
+        bridge.wait_for_log("not bridged: /arm/twice: both ROSes list a server", "rosnode cleanup")
+
+
+def test_action_that_fails_keeps_no_other_from_following() -> None:
+    class Pair:
+        def __init__(self, error: str) -> None:
+            self.error, self.followed = error, 0
+
+        def follow(self) -> None:
+            self.followed += 1
+            if self.error:
+                raise RuntimeError(self.error)
+
+    nothing: Any = None
+    skipped, pairs = SkipLog(), [Pair("it is broken"), Pair("")]
+    actions = ActionBridge(nothing, nothing, nothing, skipped, lambda: 1.0)
+    actions.pairs.update({Way(f"/{n}", True): cast(Any, pair) for n, pair in enumerate(pairs)})
+    for _ in range(2):
+        actions.follow()
+    assert [pair.followed for pair in pairs] == [2, 2]
+    assert skipped.next_line(0.0) == "not bridged: /0: it is broken"
+
+
 def test_action_with_too_long_a_name_keeps_no_other(ros: both.Both) -> None:
     long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
     with Server1(long, "talkative"), Server1("/leg/jump") as server, both.Bridge() as bridge:
@@ -77,6 +109,27 @@ def test_action_with_too_long_a_name_keeps_no_other(ros: both.Both) -> None:
         assert client.accepted("up") and client.end("up") == GoalStatus.STATUS_SUCCEEDED
         client.close()
         assert server.popen.poll() is None and not bridge.logged("Traceback")
+
+
+def test_action_whose_services_fail_is_not_taken_for_offered(ros: both.Both) -> None:
+    long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
+    node, side = nodekit.Node(), Ros2("/offering")
+    node.start()
+    kind = ros.types.action("bot_controller_demo_msgs/GoTo")
+    action = ActionToRos2(node, side, side.node, long, long, kind, lambda: 1.0)
+
+    def fails() -> bool:
+        try:
+            action.follow()
+        except InvalidServiceNameException:
+            return True
+        return False
+
+    with Server1(long):
+        wait_until(fails, lambda: "it is offered, or not connected")
+        assert fails() and not [topic for topic in side.topics() if long in topic]
+    for part in (action, side, node):
+        part.close()
 
 
 def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:

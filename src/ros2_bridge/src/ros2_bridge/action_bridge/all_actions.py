@@ -57,13 +57,19 @@ class ActionBridge(PairBridge[_Pair]):
             self._ros2[rules.names.in_ros1(name) or ""] = server
         in_ros1, in_ros2 = set(self._ros1), set(self._ros2) - {""}
         # A name that both sides have is not served for the other.
+        for name in sorted(filter(rules.allows, in_ros1 & in_ros2)):
+            self._skipped.report(
+                f"{name}: both ROSes list a server of this action; of one that was killed, ROS 2 is"
+                " rid within 20 s, and ROS 1 after `rosnode cleanup`"
+            )
         self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
         self.follow()
 
     def follow(self) -> None:
         """Have each pair follow its server."""
-        for pair in list(self.pairs.values()):
-            pair.follow()
+        for way, pair in list(self.pairs.items()):
+            with self._skipped.catching(way.name):
+                pair.follow()
 
     def end_goals(self) -> None:
         """Have the goals of all clients on the other side end as aborted."""

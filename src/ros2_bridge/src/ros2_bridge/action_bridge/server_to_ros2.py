@@ -1,8 +1,8 @@
 """An action server of ROS 1, offered in ROS 2."""
 
+import contextlib
 import threading
 import time
-from functools import partial
 from typing import Any, Callable, List, Optional, Sequence, Set
 
 import rospy
@@ -57,7 +57,7 @@ class ActionToRos2:
         self.kind = kind
         self._lock = threading.RLock()
         self._goals = GoalsOfRos1(timeout, self._publish_status)
-        self._ends: List[Callable[[], None]] = []
+        self._offered: Optional[contextlib.ExitStack] = None
         self._connected = time.monotonic()
         self._unknown: Set[int] = set()
         self._made = made = node.lifetime()
@@ -77,7 +77,7 @@ class ActionToRos2:
         now, is_connected = time.monotonic(), self._is_connected()
         if is_connected:
             self._connected = now
-            if not self._ends:
+            if self._offered is None:
                 self._offer()
         with self._lock:
             if now > self._connected + _GONE_S:
@@ -97,18 +97,22 @@ class ActionToRos2:
     def _offer(self) -> None:
         side, owner, impl = self._side, self.owner, self.kind.cls.Impl
         path, quality = f"{self._other}/_action", Quality(1, latched=True)
-        self._status2 = side.publisher(owner, GoalStatusArray2, f"{path}/status", quality)
-        self._feedback2 = side.publisher(
-            owner, impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH)
-        )
-        for publisher in (self._status2, self._feedback2):
-            self._ends.append(partial(side.destroy_publisher, owner, publisher))
-        for cls, name, answer in (
-            (impl.CancelGoalService, "cancel_goal", self._answer_cancel),
-            (impl.GetResultService, "get_result", self._answer_result),
-            (impl.SendGoalService, "send_goal", self._answer_goal),
-        ):
-            self._ends.append(side.serve(owner, cls, f"{path}/{name}", answer, DEPTH))
+        with contextlib.ExitStack() as ends:  # all of it, or nothing
+            self._status2 = side.publisher(owner, GoalStatusArray2, f"{path}/status", quality)
+            ends.callback(side.destroy_publisher, owner, self._status2)
+            self._feedback2 = side.publisher(
+                owner, impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH)
+            )
+            ends.callback(side.destroy_publisher, owner, self._feedback2)
+            for cls, name, answer in (
+                (impl.CancelGoalService, "cancel_goal", self._answer_cancel),
+                (impl.GetResultService, "get_result", self._answer_result),
+                (impl.SendGoalService, "send_goal", self._answer_goal),
+            ):
+                ends.callback(side.serve(owner, cls, f"{path}/{name}", answer, DEPTH))
+            self._offered = ends.pop_all()
+        with self._lock:
+            self._goals.publish_all()
 
     def _answer_goal(self, request: Any, send: Callable[[Any], None]) -> None:
         stamp = rospy.Time.now().to_nsec()
@@ -195,7 +199,7 @@ class ActionToRos2:
             self._goals.hear_result(report.text, status, content, time.monotonic())
 
     def _hear_feedback(self, message: Any) -> None:
-        if not self._ends:
+        if self._offered is None:
             return
         try:
             report = wire.read_report(message._buff)
@@ -207,7 +211,7 @@ class ActionToRos2:
         self._feedback2.publish(cdr[:4] + bytes_of(report.text) + cdr[4:])
 
     def _publish_status(self, goals: Sequence[Goal]) -> None:
-        if self._ends:
+        if self._offered is not None:
             listed = [GoalStatus2(goal_info=_info(goal), status=goal.status) for goal in goals]
             self._status2.publish(GoalStatusArray2(status_list=listed))
 
@@ -220,10 +224,10 @@ class ActionToRos2:
         """End it."""
         self.end_goals()
         with self._lock:
-            ends, self._ends = self._ends, []
+            offered, self._offered = self._offered, None
         self._made.close()
-        for end in ends:
-            end()
+        if offered is not None:
+            offered.close()
 
 
 def _time(stamp: int) -> Any:

@@ -210,6 +210,10 @@ class GoalsOfRos1:
         self._report(now)
         return GivenUp(unheard, without_result)
 
+    def publish_all(self) -> None:
+        """Publish the goals that ROS 2 knows."""
+        self._publish_status([one for one in self._goals.values() if one.status is not None])
+
     def _move(self, goal: Goal, status: Status1, now: float, result: bytes = b"") -> None:
         """Give a goal the state that the server says it has, which may be old news."""
         if goal.is_over:
@@ -244,7 +248,7 @@ class GoalsOfRos1:
         """Publish what has changed, and answer what has waited for it."""
         if self._is_changed:
             self._is_changed = False
-            self._publish_status([one for one in self._goals.values() if one.status is not None])
+            self.publish_all()
         self._answer_cancellations(now)
 
     def _answer_cancellations(self, now: float) -> None:

@@ -51,6 +51,17 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
     assert list(rows([other], both)) == []
 
 
+def test_where_a_line_ends_its_last_sample_stays() -> None:
+    times = numpy.array([1.0, 2.0, 2.0, 9.0, 10.0])
+    cells = ["0.5", "1.5", "nan", "2.5", "nan"]
+    assert list(rows([CsvColumn("/a", times, times, cells)], both)) == [
+        "1.0,1.0,0.5\n",
+        "2.0,2.0,1.5\n",
+        "9.0,9.0,2.5\n",
+        "10.0,10.0,nan\n",
+    ]
+
+
 def test_a_name_with_a_comma_is_one_cell() -> None:
     names = ["time", "=atan2(/a, /b)", "/c"]
     assert next(csv.reader([header(*names)])) == names

@@ -1,9 +1,12 @@
 """Samples as rows of a CSV file: one for each message, with all fields that were read of it."""
 
+import math
 from itertools import groupby
 from typing import Any, Callable, Iterator, List, NamedTuple, Sequence
 
 import numpy
+
+_NAN = repr(math.nan)
 
 
 class CsvColumn(NamedTuple):
@@ -50,5 +53,6 @@ def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iter
     for (time, came, _), group in groupby(in_order, key=lambda one: one[0]):
         row: List[str] = [""] * len(columns)
         for _, (index, cell) in group:
-            row[index] = cell
+            if cell != _NAN or not row[index]:  # a line that ends has it at its last sample's time
+                row[index] = cell
         yield ",".join([stamp(time, came)] + row) + "\n"

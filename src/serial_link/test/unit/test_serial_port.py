@@ -120,6 +120,22 @@ def test_it_has_the_port_for_itself(plugged: Tuple[PtyEnd, SerialPort]) -> None:
         SerialPort(port.name, 57600).open(0.0)
 
 
+def test_others_may_open_a_port_that_was_closed() -> None:
+    with tempfile.TemporaryDirectory(dir="/tmp") as folder:
+        os.chmod(folder, 0o755)
+        end = PtyEnd(os.path.join(folder, "board"))
+        end.plug()
+        port = SerialPort(os.path.join(folder, "board"), 57600)
+        os.chmod(port.name, 0o666)
+        port.open(0.0)
+        port.close()
+        words = subprocess.run(
+            [sys.executable, "-c", AS_NOBODY, port.name], stdout=subprocess.PIPE, check=True
+        ).stdout.decode()
+        end.unplug()
+    assert words == ""
+
+
 def test_without_permission_the_sentence_names_the_group() -> None:
     # Unlike pytest's folder, and that of ci/test, /tmp is open to everybody.
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:

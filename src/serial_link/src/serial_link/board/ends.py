@@ -66,7 +66,7 @@ class PtyEnd:
             os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
             if os.path.islink(self._link) and not os.path.exists(self._link):
                 os.unlink(self._link)  # of a board that was killed
-            os.symlink(os.ttyname(terminal), self._link)
+            self._make_link(os.ttyname(terminal))
         except OSError:
             os.close(fd)
             raise
@@ -74,6 +74,13 @@ class PtyEnd:
             os.close(terminal)
         os.set_blocking(fd, False)
         self._fd = fd
+
+    def _make_link(self, terminal: str) -> None:
+        try:
+            os.symlink(terminal, self._link)
+        except FileExistsError as error:
+            why = "another board's, or left by one that was killed: then remove it"
+            raise OSError(error.errno, f"there is a port already, {why}", self._link) from None
 
     def unplug(self) -> None:
         """Remove the terminal and the link."""

@@ -1,5 +1,6 @@
 """A serial port, by pyserial."""
 
+import contextlib
 import errno
 import fcntl
 import grp
@@ -85,10 +86,11 @@ class SerialPort:
         """Close the port."""
         opened, self._serial = self._serial, None
         if opened is not None:
-            try:
+            with contextlib.suppress(OSError):  # it is gone already
+                # A terminal that lives on, as that of a simulated board, would stay shut.
+                fcntl.ioctl(opened.fileno(), termios.TIOCNXCL)
+            with contextlib.suppress(OSError):
                 opened.close()
-            except OSError:
-                pass  # it is gone already
 
     def release(self) -> None:
         """Close the port."""

@@ -142,6 +142,8 @@ def test_back_calculation_follows_with_its_time_constant() -> None:
         dict(feed_forward=0.05),
         dict(mode=PID),
         dict(kp=0.5, ki=4.0, mode=PID),
+        dict(dead_zone=0.05),
+        dict(dead_zone=0.05, output_max=0.8),
     ],
 )
 def test_change_of_settings_makes_no_jump(change: dict) -> None:

@@ -121,8 +121,7 @@ class Pid:
         self._integral = self._derivative = 0.0
         #: The latest measurement; None where the next one is the first.
         self._measurement: Optional[float] = None
-        #: The latest output, and whether the next one goes on from it whatever the terms say; both
-        #: before the dead zone is compensated.
+        #: The latest output, and whether the next one goes on from it whatever the terms say.
         self._output, self._resumes = 0.0, False
 
     def reset(self) -> None:
@@ -150,8 +149,7 @@ class Pid:
         """
         self._measurement = None
         self._derivative = 0.0
-        self._output = self._settings.uncompensated(self._settings.limited(output))
-        self._resumes = True
+        self._output, self._resumes = output, True
 
     def update(self, set_point: float, measurement: float, interval: float) -> Terms:
         """Return the output that answers a measurement.
@@ -173,12 +171,13 @@ class Pid:
         if not settings.integrates:
             growth = self._integral = 0.0
         elif self._resumes:
-            growth, self._integral = 0.0, self._output - rest
+            # By the limits and the dead zone of now, whatever they were as that was sent.
+            growth = 0.0
+            self._integral = settings.uncompensated(settings.limited(self._output)) - rest
         self._resumes = False
         integral = self._integral + growth
-        self._output = settings.limited(rest + integral)
         unlimited = settings.compensated(rest + integral)
-        output = settings.limited(unlimited)
+        self._output = output = settings.limited(unlimited)
         self._integral = self._kept(growth, unlimited - output, interval)
         return Terms(proportional, integral, self._derivative, feed_forward, unlimited, output)
 

@@ -26,6 +26,14 @@ def test_a_slow_approach_is_progress(gain: float) -> None:
         assert standstill.lasted(DRIVING, Errors(distance, 0.0, 0.0), 0.1 * step) < 1.5
 
 
+def test_a_drive_to_a_goal_far_away_is_progress() -> None:
+    """At 0.22 m/s a robot makes less than 1 % of 300 m in 10 s."""
+    standstill = Standstill()
+    for step in range(13000):
+        seen = Errors(300.0 - 0.022 * step, 0.0, 0.0)
+        assert standstill.lasted(DRIVING, seen, 0.1 * step) < 0.5
+
+
 @pytest.mark.parametrize("phase", [DRIVING, TURNING])
 def test_a_turn_is_progress_and_going_round_and_round_is_not(phase: str) -> None:
     standstill = Standstill()

@@ -10,8 +10,9 @@ from bot_controller_demo.laws.pursuit import TURNING
 GIVEN_UP = "given_up"
 
 #: An error that falls to this part of its least counts as progress: a slow robot makes it too, and
-#: what odometry's noise makes of a robot at rest does not for long.
-_CLOSER = 0.99
+#: what odometry's noise makes of a robot at rest does not for long. Of a distance this many metres
+#: are enough: 1 % of a long way takes long.
+_CLOSER, _CLOSER_BY = 0.99, 0.05
 #: Below this an angle is not followed any further, rad.
 _LEAST_ANGLE = 0.01
 
@@ -40,7 +41,7 @@ class Standstill:
         :param now: s
         """
         angle = abs(seen.heading if phase == TURNING else seen.direction)
-        is_closer = seen.distance < _CLOSER * self._distance
+        is_closer = seen.distance < max(_CLOSER * self._distance, self._distance - _CLOSER_BY)
         if phase != self._phase or is_closer:
             self._distance, self._angle = seen.distance, angle
         elif max(angle, _LEAST_ANGLE) < _CLOSER * self._angle:

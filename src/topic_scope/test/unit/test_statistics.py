@@ -37,6 +37,12 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float], step
     assert result["rms"] is None or result["rms"] <= max(map(abs, finite)) * (1 + 1e-9)
 
 
+def test_the_end_of_a_line_is_no_sample() -> None:
+    times = numpy.array([0.0, 1.0, 1.0, 9.0, 10.0])
+    result = measure(times, numpy.array([1.0, 2.0, math.nan, 3.0, math.nan]))
+    assert result["rate"] == pytest.approx(0.3) and result["nan"] == 0.25
+
+
 def test_tells_what_part_is_no_number() -> None:
     values = numpy.array([1.0, math.nan, 2.0, math.inf])
     assert measure(numpy.arange(4.0), values)["nan"] == 0.5

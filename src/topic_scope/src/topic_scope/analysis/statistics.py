@@ -17,10 +17,14 @@ def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[f
     result: Dict[str, Optional[float]] = dict.fromkeys(
         ("rate", "value", "min", "max", "vpp", "mean", "rms", "deviation", "nan")
     )
+    finite = numpy.isfinite(values)
+    if not finite.all():
+        # Where a line ends, a NaN stands at the time of its last sample: that is no sample.
+        ends = numpy.flatnonzero(numpy.isnan(values[1:]) & (times[1:] == times[:-1])) + 1
+        times, values, finite = (numpy.delete(row, ends) for row in (times, values, finite))
     if len(times) and times[-1] > times[0]:
         result["rate"] = (len(times) - 1) / float(times[-1] - times[0])
     if len(values):
-        finite = numpy.isfinite(values)
         count = int(numpy.count_nonzero(finite))
         result["nan"] = 1.0 - count / len(values)
         if count < len(values):

@@ -12,8 +12,12 @@ from typing import Any, List
 import genpy.dynamic
 import pytest
 import rospkg
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
+from builtin_interfaces.msg import Time
 from rclpy.serialization import deserialize_message, serialize_message
+from unique_identifier_msgs.msg import UUID
 
+from ros2_bridge.actions.status_list import Listed, read_list, write_list
 from ros2_bridge.types.types import Types, Unbridgeable, package_folder
 
 PACKAGES = (
@@ -123,3 +127,19 @@ def test_what_ros1_alone_has_is_said_to_be_missing_in_ros2(
         Types().message(name)
     missing = f"{name} needs {package}/msg/{base}, which is not installed in ROS 2"
     assert str(caught.value) == missing
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 50])
+def test_list_of_goals_is_ros2s_own(count: int) -> None:
+    goals = [Listed(bytes([n]) * 16, n * 10**9 + 7, n % 7) for n in range(count)]
+    listed = [
+        GoalStatus(
+            goal_info=GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=n, nanosec=7)),
+            status=status,
+        )
+        for n, (uuid, _, status) in enumerate(goals)
+    ]
+    message = GoalStatusArray(status_list=listed)
+    data = serialize_message(message)  # where nothing is said, it has any bytes
+    assert read_list(data) == goals and len(write_list(goals)) == len(data)
+    assert deserialize_message(write_list(goals), GoalStatusArray) == message

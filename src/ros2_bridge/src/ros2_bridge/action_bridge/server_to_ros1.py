@@ -20,6 +20,7 @@ from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
 from ros2_bridge.actions.goals_of_ros2 import Goal, GoalsOfRos2
 from ros2_bridge.actions.states import NUMBERED2, Status2
+from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.side import Ros2
@@ -183,11 +184,13 @@ class ActionToRos1:
 
     def _hear_status(self, arrived: List[Arrived]) -> None:
         for one in arrived:
-            message = deserialize_message(one.data, GoalStatusArray2)
-            listed = [
-                (bytes(each.goal_info.goal_id.uuid), _stamp(each), self._known(each.status))
-                for each in message.status_list
-            ]
+            try:
+                goals = read_list(one.data)
+            except ValueError as error:
+                rospy.logwarn_throttle(1.0, f"{self._name}: a list of goals of ROS 2: {error}")
+                continue
+            # ROS 1 has no times below 0.
+            listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]
             with self._lock:
                 self._goals.hear_status(listed, one.sender, time.monotonic())
 
@@ -232,8 +235,3 @@ class ActionToRos1:
 
 def _report(goal: Goal, content: bytes) -> wire.Reported:
     return wire.Reported(goal.text, goal.stamp, goal.status, goal.why, content)
-
-
-def _stamp(status: Any) -> int:
-    stamp = status.goal_info.stamp
-    return max(0, int(stamp.sec * 10**9 + stamp.nanosec))  # ROS 1 has no earlier times

@@ -7,7 +7,6 @@ from typing import Any, Callable, List, Optional, Sequence, Set
 
 import rospy
 from action_msgs.msg import GoalInfo
-from action_msgs.msg import GoalStatus as GoalStatus2
 from action_msgs.msg import GoalStatusArray as GoalStatusArray2
 from builtin_interfaces.msg import Time
 from rclpy.node import Node as Ros2Node
@@ -19,6 +18,7 @@ from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of
 from ros2_bridge.actions.goals_of_ros1 import Goal, GoalsOfRos1
 from ros2_bridge.actions.states import NUMBERED1, OVER1, Status1, Status2
+from ros2_bridge.actions.status_list import Listed, seconds_of, write_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.settings import Quality
@@ -29,8 +29,6 @@ from ros2_bridge.types.types import ActionType
 DEPTH = 1000
 #: How long a server may be without a connection until its goals are lost, s.
 _GONE_S = 1.0
-#: The last second of ROS 2's time.
-_LAST_S = 2**31 - 1
 
 
 class ActionToRos2:
@@ -212,8 +210,8 @@ class ActionToRos2:
 
     def _publish_status(self, goals: Sequence[Goal]) -> None:
         if self._offered is not None:
-            listed = [GoalStatus2(goal_info=_info(goal), status=goal.status) for goal in goals]
-            self._status2.publish(GoalStatusArray2(status_list=listed))
+            listed = (Listed(goal.uuid, goal.stamp, goal.status or 0) for goal in goals)
+            self._status2.publish(write_list(listed))
 
     def end_goals(self) -> None:
         """Have all goals end as aborted."""
@@ -231,8 +229,8 @@ class ActionToRos2:
 
 
 def _time(stamp: int) -> Any:
-    # ROS 1's clients set it, and its time ends later.
-    return Time(sec=min(stamp // 10**9, _LAST_S), nanosec=stamp % 10**9)
+    seconds, rest = seconds_of(stamp)  # which ROS 1's clients set
+    return Time(sec=seconds, nanosec=rest)
 
 
 def _info(goal: Goal) -> Any:

@@ -1,9 +1,10 @@
 """Polls both graphs, and has each part of the bridge follow them."""
 
+import contextlib
 import threading
 import time
 import traceback
-from typing import Any, Dict, Set
+from typing import Any, Dict, Iterator, Set, Tuple
 
 import rospy
 
@@ -16,6 +17,7 @@ from ros2_bridge.ros1.nodes import Entry, NodesInRos1
 from ros2_bridge.ros2.graph import Ros2Graph, Topic
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
+from ros2_bridge.rules.pairs import PairBridge
 from ros2_bridge.rules.settings import BridgeParameters, Qualities
 from ros2_bridge.rules.skipped import SkipLog
 from ros2_bridge.services import ServiceBridge
@@ -83,16 +85,26 @@ class GraphLoop:
                 continue
             tick += 1
             try:
-                if tick <= _FIRST_POLLS or tick % _TICKS == 0:
-                    self._poll_graphs()
-                else:
-                    self._topics.follow_subscribers1()
-                    self._actions.follow()
+                with self._guarded():
+                    if tick <= _FIRST_POLLS or tick % _TICKS == 0:
+                        self._poll_graphs()
+                    else:
+                        with self._guarded():
+                            self._topics.follow_subscribers1()
+                        self._actions.follow()
             except MasterUnreachable as error:  # all stays as it is until it is back
                 rospy.logwarn_throttle(10.0, f"nothing new is bridged: {error}")
-            except Exception:
-                if not self._ended.is_set():
-                    rospy.logerr_throttle(10.0, traceback.format_exc())
+
+    @contextlib.contextmanager
+    def _guarded(self) -> Iterator[None]:
+        """Log what fails of one part of the bridge: all else goes on."""
+        try:
+            yield
+        except MasterUnreachable:
+            raise
+        except Exception:
+            if not self._ended.is_set():
+                rospy.logerr_throttle(10.0, traceback.format_exc())
 
     def _poll_graphs(self) -> None:
         ros1 = self._read_ros1()
@@ -109,9 +121,16 @@ class GraphLoop:
         owners = self._nodes.in_ros2()
         self._rosout.update_nodes(owners)
         self._rosout.subscription.switch(ROSOUT in topics and bool(topics[ROSOUT].subscribers))
-        self._topics.update_topics(rules, ros1, topics, owners)
-        self._services.update_services(rules, ros1, services, owners)
-        self._actions.update_actions(rules, ros1, services, owners)
+        parts: Tuple[PairBridge[Any], ...] = (self._topics, self._services, self._actions)
+        for part in parts:
+            with self._guarded():
+                part.close_denied(rules)
+        with self._guarded():
+            self._topics.update_topics(rules, ros1, topics, owners)
+        with self._guarded():
+            self._services.update_services(rules, ros1, services, owners)
+        with self._guarded():
+            self._actions.update_actions(rules, ros1, services, owners)
         entries = self._entries(in_ros2, topics)
         if self._ended.is_set():
             return

@@ -5,7 +5,7 @@ import struct
 import threading
 import xmlrpc.client
 from types import SimpleNamespace
-from typing import Any, Dict, List, Tuple, cast
+from typing import Any, Callable, Dict, List, Tuple, cast
 
 import both
 import pytest
@@ -17,10 +17,14 @@ from std_msgs.msg import Float32, String
 from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.rules.pairing import Rules, Way
 from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
+from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.one_topic import Count, Kept, TopicToRos1, TopicToRos2
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
@@ -331,6 +335,28 @@ def test_what_one_gone_node_of_ros2_has_latched_is_forgotten_and_the_others_kept
     for _ in range(MISSED_POLLS):
         pair.forget_all_but({b"here"})
     assert latched == [["one", "two"], ["two"]]
+
+
+def test_a_topic_that_fails_leaves_the_others_to_be_followed() -> None:
+    followed: List[str] = []
+
+    def fail(_: Any) -> None:
+        raise RCLError("one fails")
+
+    def pair(switch: Callable[[Any], Any]) -> Any:
+        made: Any = TopicToRos1.__new__(TopicToRos1)
+        made._found, made._wanted = SimpleNamespace(latched=True), "wanted"
+        made._switch, made.limit = switch, RateLimit()
+        return made
+
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
+    bridge.pairs.update({Way("/a", False): pair(fail), Way("/b", False): pair(followed.append)})
+    with pytest.raises(RCLError, match="one fails"):
+        bridge.follow_subscribers1()
+    assert followed == ["wanted"]
+    with pytest.raises(RCLError, match="one fails"):
+        bridge.update_topics(Rules(True, True, ["*"], []), Ros1Graph({}, {}, {}, {}, 1), {}, {})
+    assert followed == ["wanted"] * 2
 
 
 def test_senders_without_number_are_not_all_remembered() -> None:

@@ -2,7 +2,9 @@
 
 from typing import List, Optional
 
-from ros2_bridge.rules.pairing import Way
+import pytest
+
+from ros2_bridge.rules.pairing import Rules, Way
 from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged, PairBridge
 from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
 
@@ -12,10 +14,13 @@ class Pair:
 
     def __init__(self, kind: str, quality: int) -> None:
         self.kind, self.quality, self.is_closed = kind, quality, False
+        self.fails = False
 
     def close(self) -> None:
         assert not self.is_closed
         self.is_closed = True
+        if self.fails:
+            raise RuntimeError("it does not close")
 
 
 def test_what_is_missing_poll_after_poll_is_closed() -> None:
@@ -93,3 +98,38 @@ def test_what_cannot_be_bridged_is_tried_again() -> None:
     assert pairs.log.next_line(0.0) == "not bridged: /a has several types"
     pairs.problem = ""
     assert None not in pairs.polled("/a")
+
+
+def test_what_is_denied_is_closed_at_once() -> None:
+    pairs = Pairs()
+    kept, denied = pairs.polled("/a", "/b")
+    pairs.close_denied(Rules(True, True, ["*"], ["/b"]))
+    assert list(pairs.pairs.values()) == [kept]
+    assert denied and denied.is_closed
+    pairs.close_denied(Rules(True, False, ["*"], []))
+    assert kept and not kept.is_closed
+    pairs.close_denied(Rules(False, True, ["*"], []))
+    assert kept.is_closed and not pairs.pairs
+
+
+def test_what_fails_for_one_is_done_for_all_others() -> None:
+    pairs = Pairs()
+    before = pairs.polled("/a", "/b", "/c")
+    for pair in before:
+        assert pair
+        pair.fails = pair is not before[2]
+    pairs.quality = 2
+    with pytest.raises(RuntimeError, match="it does not close"):
+        pairs.polled("/a", "/b", "/c", "/d")
+    assert all(pair and pair.is_closed for pair in before)
+    assert [way.name for way in pairs.pairs] == ["/c", "/d"]
+    assert None not in pairs.polled("/a", "/b")  # begun anew
+    for pair in pairs.pairs.values():
+        pair.fails = True
+    for _ in range(MISSED_POLLS - 2):
+        pairs.polled("/e")
+    with pytest.raises(RuntimeError, match="it does not close"):
+        pairs.polled("/e", "/f")
+    with pytest.raises(RuntimeError, match="it does not close"):
+        pairs.polled("/e", "/f")
+    assert [way.name for way in pairs.pairs] == ["/e", "/f"]

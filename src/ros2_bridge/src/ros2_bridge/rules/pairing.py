@@ -44,6 +44,10 @@ class Rules(NamedTuple):
     names: Renaming = Renaming()
     max_rates: MaxRates = MaxRates()
 
+    def opens(self, way: "Way") -> bool:
+        """Tell whether something may be bridged in this way."""
+        return (self.to_ros2 if way.to_ros2 else self.to_ros1) and self.allows(way.name)
+
     def allows(self, name: str) -> bool:
         """Tell whether a topic or service that has this name in ROS 1 may be bridged."""
         denied, allowed = _compiled(tuple(self.deny)), _compiled(tuple(self.allow))
@@ -82,9 +86,8 @@ def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
     :param in_ros1: topics that others publish in ROS 1, or services that they offer
     :param in_ros2: the same of ROS 2, by their names in ROS 1
     """
-    ways = [Way(name, True) for name in in_ros1 if rules.to_ros2 and rules.allows(name)]
-    ways += [Way(name, False) for name in in_ros2 if rules.to_ros1 and rules.allows(name)]
-    return sorted(ways)
+    ways = [*(Way(name, True) for name in in_ros1), *(Way(name, False) for name in in_ros2)]
+    return sorted(filter(rules.opens, ways))
 
 
 def ranked(there: Iterable[str], *kinds: Set[str]) -> List[str]:

@@ -1,8 +1,20 @@
 """What is bridged at the moment: begun, kept, replaced and closed. Knows neither ROS."""
 
-from typing import Collection, Dict, Generic, Hashable, Optional, Protocol, Sequence, TypeVar
+from typing import (
+    Any,
+    Callable,
+    Collection,
+    Dict,
+    Generic,
+    Hashable,
+    Iterable,
+    Optional,
+    Protocol,
+    Sequence,
+    TypeVar,
+)
 
-from ros2_bridge.rules.pairing import Way
+from ros2_bridge.rules.pairing import Rules, Way
 from ros2_bridge.rules.skipped import SkipLog
 
 #: How many polls of both graphs, one after the other, must miss something until it is closed: a
@@ -19,6 +31,21 @@ class Closable(Protocol):
 
 Key = TypeVar("Key", bound=Hashable)
 Part = TypeVar("Part", bound=Closable)
+
+
+def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
+    """Call a function with each of some items, also after it has failed for one.
+
+    :raises Exception: the first of the failures
+    """
+    failed: Optional[Exception] = None
+    for item in items:
+        try:
+            function(item)
+        except Exception as error:
+            failed = failed or error
+    if failed is not None:
+        raise failed
 
 
 class Bridged(Dict[Key, Part]):
@@ -42,9 +69,8 @@ class Bridged(Dict[Key, Part]):
         :param wanted: what this poll says is to be bridged
         """
         self._missed = {key: self._missed.get(key, 0) + 1 for key in set(self).difference(wanted)}
-        for key, missed in self._missed.items():
-            if missed >= self._polls:
-                self.close_one(key)
+        gone = [key for key, missed in self._missed.items() if missed >= self._polls]
+        for_all(gone, self.close_one)
 
 
 class PairBridge(Generic[Part]):
@@ -64,19 +90,30 @@ class PairBridge(Generic[Part]):
 
         :param ways: what is to be bridged
         """
-        self.pairs.close_missing(ways)
-        for way in ways:
-            pair = self.pairs.get(way)
-            if pair is not None and not self._has_same_type(way, pair):
-                self.pairs.close_one(way)
-                continue  # of the new type after the next poll: ROS 2 has the old one until then
-            if pair is not None and not self._is_as_begun(way, pair):
-                self.pairs.close_one(way)
-            if way not in self.pairs:
-                with self._skipped.catching(way.name):
-                    begun = self._begin(way)
-                    if begun is not None:
-                        self.pairs[way] = begun
+        try:
+            self.pairs.close_missing(ways)
+        finally:
+            for_all(ways, self._update_pair)
+
+    def _update_pair(self, way: Way) -> None:
+        pair = self.pairs.get(way)
+        if pair is not None and not self._has_same_type(way, pair):
+            self.pairs.close_one(way)
+            return  # of the new type after the next poll: ROS 2 has the old one until then
+        if pair is not None and not self._is_as_begun(way, pair):
+            self.pairs.close_one(way)
+        if way not in self.pairs:
+            with self._skipped.catching(way.name):
+                begun = self._begin(way)
+                if begun is not None:
+                    self.pairs[way] = begun
+
+    def close_denied(self, rules: Rules) -> None:
+        """End at once what the user allows no longer.
+
+        :param rules: what the user allows
+        """
+        for_all([way for way in self.pairs if not rules.opens(way)], self.pairs.close_one)
 
     def _has_same_type(self, way: Way, pair: Part) -> bool:
         """Tell whether a topic or service still has the type of its pair."""

@@ -12,7 +12,7 @@ from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, wanted
-from ros2_bridge.rules.pairs import PairBridge
+from ros2_bridge.rules.pairs import PairBridge, for_all
 from ros2_bridge.rules.settings import Qualities
 from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
@@ -50,21 +50,26 @@ class TopicBridge(PairBridge[_Pair]):
         of_actions = {name for name, kind in ros1.types.items() if is_of_action(name, kind)}
         published1 = set(ros1.publishers) - of_actions
         published2 = {name for name, topic in ros2.items() if topic.publishers}
-        self.update_pairs(wanted(rules, published1, published2))
-        for way, pair in self.pairs.items():
-            pair.limit.set_rate(rules.max_rates.of(way.name))
-            if isinstance(pair, TopicToRos2):
-                self._update_publishers(pair)
-                pair.forward_while(self._is_heard(way.name))
-            elif way.name in ros2:
-                pair.follow_publishers(ros2[way.name])
-        self.follow_subscribers1()
+        try:
+            self.update_pairs(wanted(rules, published1, published2))
+        finally:
+            for_all(self.pairs, self._follow)
+
+    def _follow(self, way: Way) -> None:
+        pair = self.pairs[way]
+        pair.limit.set_rate(self._rules.max_rates.of(way.name))
+        if isinstance(pair, TopicToRos2):
+            self._update_publishers(pair)
+            pair.forward_while(self._is_heard(way.name))
+            return
+        if way.name in self._ros2:
+            pair.follow_publishers(self._ros2[way.name])
+        pair.forward_if_heard()
 
     def follow_subscribers1(self) -> None:
         """Subscribe in ROS 2 to what has subscribers in ROS 1: rospy knows without a request."""
-        for pair in self.pairs.values():
-            if isinstance(pair, TopicToRos1):
-                pair.forward_if_heard()
+        pairs = (pair for pair in self.pairs.values() if isinstance(pair, TopicToRos1))
+        for_all(pairs, TopicToRos1.forward_if_heard)
 
     def _has_same_type(self, way: Way, pair: _Pair) -> bool:
         if isinstance(pair, TopicToRos2):

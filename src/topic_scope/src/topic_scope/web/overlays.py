@@ -139,9 +139,7 @@ class Overlays:
             raise RequestError(f"overlay: {bag.name} is being aligned already")
 
 
-def _crossings(
-    series: Series, page: Page, trigger: Trigger, longest: float
-) -> numpy.ndarray:
+def _crossings(series: Series, page: Page, trigger: Trigger, longest: float) -> numpy.ndarray:
     """Return when a line of a bag would trigger a page, scaled as the page wants that trace, s."""
     samples = numpy.array(series.times), numpy.array(series.values)
     times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)

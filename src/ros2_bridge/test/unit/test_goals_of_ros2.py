@@ -49,10 +49,10 @@ class Clients:
     def answer(self, text: str, is_accepted: bool = True) -> bool:
         return self.goals.hear_answer(bytes_of(text), is_accepted, 0.0)
 
-    def list_goals(self, sender: bytes = SENDER, **status: Status2) -> None:
+    def list_goals(self, sender: bytes = SENDER, **status: Status2) -> List[bytes]:
         uuids = {"one": bytes_of(ONE), "two": bytes_of(TWO), "theirs": b"t" * 16}
         listed = [(uuids[name], 1, one) for name, one in status.items()]
-        self.goals.hear_status(listed, sender, 0.0)
+        return self.goals.hear_status(listed, sender, 0.0)
 
     def end(self, text: str, status: Status2, result: bytes = b"far") -> None:
         self.goals.hear_result(bytes_of(text), status, result, 0.0)
@@ -146,6 +146,15 @@ def test_cancellation_that_overtakes_its_goal_recalls_it(clients: Clients) -> No
     assert clients.send(ONE) is None
     assert clients.results == [(ONE, Status1.RECALLED, RECALLED, None)]
     assert not clients.answer(ONE, False)
+
+
+def test_cancellation_that_overtakes_the_servers_list_is_passed_on(clients: Clients) -> None:
+    clients.goals.request_cancel(ONE, 0, 0.0)  # a bridge before this one has sent the goal
+    assert clients.list_goals(one=Status2.EXECUTING) == [bytes_of(ONE)]
+    assert clients.status == {ONE: Status1.RECALLING}
+    assert clients.list_goals(one=Status2.CANCELING) == []
+    clients.list_goals(one=Status2.CANCELED)
+    assert clients.status == {ONE: Status1.RECALLED} and not clients.results
 
 
 def test_cancellation_is_not_kept_for_ever(clients: Clients) -> None:
@@ -243,8 +252,8 @@ def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> N
     sent: List[str] = []
     for what, text, (one, two, theirs), pause in events:
         now += pause
-        is_theirs = text_of(bytes_of(text)) in clients.status  # of the same id
-        if what == "send" and text not in sent and not is_theirs:
+        known = {goal.uuid for goal in clients.goals.listed() if not goal.is_awaited}
+        if what == "send" and text not in sent and bytes_of(text) not in known:
             sent.append(text)
             clients.send(text, 1, now)
         elif what in ("accept", "reject"):
@@ -257,6 +266,7 @@ def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> N
             clients.end(text, one)
         else:
             clients.goals.forget_old(now)
+            clients.status = {goal.text: goal.status for goal in clients.goals.listed()}
             clients.goals.end_waits(now)
     clients.goals.lose_goals(set(), now)
     clients.goals.forget_old(now + LISTED_S + 0.1)

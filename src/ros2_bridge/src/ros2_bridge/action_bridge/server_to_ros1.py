@@ -192,7 +192,9 @@ class ActionToRos1:
             # ROS 1 has no times below 0.
             listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]
             with self._lock:
-                self._goals.hear_status(listed, one.sender, time.monotonic())
+                cancelled = self._goals.hear_status(listed, one.sender, time.monotonic())
+            for uuid in cancelled:
+                self._cancel_goal(uuid)
 
     def _hear_feedback(self, arrived: List[Arrived]) -> None:
         for one in arrived:

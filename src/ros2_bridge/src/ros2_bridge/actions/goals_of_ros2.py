@@ -116,16 +116,22 @@ class GoalsOfRos2:
 
     def hear_status(
         self, listed: Sequence[Tuple[bytes, int, Status2]], sender: bytes, now: float
-    ) -> None:
+    ) -> List[bytes]:
         """Follow the server's list.
 
         :param listed: id, stamp in ns, and status of each goal
         :param sender: name of the publisher
+        :returns: the ids of goals that were cancelled before the list had them
         """
+        cancelled = []
         for uuid, stamp, status in listed:
-            if uuid not in self._goals and status in STEPS2:
-                self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, now, False)
             goal = self._goals.get(uuid)
+            if goal is None and status in STEPS2:
+                goal = self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, now, False)
+            elif goal is not None and goal.is_awaited and status in STEPS2:
+                goal = self._goals[uuid] = Goal(goal.text, uuid, stamp, now, False)
+                goal.status = Status1.RECALLING
+                cancelled.append(uuid)
             if goal is None or not goal.is_under_way:
                 continue
             goal.senders, goal.is_listed = {sender}, True
@@ -134,6 +140,7 @@ class GoalsOfRos2:
             elif status in OVER2 and not goal.is_ours:  # of ours the result tells
                 self._end(goal, TO_ROS1[status], now)
         self._publish()
+        return cancelled
 
     def hear_result(
         self, uuid: bytes, status: Status2, result: Optional[bytes], now: float

@@ -118,6 +118,23 @@ def test_what_nobody_wants_any_more_is_kept_for_the_history() -> None:
     assert values(made) == [] and source.wanted == ["/c"]
 
 
+def test_a_mean_is_told_only_where_all_of_its_samples_are_kept() -> None:
+    source = FakeSource()
+    made = recording(source, "=mean(/a/data, 2)", "=mean(/a/data, 15)")
+    for second in range(30):
+        source.send(Float32, *(second + 0.01 * index for index in range(100)))
+        made.update()
+        times, means = made.samples("=mean(/a/data, 2)", -math.inf, math.inf)
+        # A ramp of 1/s from 1000 s on: the mean of the last two seconds is that of one ago.
+        late = times > 1002.0
+        assert means[late] == pytest.approx(times[late] - 1000.995, abs=0.01)
+    assert times[0] == pytest.approx(1021.99, abs=0.05)  # of ten seconds that are kept
+    assert made.problem("=mean(/a/data, 2)") is None
+    problem = made.problem("=mean(/a/data, 15)")
+    assert problem == "it needs the last 15 s, and samples are kept for 10 s (--history)"
+    assert not len(made.samples("=mean(/a/data, 15)", -math.inf, math.inf)[0])
+
+
 def test_what_is_forgotten_is_wanted_all_the_same() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")

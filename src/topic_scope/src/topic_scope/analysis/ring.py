@@ -19,10 +19,14 @@ class Ring:
 
     :param history: how long a sample is kept, s
     :param limit: most samples that are kept
+
+    :ivar history: as above
+    :ivar has_forgotten: whether there were samples before those that are kept
     """
 
     def __init__(self, history: float, limit: int = LIMIT) -> None:
-        self._history = history
+        self.history = history
+        self.has_forgotten = False
         self._limit = limit
         self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
         self._start = self._end = 0
@@ -53,7 +57,7 @@ class Ring:
         count = added.shape[1]
         if not count:
             return
-        self._forget(added[0, -1] - self._history, count)
+        self._forget(added[0, -1] - self.history, count)
         capacity = self._data.shape[1]
         if self._end + count > capacity or capacity > max(_SMALLEST, _SPARE * (len(self) + count)):
             self._make_room(count)
@@ -107,9 +111,11 @@ class Ring:
         return float(self._data[2, self._end - 1]) if len(self) else None
 
     def _forget(self, before: float, more: int) -> None:
-        times = self._data[0, self._start : self._end]
+        first, times = self._start, self._data[0, self._start : self._end]
         self._start += int(times.searchsorted(before, "left"))
         self._start = max(self._start, self._end + more - self._limit)
+        if self._start > first:
+            self.has_forgotten = True
 
     def _make_room(self, count: int) -> None:
         """Move the samples to the front, of other memory where that is full, or almost empty."""

@@ -275,7 +275,9 @@ class Recorder:
         if formula_of(name) is None:
             return problem_of(name) or self._problem_of_term(name)
         told = [(part, self._problem_of_term(part)) for part in terms(name)]
-        return next((f"{part}: {text}" for part, text in told if text), None)
+        found = next((f"{part}: {text}" for part, text in told if text), None)
+        trace = self.trace(name)
+        return trace.problem if found is None and isinstance(trace, ComputedTrace) else found
 
     def _problem_of_term(self, name: str) -> Optional[str]:
         place = fields.split(fields.parted(name)[0], self._types)

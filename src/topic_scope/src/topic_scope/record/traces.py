@@ -241,6 +241,15 @@ class Trace:
             self._longest_step = timestamp_source.longest_step(self.stream.path, latest)
         return self._longest_step
 
+    @property
+    def whole_from(self) -> float:
+        """After when no sample is missing, s; minus infinity where none was forgotten."""
+        times = self.ring.between(-math.inf, math.inf)[0]
+        if not self.ring.has_forgotten or len(times) < 2:
+            return -math.inf
+        # The last one that was forgotten: as far before the first as that is before the next.
+        return float(2.0 * times[0] - times[1]) + self.stream.offset
+
     def age(self, now: float) -> Optional[float]:
         """Return how long ago its last sample was taken, s; None where there is none.
 
@@ -280,7 +289,7 @@ class ComputedTrace:
 
     It has a value at each sample of the first of them, with the others on the straight line between
     two of their samples; so it ends where one of them has ended so far, and follows when more
-    comes.
+    comes. Where samples that count for a value were forgotten, there is none.
 
     :param formula: how it is computed
     :param traces: what it is computed of, by the names in the formula
@@ -330,7 +339,7 @@ class ComputedTrace:
         spans = [trace.span for trace in self._traces]
         if spans[0] is None or None in spans:
             return None
-        first, until = spans[0][0] + min(self.reach[0], 0.0), self.until
+        first, until = max(spans[0][0] + min(self.reach[0], 0.0), self._whole_from), self.until
         return (first, until) if first <= until else None
 
     @property
@@ -348,6 +357,25 @@ class ComputedTrace:
         """From how long before a time to how long after it samples count, s."""
         return self._tree.reach(self._operands)
 
+    @property
+    def problem(self) -> Optional[str]:
+        """Why there is nothing of it before long, in words; None where there is."""
+        kept = min(trace.ring.history for trace in self._traces)
+        if self._back <= kept:
+            return None
+        return f"it needs the last {self._back:g} s, and samples are kept for {kept:g} s (--history)"
+
+    @property
+    def _whole_from(self) -> float:
+        """After when all that counts for it is there, s."""
+        return max(trace.whole_from for trace in self._traces) + self._back
+
+    @property
+    def _back(self) -> float:
+        """From how long before a time samples count, s; 0 where too little is known to tell."""
+        back = self.reach[0]
+        return max(back, 0.0) if math.isfinite(back) else 0.0
+
     def age(self, now: float) -> Optional[float]:
         """Return how long ago the last sample was taken, s; None where there is none."""
         until = self.until
@@ -360,7 +388,7 @@ class ComputedTrace:
 
     def _between(self, start: float, end: float) -> Signal:
         found = self._tree.signal(self._operands, start, end)
-        return found.between(start, min(end, self.until))
+        return found.between(max(start, self._whole_from), min(end, self.until))
 
 
 def _last_of(trace: Trace) -> float:

@@ -103,6 +103,7 @@ TESTS: Dict[str, Sequence[str]] = {
     "topic_scope/words": ("formulas",),
     "topic_scope/periods": ("periods", "known_signals"),
     "topic_scope/message_source": ("recorder",),
+    "topic_scope/computed_trace": ("recorder", "differences"),
     "topic_scope/traces": ("recorder", "differences"),
     "topic_scope/view": ("decimation",),
 }

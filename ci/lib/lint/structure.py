@@ -255,6 +255,7 @@ PURE = (
     "topic_scope.formulas",
     "topic_scope.record.laid",
     "topic_scope.record.message_source",
+    "topic_scope.record.computed_trace",
     "topic_scope.record.traces",
     "topic_scope.bag",
     "topic_scope.masks",

@@ -12,7 +12,7 @@ import numpy
 from topic_scope.analysis.ring import Samples
 from topic_scope.formulas.names import problem_of, with_letters
 from topic_scope.messages.fields import FieldError
-from topic_scope.record.traces import Recorded
+from topic_scope.record.computed_trace import Recorded
 
 
 #: A reference has ended where it was silent for longer than this at least, s.

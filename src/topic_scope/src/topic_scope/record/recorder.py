@@ -13,9 +13,10 @@ from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.layouts import Layouts
+from topic_scope.record.computed_trace import ComputedTrace, Recorded
 from topic_scope.record.laid import LaidTrace, Overlay
 from topic_scope.record.message_source import Batch, MessageSource
-from topic_scope.record.traces import ComputedTrace, Recorded, Stream, Trace
+from topic_scope.record.traces import Stream, Trace
 
 #: Most fields that are listed, and most topics that are subscribed to for one message alone.
 LISTED, UNKNOWN = 5000, 50

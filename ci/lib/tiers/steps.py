@@ -207,7 +207,8 @@ def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
             if defects:
                 said = defects[0].get("message") or defects[0].text or ""
                 lines = [line.strip() for line in said.splitlines() if line.strip()]
-                why = " ".join(lines)[:_LONGEST_REASON]
+                trace = next((i for i, line in enumerate(lines) if line.startswith("File ")), None)
+                why = " ".join(lines[:trace])[:_LONGEST_REASON]
                 failures.append(": ".join([case.get("name", "a test"), *([why] if why else [])]))
             elif case.find("skipped") is not None:
                 skipped += 1

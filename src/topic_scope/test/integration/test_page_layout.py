@@ -158,7 +158,7 @@ class Layout(BrowserTest):
         self.resize(*PHONE)
         browser.driver.get("about:blank")
         browser.open(self.scope.url)
-        browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+        browser.wait_for(f"#legend tr.gone[data-field='{LONG}']")  # which has no choices then
         self.fits_a_phone("folded")
         (stage,) = self.boxes("#stage")
         self.assertLess(stage["top"], 60)

@@ -18,7 +18,6 @@ def start(node: Node) -> None:
     node.service("~serve", Trigger, lambda request: TriggerResponse())
     node.before_end(end_slowly)
     rospy.core.add_preshutdown_hook(lambda reason: rospy.logwarn("late"))
-    print("started", flush=True)
 
 
 def end_slowly() -> None:

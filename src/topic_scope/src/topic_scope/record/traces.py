@@ -242,11 +242,12 @@ class Trace:
     @property
     def whole_from(self) -> float:
         """After when no sample is missing, s; minus infinity where none was forgotten."""
-        times = self.ring.between(-math.inf, math.inf)[0]
-        if not self.ring.has_forgotten or len(times) < 2:
+        if not self.ring.has_forgotten or len(self.ring) < 2:
             return -math.inf
-        # The last one that was forgotten: as far before the first as that is before the next.
-        return float(2.0 * times[0] - times[1]) + self.stream.offset
+        first, second = self.ring.between(-math.inf, math.inf)[0, :2]
+        # The last one that was forgotten: as far before the first as that is before the next one,
+        # unless there is a gap between these.
+        return float(first - min(second - first, self.longest_step)) + self.stream.offset
 
     def age(self, now: float) -> Optional[float]:
         """Return how long ago its last sample was taken, s; None where there is none.

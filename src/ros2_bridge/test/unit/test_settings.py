@@ -122,9 +122,13 @@ def test_only_ros1_s_packages_go_along() -> None:
     path = ["/home/me", "/ws/devel/lib/python3/dist-packages", "/usr/lib/python3/dist-packages"]
     given = variables({"HOME": "/home/me"}, path)
     assert given["PYTHONPATH"] == ":".join(path[1:])
-    assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    chosen = variables({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, path)
-    assert chosen["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    defaults = {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": ("LOCALHOST", "SUBNET"),
+        "FASTDDS_BUILTIN_TRANSPORTS": ("UDPv4", "DEFAULT"),
+    }
+    for name, (default, chosen) in defaults.items():
+        assert given[name] == default
+        assert variables({name: chosen}, path)[name] == chosen
 
 
 def test_what_is_chosen_for_another_ros2_is_not_looked_for() -> None:

@@ -78,6 +78,9 @@ def variables(environ: Mapping[str, str], path: List[str]) -> Mapping[str, str]:
     return {
         # As our ROS 1 side: nodes of other machines are not seen unless that is asked for.
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        # Not by shared memory: of a process that was killed another one removes what it had left
+        # there while others go on writing into it, so that a new bridge could hear nobody.
+        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
         **environ,
         # The only one there; another one, chosen for a ROS 2 elsewhere, would end the process.
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",

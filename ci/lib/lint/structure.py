@@ -80,6 +80,7 @@ ROOMS: Dict[str, List[str]] = {
         "recording",
         "course_names",
         "set_point_parameters",
+        "files",
         "trial",
         "commands",
         "nodes",

@@ -141,18 +141,20 @@ class Identify(unittest.TestCase):
 
     def test_topic_and_bounds_that_are_wrong_are_refused_by_name(self) -> None:
         self.start_motor()
-        for arguments, why in (
-            (["--output", "speed/data"], "speed/data: there is no such topic"),
-            (["--output", "motor_output/speed"], "there is no 'speed'; it has: output, time"),
-            (["--input", "motor_input/speed"], "there is no 'speed'; it has: input, time"),
-            (["--largest", "0"], "--largest above it"),
-            (["--least", "nan"], "'nan' is not a finite number"),
-            (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
-            (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
-            ([self.file("none.bag")], "No such file or directory"),
+        for arguments, why, status in (
+            (["--output", "speed/data"], "speed/data: there is no such topic", 2),
+            (["--output", "motor_output/speed"], "there is no 'speed'; it has: output, time", 1),
+            (["--input", "motor_input/speed"], "there is no 'speed'; it has: input, time", 2),
+            ([self.file("none.bag")], "No such file or directory", 2),
+            (["--largest", "0"], "--largest above it", 2),
+            (["--least", "nan"], "'nan' is not a finite number", 2),
+            (["--seconds", "0"], "'0' must be from 1 to 3600 s", 2),
+            (["--model", self.file("no/m.yaml")], "no/m.yaml: No such file or directory", 2),
+            (["--picture", self.file("no/p.svg")], "no/p.svg: No such file or directory", 2),
+            (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml", 2),
         ):
             command = self.start("identify", *arguments)
-            self.assertNotEqual(command.wait(), 0)
+            self.assertEqual(command.wait(), status, why)
             self.assertTrue(command.logged(why), (why, command.logged()))
             self.assertFalse(command.logged("Traceback"))
             self.assertEqual(self.inputs.messages(), [])

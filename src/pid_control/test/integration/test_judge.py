@@ -164,6 +164,11 @@ class Judge(unittest.TestCase):
             "there is no folder nowhere": ["--class", "nowhere"],
             f"no package in {self.folder}": ["--class", self.folder],
             "are not for a --class": ["--class", self.folder, "--csv", "x"],
+            f"{self.folder}/no/x.csv: No such": ["--csv", self.folder / "no" / "x.csv", "x", "y"],
+            f"judge: {self.folder}: Is a directory": ["--csv", self.folder, "x", "y"],
+            f"{self.folder}/no/x.svg: No such": [
+                *["--picture", self.folder / "no" / "x.svg", CONTROLLERS / "good_loop.py"]
+            ],
             "is no built workspace": ["--workspace", self.folder, "x", "controller.py"],
         }
         for says, words in refused.items():

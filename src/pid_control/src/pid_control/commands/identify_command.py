@@ -10,7 +10,7 @@ import rospy
 
 from nodekit import Node, run
 from pid_control.commands.arguments import number, svg_path, yaml_path
-from pid_control.commands.files import write_file
+from pid_control.files import check_writable, write_file
 from pid_control.identification.fit import identify
 from pid_control.identification.model_file import as_yaml
 from pid_control.identification.reading import read_step
@@ -31,6 +31,7 @@ def main() -> None:
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it", _WRONG)
     try:
+        _check_files(arguments)
         if arguments.bag is None:
             run("identify", lambda node: _experiment(node, arguments))
         else:
@@ -44,6 +45,16 @@ def main() -> None:
 def _fail(why: object, status: int) -> NoReturn:
     print(f"identify: {why}", file=sys.stderr)
     sys.exit(status)
+
+
+def _check_files(arguments: argparse.Namespace) -> None:
+    """End where a file cannot be written, before a plant is driven for nothing."""
+    try:
+        for path in (arguments.model, arguments.picture):
+            if path is not None:
+                check_writable(path)
+    except OSError as error:
+        _fail(f"{error.filename}: {error.strerror}", _WRONG)
 
 
 def _experiment(node: Node, arguments: argparse.Namespace) -> LiveExperiment:
@@ -84,7 +95,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Find out what a plant is like: gain K, time constant T, dead time, dead zone "
         "and limit.",
         epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0, "
-        "1 if the record cannot tell, 2 if something is wrong with the command.",
+        "1 if the record cannot tell or could not be completed, 2 if something is wrong with the "
+        "command.",
     )
     parser.add_argument("bag", metavar="FILE.bag", nargs="?", help="what rosbag has recorded")
     parser.add_argument(

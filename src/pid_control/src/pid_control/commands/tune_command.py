@@ -7,7 +7,7 @@ from typing import List, NoReturn
 import rospy
 
 from pid_control.commands.arguments import number, svg_path, yaml_path
-from pid_control.commands.files import write_file
+from pid_control.files import write_file
 from pid_control.identification.model_file import ModelError, model_in
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of

@@ -7,6 +7,7 @@ import signal
 import sys
 from typing import List, NoReturn, Optional, Sequence, Tuple
 
+from pid_control.files import check_writable, write_file
 from pid_control.judging.judgement import NOT_JUDGED, STATUS, Judgement
 from pid_control.judging.limits import Limits, LimitsError, merged, read_limits
 from pid_control.judging.picture import as_svg
@@ -41,19 +42,27 @@ def main() -> None:
             signal.signal(number, lambda given, _frame: sys.exit(128 + given))
     try:
         limits = _limits(arguments.limits)
-        if arguments.class_folder is not None:
-            sys.exit(_judge_class(arguments))
-        judgement, records = _judge(arguments, limits)
+        for path in (arguments.picture, arguments.csv):
+            if path is not None:
+                check_writable(path)
+        judgement, records = _judge_or_not(arguments, limits)
         _report(judgement, records, arguments, xml)
-    except CannotJudge as error:
-        judgement = Judgement(NOT_JUDGED, [], [], str(error))
-        _report(judgement, [], arguments, xml)
     except OSError as error:
         print(f"judge: {error.filename or 'the file'}: {error.strerror}", file=sys.stderr)
         sys.exit(STATUS[NOT_JUDGED])
     except KeyboardInterrupt:
         sys.exit(130)  # as a shell puts it
     sys.exit(judgement.status)
+
+
+def _judge_or_not(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
+    """Judge one, or end with the status of a class; what cannot be judged is a judgement too."""
+    try:
+        if arguments.class_folder is not None:
+            sys.exit(_judge_class(arguments))
+        return _judge(arguments, limits)
+    except CannotJudge as error:
+        return Judgement(NOT_JUDGED, [], [], str(error)), []
 
 
 def _without_rostest(words: Sequence[str]) -> Tuple[List[str], Optional[str]]:
@@ -241,16 +250,8 @@ def _report(
     if arguments.picture is not None:
         title = f"{name}: {judgement.verdict}"
         failed = [failure.scenario for failure in judgement.failures]
-        _write(arguments.picture, as_svg(records, title, failed))
+        write_file(arguments.picture, as_svg(records, title, failed))
     if arguments.csv is not None:
-        _write(arguments.csv, as_csv([(name, judgement)]))
+        write_file(arguments.csv, as_csv([(name, judgement)]))
     if xml is not None:
-        _write(xml, as_junit(judgement, name))
-
-
-def _write(path: str, text: str) -> None:
-    # The file appears when it is complete.
-    partial = path + ".part"
-    with open(partial, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(partial, path)
+        write_file(xml, as_junit(judgement, name))

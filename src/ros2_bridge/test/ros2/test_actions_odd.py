@@ -15,13 +15,14 @@ from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
+from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from bot_controller_demo_msgs.action import GoTo
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import text_of
-from ros2_bridge.actions.goals_of_ros2 import NO_END
+from ros2_bridge.actions.goals_of_ros2 import NO_END, NO_RESULT
 from ros2_bridge.actions.states import Status1
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 
@@ -187,19 +188,24 @@ def test_times_that_the_other_ros_does_not_have(
 
 
 class Server2:
-    """A server of ROS 2 without rclpy's rules, which accepts all goals."""
+    """A server of ROS 2 without rclpy's rules, which accepts all goals.
 
-    def __init__(self, node: Node, name: str) -> None:
+    :ivar accepted: their ids
+    """
+
+    def __init__(self, node: Node, name: str, answers: bool = True) -> None:
+        self.accepted: List[bytes] = []
         impl, path = GoTo.Impl, f"{name}/_action"
         kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._status = node.create_publisher(Statuses2, f"{path}/status", kept)
         node.create_publisher(impl.FeedbackMessage, f"{path}/feedback", 10)
         node.create_service(impl.SendGoalService, f"{path}/send_goal", self._accept)
-        node.create_service(impl.GetResultService, f"{path}/get_result", self._answer)
+        answer = self._answer if answers else self._wait
+        node.create_service(impl.GetResultService, f"{path}/get_result", answer)
         node.create_service(CancelGoal, f"{path}/cancel_goal", lambda _, response: response)
 
-    @staticmethod
-    def _accept(_: Any, response: Any) -> Any:
+    def _accept(self, request: Any, response: Any) -> Any:
+        self.accepted.append(bytes(request.goal_id.uuid))
         response.accepted = True
         return response
 
@@ -208,9 +214,13 @@ class Server2:
         response.status = _UNKNOWN
         return response
 
-    def list_goal(self, status: int, sec: int) -> None:
+    @staticmethod
+    async def _wait(*_: Any) -> None:
+        await Future()
+
+    def list_goal(self, status: int, sec: int, uuid: bytes = bytes([7] * 16)) -> None:
         """Tell of a goal that began at a moment, s."""
-        info = GoalInfo(goal_id=UUID(uuid=[7] * 16), stamp=Time(sec=sec))
+        info = GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=sec))
         self._status.publish(Statuses2(status_list=[Status2(goal_info=info, status=status)]))
 
 
@@ -250,3 +260,20 @@ def test_goal_that_is_none_is_told(ros: both.Both, bridge: both.Bridge, server2:
     publisher.publish(message)
     bridge.wait_for_log("/odd/hand: a goal of ROS 1 without an id is refused")
     publisher.unregister()
+
+
+def test_goal_that_is_over_without_a_result(ros: both.Both, bridge: both.Bridge) -> None:
+    node = Node("odd_foot")
+    server = Server2(node, "/odd/foot", answers=False)
+    ros.executor.add_node(node)
+    rospy.set_param("/ros2_bridge/service_timeout", 0.5)
+    bridge.wait_for_log("service_timeout: 5 -> 0.5")
+    with Client1("/odd/foot") as client:
+        client.tell("send one 60.0")
+        wait_until(lambda: server.accepted, lambda: "no goal")
+        server.list_goal(Status2.STATUS_EXECUTING, 1, server.accepted[0])
+        server.list_goal(Status2.STATUS_SUCCEEDED, 1, server.accepted[0])
+        assert client.end_of("one") == f"SUCCEEDED - {NO_RESULT}"
+        bridge.wait_for_log("/odd/foot sends no result of")
+    ros.executor.remove_node(node)
+    node.destroy_node()

@@ -12,16 +12,27 @@ from ros2_bridge.actions.goals_of_ros2 import (
     LISTED_S,
     NO_ANSWER,
     NO_END,
+    NO_RESULT,
     RECALLED,
     REJECTED,
     Goal,
     GoalsOfRos2,
+    Waited,
 )
-from ros2_bridge.actions.states import OVER1, OVER2, STEPS1, Status1, Status2, nearest
+from ros2_bridge.actions.states import (
+    OVER1,
+    OVER2,
+    RESULT_S,
+    STEPS1,
+    Status1,
+    Status2,
+    nearest,
+)
 
 ONE, TWO = "/node-1-7.5", "/node-2-7.5"
 PATIENCE_S = 1.5
 SENDER, OTHER = b"s" * 16, b"o" * 16
+NOTHING = Waited([], [])
 
 
 class Clients:
@@ -95,8 +106,8 @@ def test_goal_that_the_server_does_not_answer_is_rejected(clients: Clients) -> N
     clients.send(ONE)
     clients.send(TWO, now=1.0)
     clients.goals.request_cancel(ONE, 0, 0.0)
-    assert clients.goals.end_waits(PATIENCE_S) == [] and not clients.results
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == []
+    assert clients.goals.end_waits(PATIENCE_S) == NOTHING and not clients.results
+    assert clients.goals.end_waits(PATIENCE_S + 0.1) == NOTHING
     assert clients.results == [(ONE, Status1.REJECTED, NO_ANSWER, None)]
     assert clients.status == {ONE: Status1.REJECTED, TWO: Status1.PENDING}
     assert clients.answer(ONE) is True  # accepted after all: it is to be cancelled
@@ -106,11 +117,29 @@ def test_goal_that_is_listed_without_an_answer_is_accepted(clients: Clients) -> 
     clients.send(ONE)
     clients.list_goals(one=Status2.EXECUTING)
     assert clients.goals.request_cancel(ONE, 0, 0.0) == []
-    assert clients.goals.end_waits(PATIENCE_S) == []
-    (goal,) = clients.goals.end_waits(PATIENCE_S + 0.1)
+    assert clients.goals.end_waits(PATIENCE_S) == NOTHING
+    (goal,), _ = clients.goals.end_waits(PATIENCE_S + 0.1)
     assert goal.uuid == bytes_of(ONE) and goal.is_to_be_cancelled
-    assert clients.goals.end_waits(PATIENCE_S + 0.2) == [] and not clients.results
+    assert clients.goals.end_waits(PATIENCE_S + 0.2) == NOTHING and not clients.results
     assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
+
+
+@pytest.mark.parametrize("is_answered", (True, False))
+def test_goal_that_is_over_ends_where_no_result_comes(clients: Clients, is_answered: bool) -> None:
+    for text in (ONE, TWO):
+        clients.send(text)
+        if is_answered:
+            clients.answer(text)
+    clients.list_goals(one=Status2.SUCCEEDED, two=Status2.SUCCEEDED, theirs=Status2.EXECUTING)
+    clients.list_goals()  # the server keeps it for less long than we wait
+    assert clients.goals.end_waits(RESULT_S) == NOTHING and not clients.results
+    clients.end(TWO, Status2.SUCCEEDED)
+    ((goal,),) = [waited for waited in clients.goals.end_waits(RESULT_S + 0.1) if waited]
+    assert goal.text == ONE
+    assert clients.results[1:] == [(ONE, Status1.SUCCEEDED, NO_RESULT, None)]
+    assert clients.goals.end_waits(10.0) == NOTHING
+    clients.end(ONE, Status2.ABORTED)
+    assert len(clients.results) == 2
 
 
 def test_goal_that_is_rejected_once_it_was_listed_is_aborted(clients: Clients) -> None:

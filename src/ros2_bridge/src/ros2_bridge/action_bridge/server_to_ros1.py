@@ -41,7 +41,7 @@ class ActionToRos1:
     :param node: the bridge in ROS 1
     :param side: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait for the server's answer to a goal, s
+    :param timeout: returns the longest wait for the server's answer to a goal, and for a result, s
     """
 
     def __init__(
@@ -90,9 +90,14 @@ class ActionToRos1:
         with self._lock:
             self._goals.lose_goals(senders if is_there else set(), now)
             self._goals.forget_old(now)
-            waited = [(one.uuid, one.is_to_be_cancelled) for one in self._goals.end_waits(now)]
-        for uuid, is_cancelled in waited:
+            waited = self._goals.end_waits(now)
+            accepted = [(one.uuid, one.is_to_be_cancelled) for one in waited.accepted]
+        for uuid, is_cancelled in accepted:
             self._follow_goal(uuid, is_cancelled)
+        for goal in waited.without_result:
+            rospy.logwarn(
+                f"{self._name} sends no result of {goal.text}, which is over: it has an empty one"
+            )
 
     def _senders(self) -> Set[bytes]:
         """Return the names of those who list the goals in ROS 2."""

@@ -4,13 +4,10 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ros2_bridge.actions.cancelling import is_meant
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
-from ros2_bridge.actions.states import OVER2, STEPS2, TO_ROS2, Status1, Status2, nearest
+from ros2_bridge.actions.states import OVER2, RESULT_S, STEPS2, TO_ROS2, Status1, Status2, nearest
 
 #: For how long a result is kept, s: rclpy's ``result_timeout``.
 KEPT_S = 900.0
-#: Least wait for the result of a goal whose status says that it is over, s: they come by different
-#: connections.
-RESULT_S = 2.0
 #: action_msgs/CancelGoal's answers.
 DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
 #: States in which a goal that ROS 2 does not know yet is of interest.

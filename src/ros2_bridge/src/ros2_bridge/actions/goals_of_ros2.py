@@ -1,11 +1,12 @@
 """The goals of an action server of ROS 2, as its clients in ROS 1 have to see them."""
 
-from typing import Callable, Collection, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from ros2_bridge.actions.cancelling import is_meant
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 from ros2_bridge.actions.states import (
     OVER2,
+    RESULT_S,
     STEPS1,
     STEPS2,
     TO_ROS1,
@@ -20,6 +21,7 @@ LISTED_S = 5.0
 RECALLED = "cancelled before it began"
 REJECTED = "the server in ROS 2 has rejected it"
 NO_ANSWER = "the server in ROS 2 does not answer"
+NO_RESULT = "the server in ROS 2 does not send its result"
 NO_END = "the server in ROS 2 does not say how it ended"
 GONE = "the server in ROS 2, or the bridge to it, has gone"
 
@@ -47,6 +49,8 @@ class Goal:
         #: Names of the publisher that has listed it, or of those that were there when it came:
         #: where they have gone, its server has, though another one of its name may have come.
         self.senders: Set[bytes] = set()
+        #: What the server's list says that it ended as, and when that came.
+        self.awaiting_result: Optional[Tuple[Status2, float]] = None
         #: Whether it was cancelled, and has not come itself.
         self.is_awaited = False
         self.ended: Optional[float] = None
@@ -57,10 +61,21 @@ class Goal:
         return self.status in STEPS1 and not self.is_awaited
 
 
+class Waited(NamedTuple):
+    """Goals that have waited for long enough.
+
+    :param accepted: that the server lists without having answered: they are to be followed
+    :param without_result: that its list says are over, and whose results have not come
+    """
+
+    accepted: Sequence[Goal]
+    without_result: Sequence[Goal]
+
+
 class GoalsOfRos2:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
-    :param patience: returns the longest wait for the server's answer to a goal, s
+    :param patience: returns the longest wait for the server's answer to a goal, and for a result, s
     :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
         where there is none
     :param publish_status: called with the goals after a change
@@ -137,8 +152,10 @@ class GoalsOfRos2:
             goal.senders, goal.is_listed = {sender}, True
             if status in STEPS2:
                 goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
-            elif status in OVER2 and not goal.is_ours:  # of ours the result tells
+            elif status in OVER2 and not goal.is_ours:
                 self._end(goal, TO_ROS1[status], now)
+            elif status in OVER2 and goal.awaiting_result is None:  # of ours the result tells
+                goal.awaiting_result = (status, now)
         self._publish()
         return cancelled
 
@@ -190,20 +207,24 @@ class GoalsOfRos2:
             if goal.is_under_way and not goal.senders.intersection(senders):
                 self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
 
-    def end_waits(self, now: float) -> List[Goal]:
-        """End the goals that the server has not answered for long enough.
-
-        :returns: those that it lists all the same, which are accepted: they are to be followed
-        """
-        accepted, patience = [], self._patience()
+    def end_waits(self, now: float) -> Waited:
+        """End the goals that the server has not answered for long enough."""
+        accepted, without_result, patience = [], [], self._patience()
         for goal in self.listed():
-            if goal.is_under_way and not goal.is_accepted and now > goal.since + patience:
+            if not goal.is_under_way:
+                continue
+            if goal.awaiting_result is not None:
+                status, since = goal.awaiting_result
+                if now > since + max(RESULT_S, patience):
+                    without_result.append(goal)
+                    self._end(goal, TO_ROS1[status], now, NO_RESULT)
+            elif not goal.is_accepted and now > goal.since + patience:
                 if goal.is_listed:
                     goal.is_accepted = True
                     accepted.append(goal)
                 else:
                     self._end(goal, [Status1.REJECTED], now, NO_ANSWER)
-        return accepted
+        return Waited(accepted, without_result)
 
     def is_any_under_way(self) -> bool:
         """Tell whether any goal is under way."""

@@ -31,6 +31,10 @@ class Status2(enum.IntEnum):
     ABORTED = 6
 
 
+#: Least wait for the result of a goal whose status says that it is over, s: they come by different
+#: connections.
+RESULT_S = 2.0
+
 #: What a goal can become next, as actionlib's server and rcl's have it. LOST is what a client of
 #: ROS 1 finds by itself.
 STEPS1: Mapping[Status1, AbstractSet[Status1]] = {

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from nodekit import ParameterError, describe
-from ros2_bridge.environment.start import find, variables
+from ros2_bridge.environment.start import find, python_path
 from ros2_bridge.rules.pairing import Rules
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import BridgeParameters, Qualities, Quality
@@ -120,17 +120,4 @@ def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
 
 def test_only_ros1_s_packages_go_along() -> None:
     path = ["/home/me", "/ws/devel/lib/python3/dist-packages", "/usr/lib/python3/dist-packages"]
-    given = variables({"HOME": "/home/me"}, path)
-    assert given["PYTHONPATH"] == ":".join(path[1:])
-    defaults = {
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": ("LOCALHOST", "SUBNET"),
-        "FASTDDS_BUILTIN_TRANSPORTS": ("UDPv4", "DEFAULT"),
-    }
-    for name, (default, chosen) in defaults.items():
-        assert given[name] == default
-        assert variables({name: chosen}, path)[name] == chosen
-
-
-def test_what_is_chosen_for_another_ros2_is_not_looked_for() -> None:
-    given = variables({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, [])
-    assert given["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"
+    assert python_path(path) == ":".join(path[1:])

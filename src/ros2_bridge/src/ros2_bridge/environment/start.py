@@ -9,6 +9,7 @@ from typing import List, Mapping, Optional
 import rospkg
 
 from nodekit.entry_point import end
+from ros2_bridge.environment.middleware import middleware
 
 #: Where the environment is, unless ./ci/ros2 has made it in build/ros2 above this file, or
 #: make_environment in the user's folder.
@@ -34,9 +35,12 @@ def main(module: str) -> None:
             "bridge: no environment with ROS 2 found: make one with 'rosrun ros2_bridge"
             f" make_environment' (in the workspace: ./ci/ros2), or set {VARIABLE} to one"
         )
+    config = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge")) / "config"
+    os.environ.update(middleware(os.environ, config / "loopback.xml"))
     if pathlib.Path(sys.prefix).resolve() != environment.resolve():
         python = str(environment / "bin" / "python")
-        os.execve(python, [python, *sys.argv], variables(os.environ, sys.path))
+        os.environ["PYTHONPATH"] = python_path(sys.path)
+        os.execv(python, [python, *sys.argv])
     try:
         importlib.import_module("ros2_bridge.environment.side_by_side").join()
         importlib.import_module(module).main()
@@ -68,21 +72,10 @@ def home(environ: Mapping[str, str]) -> pathlib.Path:
     return pathlib.Path(rospkg.get_ros_home(environ)).absolute() / "ros2_bridge"
 
 
-def variables(environ: Mapping[str, str], path: List[str]) -> Mapping[str, str]:
-    """Return the variables for the environment's Python.
+def python_path(path: List[str]) -> str:
+    """Return PYTHONPATH for the environment's Python.
 
-    :param environ: those of now
-    :param path: where the Python of now finds ROS 1's packages
+    :param path: where the Python of now finds packages
     """
     ros1 = [place for place in path if place.endswith("-packages") and place != DEBIAN]
-    return {
-        # As our ROS 1 side: nodes of other machines are not seen unless that is asked for.
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-        # Not by shared memory: of a process that was killed another one removes what it had left
-        # there while others go on writing into it, so that a new bridge could hear nobody.
-        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
-        **environ,
-        # The only one there; another one, chosen for a ROS 2 elsewhere, would end the process.
-        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
-        "PYTHONPATH": ":".join([*ros1, DEBIAN]),
-    }
+    return ":".join([*ros1, DEBIAN])

@@ -22,7 +22,6 @@ _TAIL = """
 environment variables:
   ROS_DOMAIN_ID                  the domain of ROS 2, 0 unless it is set
   ROS_AUTOMATIC_DISCOVERY_RANGE  LOCALHOST unless it is set: SUBNET for nodes of other machines
-  FASTDDS_BUILTIN_TRANSPORTS     UDPv4 unless it is set: DEFAULT for shared memory, too
   ROS2_BRIDGE_ENVIRONMENT        the Python environment with ROS 2, where make_environment or
                                  ./ci/ros2 has not made it in its place
 """

@@ -1,0 +1,43 @@
+"""What the middleware of ROS 2 is told."""
+
+import pathlib
+from typing import Dict
+
+import pytest
+
+from ros2_bridge.environment.middleware import middleware
+
+LOOPBACK = pathlib.Path("/bridge/loopback.xml")
+BY_LOOPBACK = {
+    "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+    "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+    "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
+    "FASTRTPS_DEFAULT_PROFILES_FILE": str(LOOPBACK),
+}
+
+
+@pytest.mark.parametrize("environ", ({}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}))
+def test_only_nodes_of_this_machine_are_seen_unasked(environ: Dict[str, str]) -> None:
+    assert middleware(environ, LOOPBACK) == BY_LOOPBACK
+    assert middleware(BY_LOOPBACK, LOOPBACK) == BY_LOOPBACK  # as after the start of another Python
+
+
+def test_others_are_seen_where_that_is_asked_for() -> None:
+    given = middleware({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, LOOPBACK)
+    assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert given["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in given
+
+
+@pytest.mark.parametrize("name", ("ROS_STATIC_PEERS", "FASTRTPS_DEFAULT_PROFILES_FILE"))
+def test_what_is_chosen_stays(name: str) -> None:
+    environ = {name: "mine", "FASTDDS_BUILTIN_TRANSPORTS": "DEFAULT", "HOME": "/home/me"}
+    expected = {**BY_LOOPBACK, **environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    if name == "ROS_STATIC_PEERS":
+        del expected["FASTRTPS_DEFAULT_PROFILES_FILE"]
+    assert middleware(environ, LOOPBACK) == expected
+
+
+def test_what_is_chosen_for_another_ros2_is_not_looked_for() -> None:
+    given = middleware({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, LOOPBACK)
+    assert given["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"

@@ -104,6 +104,12 @@ class Master:
     """A master that can be killed and started again; its parameters go with it."""
 
     def __init__(self) -> None:
+        self._take_port()
+        while self._pid_there() != self._popen.pid:  # another process has taken the port, too
+            self.kill()
+            self._take_port()
+
+    def _take_port(self) -> None:
         self._port = free_port()
         self.uri = f"http://localhost:{self._port}/"
         self.start()
@@ -116,7 +122,7 @@ class Master:
             stderr=subprocess.DEVNULL,
         )
         try:
-            wait_until(self._answers, lambda: "no answer of the master")
+            wait_until(self._pid_there, lambda: "no answer of the master")
         except BaseException:
             self.kill()
             raise
@@ -132,13 +138,14 @@ class Master:
         if number == signal.SIGSTOP:
             wait_until(lambda: is_stopped(self._popen.pid), lambda: "the master goes on")
 
-    def _answers(self) -> bool:
+    def _pid_there(self) -> Optional[int]:
+        """Return the process id of the master that answers, None where none does."""
         try:
             with ServerProxy(self.uri) as proxy:
                 answer: Any = proxy.getPid("/test")
-                return bool(answer[0] == 1)
+                return int(answer[2])
         except OSError:
-            return False
+            return None
 
 
 def is_stopped(pid: int) -> bool:

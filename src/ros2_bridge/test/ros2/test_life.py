@@ -2,18 +2,21 @@
 
 import contextlib
 import os
+import pathlib
 import signal
+import socket
 import struct
 import threading
 import time
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, List
+from typing import Any, List, Set
 
 import both
 import pytest
 import rospy
 import yaml
+from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
@@ -72,6 +75,26 @@ def test_domain_that_there_is_not_is_refused(
     assert bridge.error_lines == [
         "bridge: ROS_DOMAIN_ID is '233': must be a whole number in [0, 232]"
     ]
+
+
+def udp_addresses(pid: int) -> Set[str]:
+    """Return the addresses at which a process receives datagrams of IPv4."""
+    links = set()
+    for link in pathlib.Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(OSError):  # closed meanwhile
+            links.add(os.readlink(link))
+    rows = [row.split() for row in pathlib.Path("/proc/net/udp").read_text().splitlines()[1:]]
+    found = [row[1].split(":")[0] for row in rows if f"socket:[{row[9]}]" in links]
+    return {socket.inet_ntoa(struct.pack("=I", int(address, 16))) for address in found}
+
+
+def test_only_the_loopback_interface_is_listened_to(ros: both.Both) -> None:
+    with both.Bridge() as bridge:
+        wait_until(lambda: udp_addresses(bridge.popen.pid), lambda: "it does not listen")
+        ear = ros.hear2("/rosout", Log)
+        ear.wait()
+        assert udp_addresses(bridge.popen.pid) == {"127.0.0.1"}
+        ear.end()
 
 
 def test_killed_and_started_again(ros: both.Both) -> None:

@@ -73,7 +73,7 @@ class RealPlant:
         :param speed: rad/s
         :raises Unsuitable: if the plant is silent, or the node was shut down
         """
-        self._check_node()
+        self.check_node()
         now = time.monotonic()
         self._wanted.publish(set_point(speed, now - self._began))
         if now - self._heard_at > _SILENCE_S:
@@ -91,7 +91,7 @@ class RealPlant:
         """
         end = time.monotonic() + _STOP_S
         while True:
-            self._check_node()
+            self.check_node()
             self.stop()
             now = time.monotonic()
             is_heard = now - self._heard_at <= _SILENCE_S
@@ -125,15 +125,19 @@ class RealPlant:
             if len(several) > 1:
                 raise Unsuitable(f"{' and '.join(several)} publish {topic}: one is to do that")
 
+    def check_node(self) -> None:
+        """Make sure that the node is at work.
+
+        :raises Unsuitable: if it was shut down
+        """
+        if self._is_shut_down:
+            raise Unsuitable("the node was shut down")
+
     def take_heard(self) -> Heard:
         """Return what was heard since this was asked last."""
         with self._lock:
             heard, self._heard = self._heard, Heard([], [])
         return heard
-
-    def _check_node(self) -> None:
-        if self._is_shut_down:
-            raise Unsuitable("the node was shut down")
 
     def _shut_down(self) -> None:
         # While the publishers work: afterwards nobody could stop the plant.

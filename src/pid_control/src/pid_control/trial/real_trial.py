@@ -62,12 +62,9 @@ class RealTrial:
         controller = ControllerProcess(self._target, {"ROS_MASTER_URI": get_master_uri()})
         self._controller = controller
         try:
-            missing = self._connect(controller, before)
-            if missing:
-                fate = ENDED if controller.status is not None else NOT_CONNECTED
-                return Record(scenario, fate, controller.last_words(), missing)
-            self._plant.check_alone()
-            return self._run(scenario, controller)
+            record = self._connect_and_run(scenario, controller, before)
+            self._plant.check_node()  # a shut-down ends the controller, which is not to blame
+            return record
         finally:
             try:
                 self._plant.stop()
@@ -80,6 +77,16 @@ class RealTrial:
     def _end_controller(self) -> None:
         if self._controller is not None:
             self._controller.end()
+
+    def _connect_and_run(
+        self, scenario: Scenario, controller: ControllerProcess, before: Dict[str, int]
+    ) -> Record:
+        missing = self._connect(controller, before)
+        if missing:
+            fate = ENDED if controller.status is not None else NOT_CONNECTED
+            return Record(scenario, fate, controller.last_words(), missing)
+        self._plant.check_alone()
+        return self._run(scenario, controller)
 
     def _connect(self, controller: ControllerProcess, before: Dict[str, int]) -> List[str]:
         """Wait until the controller has found its topics; return those that it has not.

@@ -5,8 +5,8 @@ from typing import AsyncIterator, Optional, Sequence
 import numpy
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
-from topic_scope.record.recorder import Recorder
 from topic_scope.record.computed_trace import Recorded
+from topic_scope.record.recorder import Recorder
 
 #: Length of a part, s; frames are sent in between.
 PART_S = 0.25

@@ -51,6 +51,25 @@ def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
     assert verdict.text == "334 samples inside, 5 outside"
 
 
+def test_a_reference_that_has_ended_is_named_while_the_trace_goes_on() -> None:
+    source = TimedSource()
+    made = recording(source, *MASK.names)
+    check = MaskCheck(MASK, 1000.0)
+    said = []
+    for second in range(4):
+        times = [1000.0 + second + STEP_S * index for index in range(1, 101)]
+        source.time = times[-1]
+        source.receive("/a", times, [0.0] * 100)
+        if second < 2:
+            source.receive("/b", times, [0.0] * 100)
+        made.update()
+        check.update(made)
+        said.append(check.words(made))
+    # What comes within 0.1 s of where the reference begins or ends cannot be judged.
+    assert said[1] == "180 samples inside, 0 outside, 10 not judged"
+    assert said[3] == f"{said[1]}; /b/data silent for 2.0 s"
+
+
 def test_where_the_reference_has_a_gap_nothing_is_judged() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)

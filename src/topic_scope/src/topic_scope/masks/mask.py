@@ -139,16 +139,24 @@ class MaskCheck:
         :returns: how long before the trace the reference has ended, s; None where it has not, or
             where all is judged
         """
-        field, reference = self.mask.field, self.mask.reference
         begin = float(numpy.nextafter(self._judged, math.inf))
-        left = len(samplers.samples(field, begin, math.inf)[0])
+        left = len(samplers.samples(self.mask.field, begin, math.inf)[0])
         self.verdict = self.verdict._replace(unjudged=self.verdict.unjudged + left)
-        traces = [samplers.trace(field), samplers.trace(reference)]
+        return self.ended(samplers) if left else None
+
+    def words(self, samplers: Samplers) -> str:
+        """Return what has come out so far, and where nothing more can, why."""
+        ended, text = self.ended(samplers), self.verdict.text
+        return text if ended is None else f"{text}; {self.mask.reference} silent for {ended:.1f} s"
+
+    def ended(self, samplers: Samplers) -> Optional[float]:
+        """Tell how long before the trace the reference has ended, s; None where it has not."""
+        traces = [samplers.trace(name) for name in (self.mask.field, self.mask.reference)]
         # By reception: what has stamps that are late, or is delayed, has not ended.
         quiet = [one.silence(0.0) for one in traces if one is not None]
-        if not left or len(quiet) < 2 or quiet[0] is None or quiet[1] is None:
+        if len(quiet) < 2 or quiet[0] is None or quiet[1] is None:
             return None
-        ended, longest = quiet[1] - quiet[0], samplers.longest_step(reference)
+        ended, longest = quiet[1] - quiet[0], samplers.longest_step(self.mask.reference)
         usual = max(longest if math.isfinite(longest) else 0.0, _ENDED_S)
         return ended if ended > usual else None
 

@@ -154,4 +154,5 @@ def _verdict_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
     """Return the message that tells how a trace keeps within its mask."""
     verdict = check.update(recorder)
     limits = [check.mask.lower, check.mask.upper]
-    return {"type": "mask", "text": verdict.text, "limits": limits, **verdict._asdict()}
+    text = check.words(recorder)
+    return {"type": "mask", "text": text, "limits": limits, **verdict._asdict()}

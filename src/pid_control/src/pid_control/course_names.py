@@ -13,7 +13,8 @@ def adopt_course_names(node: Maker, declaration: Type[ParameterSet]) -> None:
 
     The course loads its YAML file at the root: ``/system_param_K`` is what the node ``/system`` has
     as ``/system/system_param_K``. In a namespace both stand in it. A line of the log says which
-    values were taken; they are judged as any other.
+    values were taken; they are judged as any other. A warning says which were not, as where the
+    node has run before on the same master.
 
     :param node: whose parameters they are
     :param declaration: declares them
@@ -31,3 +32,10 @@ def adopt_course_names(node: Maker, declaration: Type[ParameterSet]) -> None:
     if found:
         text = ", ".join(f"{places[name][1]}: {value}" for name, value in found.items())
         rospy.loginfo("%s takes the course's names: %s", node.name, text)
+    for private, course in places.values():
+        if MISSING not in (held[private], held[course]) and held[private] != held[course]:
+            rospy.logwarn(
+                "%s: %s is not read, as %s: %s is set; to have it read at the next start: "
+                "rosparam delete %s",
+                *(course, held[course], private, held[private], private),
+            )

@@ -194,6 +194,25 @@ class Judge(unittest.TestCase):
             self.assertEqual((judge.returncode, errors.decode()), (130, ""))
             wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
 
+    def test_ctrl_c_while_it_is_imported_ends_it_without_a_traceback(self) -> None:
+        judge = subprocess.Popen(
+            [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
+            env={**self.environment(), "PYTHONPROFILEIMPORTTIME": "1"},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        self.addCleanup(judge.kill)
+        assert judge.stderr is not None
+        for line in judge.stderr:  # each names a module that has been imported
+            if line.split()[-1] == "pid_control.files":
+                break
+        judge.send_signal(signal.SIGINT)
+        _, errors = judge.communicate(timeout=LONG_S)
+        self.assertNotIn("Traceback", errors)
+        self.assertNotIn("rospy.core", errors)  # it was not too late
+        self.assertEqual(judge.returncode, 130)
+
 
 if __name__ == "__main__":
     # A program started in the background ignores Ctrl-C, and so would all that it starts.

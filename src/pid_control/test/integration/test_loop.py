@@ -241,6 +241,12 @@ class Loop(unittest.TestCase):
         self.outputs.wait_for(lambda heard: True)
         self.assertEqual(rospy.get_param(self.space + "/system/system_param_K"), 5.0)
         self.assertEqual(rospy.get_param(self.space + "/system/system_max_speed"), 6.0)
+        node.wait_for_log(
+            f"{self.space}/system_max_speed: 4.0 is not read, as"
+            f" {self.space}/system/system_max_speed: 6.0 is set; to have it read at the next start:"
+            f" rosparam delete {self.space}/system/system_max_speed"
+        )
+        self.assertFalse([line for line in node.logged() if "system_param_K: 5.0 is not" in line])
 
     def test_set_point_carries_its_time_and_ends_with_its_stop_value(self) -> None:
         heard = Ear(self.space + "/set_point", set_point)

@@ -45,21 +45,21 @@ def main() -> None:
         for path in (arguments.picture, arguments.csv):
             if path is not None:
                 check_writable(path)
-        judgement, records = _judge_or_not(arguments, limits)
-        _report(judgement, records, arguments, xml)
+        if arguments.class_folder is not None:
+            status = _judge_class(arguments)
+        else:
+            judgement, records = _judge_or_not(arguments, limits)
+            _report(judgement, records, arguments, xml)
+            status = judgement.status
     except OSError as error:
         print(f"judge: {error.filename or 'the file'}: {error.strerror}", file=sys.stderr)
-        sys.exit(STATUS[NOT_JUDGED])
-    except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
-    sys.exit(judgement.status)
+        status = STATUS[NOT_JUDGED]
+    sys.exit(status)
 
 
 def _judge_or_not(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
-    """Judge one, or end with the status of a class; what cannot be judged is a judgement too."""
+    """Judge one; what cannot be judged is a judgement too."""
     try:
-        if arguments.class_folder is not None:
-            sys.exit(_judge_class(arguments))
         return _judge(arguments, limits)
     except CannotJudge as error:
         return Judgement(NOT_JUDGED, [], [], str(error)), []
@@ -218,9 +218,9 @@ def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.trial.class_run import ClassRun
 
     if arguments.node or arguments.workspace or arguments.picture or arguments.csv:
-        raise CannotJudge("--node, --workspace, --picture and --csv are not for a --class")
+        _parser().error("--node, --workspace, --picture and --csv are not for a --class")
     if not os.path.isdir(arguments.class_folder):
-        raise CannotJudge(f"there is no folder {arguments.class_folder}")
+        _parser().error(f"there is no folder {arguments.class_folder}")
     options = ["--time-limit", str(arguments.time_limit)]
     if arguments.limits is not None:
         options += ["--limits", os.path.abspath(arguments.limits)]

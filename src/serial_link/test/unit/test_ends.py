@@ -7,6 +7,8 @@ import time
 import pytest
 
 from serial_link.board.ends import PtyEnd
+from serial_link.board.simulation import SimulatedBoard
+from serial_link.device.device import Device
 
 
 def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
@@ -20,6 +22,18 @@ def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
         assert end.is_plugged and os.path.realpath(link).startswith("/dev/pts/")
         end.unplug()
         assert not link.is_symlink()
+
+
+def test_a_board_that_was_closed_before_it_started_leaves_no_link(tmp_path: pathlib.Path) -> None:
+    """As at Ctrl-C right after the node came up."""
+
+    def never(_now: float) -> Device:
+        raise AssertionError("it runs")
+
+    board = SimulatedBoard(PtyEnd(str(tmp_path / "board")), 115200, never, boot_s=0.0)
+    board.close()
+    board.start()
+    assert not (tmp_path / "board").is_symlink()
 
 
 def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path: pathlib.Path) -> None:

@@ -60,6 +60,8 @@ class SimulatedBoard:
         self._starts_at = self._plugged_at = 0.0
         self._is_reset, self._is_over = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
+        #: Held while it is switched on or off.
+        self._switch = threading.Lock()
 
     @property
     def device(self) -> Optional[Device]:
@@ -67,13 +69,16 @@ class SimulatedBoard:
         return self._device
 
     def start(self) -> None:
-        """Switch it on.
+        """Switch it on, unless it was closed meanwhile: nobody would unplug it any more.
 
         :raises OSError: if it cannot be plugged in
         """
-        self._end.plug()
-        self._starts_at = time.monotonic()
-        self._thread.start()
+        with self._switch:
+            if self._is_over.is_set():
+                return
+            self._end.plug()
+            self._starts_at = time.monotonic()
+            self._thread.start()
 
     def reset(self) -> None:
         """Press the button that resets it: even in the middle of a message."""
@@ -81,7 +86,8 @@ class SimulatedBoard:
 
     def close(self) -> None:
         """Switch it off, and unplug it."""
-        self._is_over.set()
+        with self._switch:
+            self._is_over.set()
         if self._thread.ident is not None:
             self._thread.join(2.0)
         self._end.unplug()

@@ -19,6 +19,13 @@ ROSBASH = (
     "/usr/share/bash-completion/completions/rosbash",
     f"{os.environ.get('ROS_ROOT')}/../rosbash/rosbash",
 )
+#: A program in Python that says by a file that it runs, and ends with 0 at Ctrl-C.
+ENDS_BY_ITSELF = """
+import signal, sys
+signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+open(sys.argv[1], "w").close()
+signal.sigtimedwait([signal.SIGINT], 60.0)
+"""
 PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,${ROS_IP-none},$LANG"')
 
 
@@ -47,10 +54,9 @@ def test_ctrl_c_ends_rosrun_while_it_searches(built: Workspace, tmp_path: pathli
         assert built.run("rosrun", "tiny", "node", "two words").returncode == 0
         assert ran.read_text() == "two words\n"
         ran.unlink()
-        # catkin_find is a program in Python, which may end by itself at Ctrl-C.
-        built.fakes[
-            "catkin_find"
-        ] = f"""exec sh -c 'trap "exit 0" INT; : > "$0"; sleep 60' '{begun}'"""
+        # catkin_find is a program in Python, which may end by itself at Ctrl-C. A trap of a shell
+        # would wait for the end of a command that has just begun.
+        built.fakes["catkin_find"] = f"exec /usr/bin/python3 -c '{ENDS_BY_ITSELF}' '{begun}'"
         process = built.start("rosrun", "tiny", "node")
         give_up = time.monotonic() + 60.0
         while not begun.exists() and time.monotonic() < give_up:

@@ -33,8 +33,6 @@ def _row(item: Dict[str, str]) -> List[str]:
 
 def _short(test: str) -> str:
     """Say in few words where a test is: its package, or its folder, and its name."""
-    if not test:
-        return "to come"
     found = re.match(r"src/(\w+)/.*/", test)
     return f"{found[1]}: `{test[found.end() :]}`" if found else f"`{test}`"
 

@@ -1,4 +1,7 @@
-"""ci/container types its page's commands, and README's ways in are those of the pages."""
+"""ci/container types its page's commands, and README's ways in are those of the pages.
+
+Course 002-pkg-13.
+"""
 
 import re
 import subprocess

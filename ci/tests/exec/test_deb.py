@@ -1,4 +1,7 @@
-"""ci/deb types the commands of its page, and tells a file that two packages hold."""
+"""ci/deb types the commands of its page, and tells a file that two packages hold.
+
+Course 002-pkg-12.
+"""
 
 import pathlib
 import subprocess

@@ -73,14 +73,18 @@ class ManagedRobot(unittest.TestCase):
         self.assertEqual(self.commands.messages(), [])
         self.assertEqual(self.odometry.messages()[-1].twist.twist, Twist())
 
-    def act(self, name: str) -> None:
-        """Send a goal of the action, and wait until it is pursued."""
+    def send(self, name: str) -> None:
+        """Send a goal of the action."""
         wait_until(self.goals.get_num_connections, lambda: "nobody takes goals")
         goal = GoToActionGoal()
         goal.goal_id.id, goal.goal_id.stamp = name, rospy.Time.now()
         goal.goal.target_pose.pose.position.x = 100.0
         goal.goal.target_pose.pose.orientation.w = 1.0
         self.goals.publish(goal)
+
+    def act(self, name: str) -> None:
+        """Send a goal of the action, and wait until it is pursued."""
+        self.send(name)
 
         def is_pursued(array: GoalStatusArray) -> bool:
             return any(
@@ -95,6 +99,12 @@ class ManagedRobot(unittest.TestCase):
         for array in self.status.messages():
             self.assertTrue(is_pursued(array), array)
 
+    def assert_aborted(self, name: str) -> None:
+        """See that a goal ends, because the controller is not active."""
+        status = self.results.wait_for(lambda each: each.status.goal_id.id == name).status
+        self.assertEqual(status.status, GoalStatus.ABORTED)
+        self.assertEqual(status.text, "the controller is not active")
+
     def test_robot_that_is_away_takes_its_controller_down_until_it_is_back(self) -> None:
         with launched("bot_controller_demo managed_robot.launch goal_x:=100 autostart:=ON") as run:
             self.wait_until_it_drives()
@@ -103,8 +113,7 @@ class ManagedRobot(unittest.TestCase):
                 before = run.processes()[SIMULATOR]
                 os.kill(before.pid, signal.SIGKILL)
                 self.wait_until_it_is_down()
-                result = self.results.wait_for(lambda each: each.status.goal_id.id == "first")
-                self.assertEqual(result.status.text, "the controller is not active any more")
+                self.assert_aborted("first")
                 run.wait_for_new_process(SIMULATOR, before)
                 self.wait_until_it_drives()
             self.act("second")
@@ -131,8 +140,9 @@ class ManagedRobot(unittest.TestCase):
             self.act("third")
             with self.subTest("paused while the action drives"):
                 self.assertTrue(manage(ManageNodesRequest.PAUSE).success)
-                result = self.results.wait_for(lambda each: each.status.goal_id.id == "third")
-                self.assertEqual(result.status.status, GoalStatus.ABORTED)
+                self.assert_aborted("third")
+                self.send("while paused")
+                self.assert_aborted("while paused")
                 self.assertTrue(manage(ManageNodesRequest.RESUME).success)
                 self.assert_it_stands()
                 set_goal = rospy.ServiceProxy(CONTROLLER + "/set_goal", SetGoal)

@@ -214,6 +214,17 @@ class Robots(unittest.TestCase):
 
         return self.until(results, f"no result of {name}", 40.0, PROGRESS)[0]
 
+    def replace_within_a_period(self, name: str) -> None:
+        """Replace a goal of the action before the controller has looked for one."""
+        heard = len(self.clock.heard(PROGRESS))
+        self.until(lambda: len(self.clock.heard(PROGRESS)) > heard, "no progress")
+        # Now the clock stands. Once a goal is told that another one has come, that one is there.
+        for each in ("before", name):
+            self.act(each, pose(2.0, 0.0, 0.0))
+        self.result.wait_for(lambda one: one.status.goal_id.id == "before")
+        self.assertTrue(self.set_goal(1.0, 0.0, 0.0).success)
+        self.assertEqual(self.outcome(name).status.text, "another goal was set")
+
     def told_of(self, name: str) -> bool:
         return any(one.status.goal_id.id == name for one in self.feedback.messages())
 
@@ -243,6 +254,7 @@ class Robots(unittest.TestCase):
         self.until(lambda: self.told_of("fourth"), "no feedback", 5.0, PROGRESS)
         self.set_goal(1.0, 0.0, 0.0)
         self.assertEqual(self.outcome("fourth").status.text, "another goal was set")
+        self.replace_within_a_period("not polled")
         self.act("fifth", pose(0.3, 0.0, 0.0))
         self.until(lambda: self.told_of("fifth"), "no feedback")
         fifth = self.outcome("fifth")

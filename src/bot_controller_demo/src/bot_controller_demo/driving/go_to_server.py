@@ -15,6 +15,8 @@ try:
 except ImportError:
     actionlib = None
 
+_NOT_ACTIVE = "the controller is not active"
+
 
 class GoToServer:
     """Serves ``go_to`` by polling it in each control period, so in the node's own callbacks.
@@ -29,12 +31,14 @@ class GoToServer:
         self._stop = stop
         self._server: Any = None
         self._is_new = True
+        self._is_polled = False
         if actionlib is None:
             rospy.logwarn("no action go_to: python3-actionlib is not installed; the rest works")
             return
         self._server = actionlib.SimpleActionServer(
             node.resolve("go_to"), GoToAction, auto_start=False
         )
+        self._server.register_goal_callback(self._refuse_unpolled)
         node.own(self)
         node.before_deactivate(self.abort)
 
@@ -43,6 +47,7 @@ class GoToServer:
         server = self._server
         if server is None:
             return
+        self._is_polled = True
         if self._is_new:
             self._is_new = False
             server.start()
@@ -61,10 +66,26 @@ class GoToServer:
             server.set_preempted(GoToResult(), "cancelled: the robot has stopped")
 
     def abort(self) -> None:
-        """Abort the goal: a node that stops being active may never be so again."""
+        """Abort all goals: a node that stops being active may never be so again."""
         if self._server.is_active():
             self._stop()
-            self._server.set_aborted(GoToResult(), "the controller is not active any more")
+        with self._server.action_server.lock:  # as the thread has that brings a goal
+            self._is_polled = False
+            self._end_goals(self._server.set_aborted, _NOT_ACTIVE)
+
+    def _refuse_unpolled(self) -> None:
+        """Refuse a new goal while nobody polls: it would wait, and be driven to long after."""
+        if not self._is_polled:
+            self._end_goals(self._server.set_aborted, _NOT_ACTIVE)
+
+    def _end_goals(self, end: Callable[[Any, str], None], why: str) -> None:
+        """End the goal that is pursued, and the one that waits to be polled."""
+        with self._server.action_server.lock:
+            if self._server.is_active():
+                end(GoToResult(), why)
+            if self._server.is_new_goal_available():
+                self._server.accept_new_goal()
+                end(GoToResult(), why)
 
     def close(self) -> None:
         """Stop serving: a managed node that is configured again has another server."""
@@ -86,6 +107,6 @@ class GoToServer:
             self._server.set_aborted(GoToResult(progress), why)
 
     def preempt(self) -> None:
-        """Preempt the client's goal: another one has replaced it."""
-        if self._server is not None and self._server.is_active():
-            self._server.set_preempted(GoToResult(), "another goal was set")
+        """Preempt the goals of clients: another one has replaced them."""
+        if self._server is not None:
+            self._end_goals(self._server.set_preempted, "another goal was set")

@@ -256,3 +256,6 @@ def test_the_highest_frequency_tells_what_has_to_be_below_nyquist():
     others = {"chirp": 50.0, "multisine": 25.0, "prbs": math.pi / 0.1}
     assert highest == {**dict.fromkeys(WAVEFORMS, 0.0), **periodic, **others}
     assert settings(frequency=-3.0).highest_frequency == 3.0
+    assert settings(frequency=-31.4, rate=10.0).aliasing == ""
+    above = "31.5 rad/s is above the Nyquist frequency of 31.4159 rad/s at a rate of 10 Hz"
+    assert settings(frequency=-31.5, rate=10.0).aliasing == above

@@ -151,6 +151,7 @@ class DcMotor(unittest.TestCase):
         self.assertEqual((answer.success, answer.message), (True, "disabled already"))
         wait_for_put_backs(NODE, 10)
         self.assertEqual(self.values(), [])
+        self.assertEqual([state.data for state in self.state.messages()], ["disabled"])
         # What drove it before does not drive it now.
         self.enable(True)
         wait_until(lambda: len(self.values()) > 10, lambda: "it does not go on")

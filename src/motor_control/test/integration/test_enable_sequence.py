@@ -15,6 +15,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
+from nodekit.testing.changing import change
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -153,6 +154,13 @@ class EnableSequence(unittest.TestCase):
         self.enable(False)
         self.start_set_point()
         self.assert_both_run()
+
+    def test_set_point_warns_of_what_its_rate_cannot_carry(self) -> None:
+        self.start_motor()
+        self.start_set_point()
+        self.assert_both_run()
+        change(self.space + "/sp_gen", omega=40.0)
+        self.wait_for_line("40 rad/s is above the Nyquist frequency of 31.4159 rad/s")
 
     def test_refusals_and_failures_are_retried_after_growing_pauses(self) -> None:
         calls: List[float] = []

@@ -1,6 +1,5 @@
 """The signal generator: publishes samples of a waveform."""
 
-import math
 from typing import Optional
 
 import rospy
@@ -61,10 +60,10 @@ class SignalGenerator:
         node.service("~enable", SetBool, self._enable)
         node.service("~reset", Trigger, self._reset)
         node.every(lambda: self._settings.values.rate, self._publish, catch_up=_CATCH_UP_S)
-        self._warn_above_nyquist(self._settings.values)
+        self._warn_of_aliasing(self._settings.values)
 
     def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:
-        self._warn_above_nyquist(new)
+        self._warn_of_aliasing(new)
 
     def _publish(self, elapsed: float) -> None:
         settings = self._settings.values
@@ -110,17 +109,9 @@ class SignalGenerator:
         self._reset_wanted = True
         return TriggerResponse(True, "time_x and phase start at 0 again")
 
-    def _warn_above_nyquist(self, settings: SignalParameters) -> None:
-        highest = settings.highest_frequency
-        nyquist = math.pi * settings.rate
-        if highest > nyquist:
-            rospy.logwarn(
-                "%s: %.6g rad/s is above the Nyquist frequency of %.6g rad/s at a rate of %g Hz",
-                self._publisher.resolved_name,
-                highest,
-                nyquist,
-                settings.rate,
-            )
+    def _warn_of_aliasing(self, settings: SignalParameters) -> None:
+        if settings.aliasing:
+            rospy.logwarn("%s: %s", self._publisher.resolved_name, settings.aliasing)
 
 
 def main() -> None:

@@ -193,6 +193,17 @@ class SignalParameters(ParameterSet):
             return math.pi / self.chip_time
         return 0.0
 
+    @property
+    def aliasing(self) -> str:
+        """Why the samples misrepresent the signal, in words; empty where they do not."""
+        nyquist = math.pi * self.rate
+        if self.highest_frequency <= nyquist:
+            return ""
+        return (
+            f"{self.highest_frequency:.6g} rad/s is above the Nyquist frequency of {nyquist:.6g}"
+            f" rad/s at a rate of {self.rate:g} Hz"
+        )
+
     @rule("chirp_shape", "chirp_f0", "chirp_f1")
     def _logarithmic_chirp(self) -> None:
         ends = (self.chirp_f0, self.chirp_f1)

@@ -45,7 +45,8 @@ class DcMotor:
         node.subscribe("motor_input_u", Float32, self._on_input, finite=True)
         node.service("EnableProcess", SetProcessBool, self._enable)
         node.every(lambda: 1.0 / self._parameters.values.sample_time, self._step)
-        self._state_publisher.publish(WAITING)
+        self._state = ""
+        self._tell(WAITING)
 
     def _on_input(self, message: Float32) -> None:
         self._input = message.data
@@ -74,16 +75,20 @@ class DcMotor:
             return SetProcessBoolResponse(False, "the motor is shutting down")
         state = ENABLED if request.enable else DISABLED
         if request.enable == (self._plant is not None):
-            if not request.enable:
-                self._state_publisher.publish(state)
+            self._tell(state)  # waiting becomes disabled
             return SetProcessBoolResponse(True, state + " already")
         if request.enable:
             self._start()
         else:
             self._stop()
-        self._state_publisher.publish(state)
+        self._tell(state)
         rospy.loginfo("%s: %s", self._service_name, state)
         return SetProcessBoolResponse(True, state)
+
+    def _tell(self, state: str) -> None:
+        if state != self._state:
+            self._state = state
+            self._state_publisher.publish(state)
 
     def _start(self) -> None:
         self._settings = self._parameters.values

@@ -3,6 +3,7 @@
 import copy
 from typing import Any
 
+import rospy
 from std_msgs.msg import Float32
 
 from basic_comms.signals.run_control import RUNNING, RunControl
@@ -46,13 +47,17 @@ class SetPoint:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(SetPointParameters)
+        self._settings = node.parameters(SetPointParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
         self._ran = False
         self._publisher = node.publisher("motor_input_u", Float32)
         self._motor = MotorEnabler(node)
         node.every(lambda: self._settings.values.rate, self._publish)
+        self._warn_of_aliasing(self._settings.values)
+
+    def _on_change(self, new: SetPointParameters, _old: SetPointParameters) -> None:
+        self._warn_of_aliasing(new)
 
     def _publish(self, elapsed: float) -> None:
         settings = self._settings.values
@@ -68,6 +73,10 @@ class SetPoint:
         if status.state == RUNNING:
             value = self._source.sample(status.time_x, settings).value
         self._publisher.publish(Float32(value))
+
+    def _warn_of_aliasing(self, settings: SetPointParameters) -> None:
+        if settings.aliasing:
+            rospy.logwarn("%s: %s", self._publisher.resolved_name, settings.aliasing)
 
 
 def main() -> None:

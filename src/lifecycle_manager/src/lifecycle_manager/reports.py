@@ -22,6 +22,7 @@ def reports(manager: str, system: System) -> List[DiagnosticStatus]:
     :param manager: name of the manager
     :param system: the system
     """
+    manager = manager.lstrip("/")  # as diagnostic_updater has it
     level = DiagnosticStatus.OK if system.is_active else DiagnosticStatus.WARN
     whole = DiagnosticStatus(
         level=DiagnosticStatus.ERROR if system.problem else level,

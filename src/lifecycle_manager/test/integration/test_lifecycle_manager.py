@@ -184,12 +184,13 @@ class Here(Managing):
         self.assertEqual((answer.success, answer.message), (False, failure))
         self.assertEqual(self.diary, UP + DEACTIVATED[1:] + CLEANED)
         self.assertEqual(self.states(), ["unconfigured"] * 3)
-        whole = f"{self.space}/manager: system"
+        manager = f"{self.space}/manager".lstrip("/")
+        whole = f"{manager}: system"
         ear.wait_for(lambda message: told(message, whole) == (DiagnosticStatus.ERROR, failure))
         self.plan.clear()
         self.assertTrue(self.command(ManageNodesRequest.STARTUP).success)
         ear.wait_for(lambda message: told(message, whole) == (0, "all are active"))
-        ear.wait_for(lambda message: told(message, f"{self.space}/manager: {self.space}/c")[0] == 0)
+        ear.wait_for(lambda message: told(message, f"{manager}: {self.space}/c")[0] == 0)
         count = ear.count()
         wait_until(lambda: ear.count() > count, lambda: "reports without a change")
 

@@ -5,8 +5,9 @@ import random
 import threading
 import time
 from collections import deque
-from typing import Any, Deque, Dict, List, Optional, Tuple
+from typing import Any, Deque, Dict, List, Optional, Tuple, Type
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -196,23 +197,23 @@ def test_group_that_somebody_else_is_in_keeps_only_its_own_calls_out() -> None:
     assert not group._inside.locked()
 
 
-def test_closed_line_gives_up_what_is_left_and_frees_the_groups() -> None:
+@pytest.mark.parametrize("kind", [Group, ReentrantGroup])
+def test_closed_line_gives_up_what_is_left_and_frees_the_groups(kind: Type[Group]) -> None:
     ready = ReadyQueue()
-    group = Group()
+    group = kind()
     given_up: List[int] = []
-    queues = [CallQueue(ready, group, 10, lambda things: None, given_up.append) for _ in range(3)]
-    for calls in queues:
-        calls.put(1)
-        calls.put(2)
+    queues = [CallQueue(ready, group, 700, lambda things: None, given_up.append) for _ in range(3)]
+    for thing in range(700):  # more than there may be calls within each other
+        for calls in queues:
+            calls.put(thing)
     under_way = ready.next_turn(wait=False)
     assert under_way is not None
     assert not ready.close(0.0)
     ready.make_call(under_way)
-    assert sorted(given_up) == [1, 1, 1, 2, 2, 2]
-    assert group.try_enter()
-    group.leave()
-    queues[0].put(3)
-    assert given_up[-1] == 3 and queues[0].dropped == 1
+    assert sorted(given_up) == [thing for thing in range(700) for _ in queues]
+    assert group.wait_until_left(0.0) and not group._inside.locked()
+    queues[0].put(700)
+    assert given_up[-1] == 700 and queues[0].dropped == 1
     assert ready.next_turn() is None
 
 

@@ -115,6 +115,7 @@ class ReadyQueue:
         #: Threads that take from it.
         self.workers: Set[threading.Thread] = set()
         self._is_closed = self._is_over = False
+        self._dropping: Set[int] = set()  # threads that drop what is left
 
     def is_served_by_caller_alone(self) -> bool:
         """Tell whether all that waits has to wait for the calling thread."""
@@ -205,8 +206,12 @@ class ReadyQueue:
             self._drop_rest()
 
     def _drop_rest(self) -> None:
-        while True:
-            turn = self.next_turn(wait=False)
-            if turn is None:
-                return
+        me = threading.get_ident()
+        if me in self._dropping:  # it has left a group, whose next one its loop comes to
+            return
+        self._dropping.add(me)
+        turn = self.next_turn(wait=False)
+        while turn is not None:
             self.make_call(turn)
+            turn = self.next_turn(wait=False)
+        self._dropping.discard(me)

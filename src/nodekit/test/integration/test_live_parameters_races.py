@@ -320,6 +320,20 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=live.values.level)
         self.assertEqual(levels, sorted(levels))
 
+    def test_update_to_what_is_in_force_replaces_what_was_set_just_before(self) -> None:
+        live = self.start()
+        before = live.values.level
+
+        def update() -> None:
+            if self.user.get(self.level) == 5.0:
+                live.update(level=before)
+            else:
+                self.server.after_read = update
+
+        self.server.after_read = update
+        self.user.set(self.level, 5.0)
+        self.assert_ends_with(live, level=before)
+
     # It ends with the last part, not with the limit.
     @mock.patch.object(watcher, "SETTLE_LIMIT_S", 2.0 * TIMEOUT_S)
     def test_change_that_is_half_done_is_waited_for(self) -> None:

@@ -189,7 +189,9 @@ class Reconciler(Generic[Snapshot]):
         coerced, refused = accept_each(self.values, changes, missing=self.values.as_dict())
         values, broken = keep_rules(self.values, coerced, self._rules)
         raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
-        return Verdict(values, corrections(values, on_wire(self.values)), [], {})
+        wire = on_wire(values)
+        # Also what is in force already: others may have set something else that is not read yet.
+        return Verdict(values, {name: wire[name] for name in changes}, [], {})
 
     def adopt(self, verdict: Verdict, now: float) -> None:
         """Bring a judged change into force: it has been written.

@@ -231,19 +231,21 @@ def test_a_pause_ends_with_any_rate(rate):
     assert timetable.deadline == pytest.approx(70.0 + 1.0 / rate)
 
 
-def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped():
-    paused = Timetable(10.0)
+@pytest.mark.parametrize("catch_up", [0.0, 60.0])
+def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped(catch_up):
+    paused = Timetable(10.0, catch_up)
     paused.take_deadline(70.0)
     paused.set_rate(0.0)
     paused.set_rate(10.0)
     assert paused.take_deadline(75.0) == pytest.approx(5.0)
     assert paused.skipped == 0
-    assert paused.take_deadline(75.35) == pytest.approx(5.3)
-    assert paused.skipped == 2
-    slow = Timetable(0.1)
+    assert paused.take_deadline(75.35) == pytest.approx(5.1 if catch_up else 5.3)
+    assert paused.skipped == (0 if catch_up else 2)
+    slow = Timetable(0.1, catch_up)
     slow.take_deadline(100.0)
     slow.set_rate(50.0)
     assert slow.take_deadline(107.003) == pytest.approx(7.0)
+    assert slow.deadline == pytest.approx(107.02)
     assert slow.skipped == 0
 
 

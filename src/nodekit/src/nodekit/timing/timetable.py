@@ -70,7 +70,9 @@ class Timetable:
         if self._anchor == -math.inf:
             self.begin(now)
         following = self._next + 1
-        if now - self.next_deadline > self._catch_up:
+        # By a new rate, deadlines lie in the past that were none by the one before.
+        catch_up = 0.0 if self._is_retimed else self._catch_up
+        if now - self.next_deadline > catch_up:
             latest = max(following, self._first_after(now, self._anchor))
             if not self._is_retimed:
                 self.skipped += latest - following

@@ -69,6 +69,19 @@ def test_each_name_is_one_field() -> None:
     assert made.problem(NAME) is None and made.problem("/a/data") is None
 
 
+def test_a_second_one_that_is_slow_is_no_problem_where_there_are_values() -> None:
+    source = TimedSource()
+    made = recording(source, NAME)
+    for second in range(1000, 1200):
+        source.time = float(second)
+        source.receive("/a", [source.time], [1.0])
+        if second % 8 == 0:  # values may lie between two that are 40 s apart
+            source.receive("/b", [source.time], [0.5])
+        made.update()
+    assert len(made.samples(NAME, -math.inf, math.inf)[0]) > 5
+    assert made.problem(NAME) is None
+
+
 def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
     source = TimedSource()
     made = recording(source, NAME)

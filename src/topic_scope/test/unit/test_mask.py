@@ -51,6 +51,27 @@ def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
     assert verdict.text == "334 samples inside, 5 outside"
 
 
+@pytest.mark.parametrize("time", [35.0, 80.0])
+def test_what_is_forgotten_before_it_can_be_judged_is_counted_and_said(time: float) -> None:
+    source = TimedSource()
+    mask = MASK._replace(time=time)
+    made = recording(source, *mask.names)  # keeps 60 s
+    check = MaskCheck(mask, 1000.0)
+    for second in range(200):
+        times = [1000.0 + second + 0.1 * index for index in range(1, 11)]
+        source.time = times[-1]
+        for topic in ("/a", "/b"):
+            source.receive(topic, times, [0.0] * 10)
+        made.update()
+        check.update(made)
+    assert check.verdict.outside == 0 and check.verdict.inside < 300
+    # All up to where what is kept begins, and as long after that as counts.
+    counted = check.verdict.inside + check.verdict.unjudged
+    assert counted == pytest.approx(10 * min(141 + time, 200), abs=15)
+    says = f" not judged; it needs {time + 1:g} s before and {time:g} s after each, and samples"
+    assert says in check.words(made)
+
+
 def test_a_reference_that_has_ended_is_named_while_the_trace_goes_on() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)

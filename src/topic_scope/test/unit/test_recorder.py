@@ -135,6 +135,24 @@ def test_a_mean_is_told_only_where_all_of_its_samples_are_kept() -> None:
     assert not len(made.samples("=mean(/a/data, 15)", -math.inf, math.inf)[0])
 
 
+def test_what_looks_ahead_is_told_only_where_both_sides_are_kept() -> None:
+    source = FakeSource()
+    around = {name: f"=highest(/a/data, {name})" for name in (4, 6)}
+    made = recording(source, *around.values(), "=delay(/a/data, -11)")
+    for second in range(30):
+        source.send(Float32, *(second + 0.01 * index for index in range(100)))
+        made.update()
+    times, _ = made.samples(around[4], -math.inf, math.inf)
+    assert times[0] == pytest.approx(1024.24, abs=0.02) and times[-1] == pytest.approx(1025.99)
+    assert made.problem(around[4]) is None
+    assert not len(made.samples(around[6], -math.inf, math.inf)[0])
+    assert made.problem(around[6]) == (
+        "it needs 6.25 s before and 6 s after each, and samples are kept for 10 s (--history)"
+    )
+    problem = made.problem("=delay(/a/data, -11)")
+    assert problem and problem.startswith("it needs 0 s before and 11 s after each, and")
+
+
 def test_what_is_forgotten_is_wanted_all_the_same() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")

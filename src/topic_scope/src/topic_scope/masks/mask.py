@@ -12,11 +12,12 @@ import numpy
 from topic_scope.analysis.ring import Samples
 from topic_scope.formulas.names import problem_of, with_letters
 from topic_scope.messages.fields import FieldError
-from topic_scope.record.computed_trace import Recorded
+from topic_scope.record.computed_trace import ComputedTrace, Recorded
 
 
 #: A reference has ended where it was silent for longer than this at least, s.
 _ENDED_S = 0.5
+_NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
 
 class Mask(NamedTuple):
@@ -123,14 +124,15 @@ class MaskCheck:
         :returns: what has come out so far
         """
         trace = samplers.trace(self._excess)
-        age = trace.age(0.0) if trace is not None else None
-        if age is None or -age <= self._judged:
+        if trace is None:
             return self.verdict
-        begin = float(numpy.nextafter(self._judged, math.inf))
-        times, excess = samplers.samples(self._excess, begin, -age)
-        if len(times):
-            self._judged = float(times[-1])
-            self._count(times, excess)
+        # What counts for samples before that was forgotten: they will never be judged.
+        before = float(numpy.nextafter(trace.whole_from, -math.inf))
+        lost = self._new(samplers, self.mask.field, before)[0]
+        self._count(lost, numpy.full(len(lost), math.nan))
+        age = trace.age(0.0)
+        if age is not None:
+            self._count(*self._new(samplers, self._excess, -age))
         return self.verdict
 
     def finish(self, samplers: Samplers) -> Optional[float]:
@@ -139,14 +141,16 @@ class MaskCheck:
         :returns: how long before the trace the reference has ended, s; None where it has not, or
             where all is judged
         """
-        begin = float(numpy.nextafter(self._judged, math.inf))
-        left = len(samplers.samples(self.mask.field, begin, math.inf)[0])
+        left = len(self._new(samplers, self.mask.field, math.inf)[0])
         self.verdict = self.verdict._replace(unjudged=self.verdict.unjudged + left)
         return self.ended(samplers) if left else None
 
     def words(self, samplers: Samplers) -> str:
         """Return what has come out so far, and where nothing more can, why."""
         ended, text = self.ended(samplers), self.verdict.text
+        trace = samplers.trace(self._excess)
+        if isinstance(trace, ComputedTrace) and trace.problem:
+            text = f"{text}; {trace.problem}"
         return text if ended is None else f"{text}; {self.mask.reference} silent for {ended:.1f} s"
 
     def ended(self, samplers: Samplers) -> Optional[float]:
@@ -160,7 +164,14 @@ class MaskCheck:
         usual = max(longest if math.isfinite(longest) else 0.0, _ENDED_S)
         return ended if ended > usual else None
 
+    def _new(self, samplers: Samplers, name: str, end: float) -> Samples:
+        """Return the samples of a name after those that were judged, up to a time, s."""
+        begin = float(numpy.nextafter(self._judged, math.inf))
+        return samplers.samples(name, begin, end) if begin <= end else _NOTHING
+
     def _count(self, times: numpy.ndarray, excess: numpy.ndarray) -> None:
+        """Count samples, by how much they are outside; NaN for those that cannot be judged."""
+        self._judged = float(times.max(initial=self._judged))
         outside = numpy.flatnonzero(excess > 0.0)
         unknown = int(numpy.isnan(excess).sum())
         before = self.verdict

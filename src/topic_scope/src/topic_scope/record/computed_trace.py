@@ -68,7 +68,7 @@ class ComputedTrace:
         spans = [trace.span for trace in self._traces]
         if spans[0] is None or None in spans:
             return None
-        first, until = max(spans[0][0] + min(self.reach[0], 0.0), self._whole_from), self.until
+        first, until = max(spans[0][0] + min(self.reach[0], 0.0), self.whole_from), self.until
         return (first, until) if first <= until else None
 
     @property
@@ -90,13 +90,16 @@ class ComputedTrace:
     def problem(self) -> Optional[str]:
         """Why there is nothing of it before long, in words; None where there is."""
         kept = min(trace.ring.history for trace in self._traces)
-        if self._back <= kept:
+        back, ahead = self._back, self._ahead
+        if back + ahead <= kept:
             return None
-        words = f"it needs the last {self._back:g} s, and samples are kept for {kept:g} s"
-        return f"{words} (--history)"
+        needed = f"the last {back:g} s"
+        if ahead:
+            needed = f"{back:g} s before and {ahead:g} s after each"
+        return f"it needs {needed}, and samples are kept for {kept:g} s (--history)"
 
     @property
-    def _whole_from(self) -> float:
+    def whole_from(self) -> float:
         """After when all that counts for it is there, s."""
         return max(trace.whole_from for trace in self._traces) + self._back
 
@@ -105,6 +108,12 @@ class ComputedTrace:
         """From how long before a time samples count, s; 0 where too little is known to tell."""
         back = self.reach[0]
         return max(back, 0.0) if math.isfinite(back) else 0.0
+
+    @property
+    def _ahead(self) -> float:
+        """How long after a time it is known, s: less than it reaches; 0 where nothing tells."""
+        ahead = min(map(_last_of, self._traces)) - self.until
+        return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
 
     def age(self, now: float) -> Optional[float]:
         """Return how long ago the last sample was taken, s; None where there is none."""
@@ -118,7 +127,7 @@ class ComputedTrace:
 
     def _between(self, start: float, end: float) -> Signal:
         found = self._tree.signal(self._operands, start, end)
-        return found.between(max(start, self._whole_from), min(end, self.until))
+        return found.between(max(start, self.whole_from), min(end, self.until))
 
 
 def _last_of(trace: Trace) -> float:

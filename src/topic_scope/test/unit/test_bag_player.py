@@ -125,6 +125,37 @@ def test_what_comes_out_is_what_the_clock_has_passed(
         before = at
 
 
+def test_messages_that_were_recorded_at_the_same_time_are_told_apart(
+    tmp_path: Path, opened: Callable[[Path], BagFile]
+) -> None:
+    """As under simulated time: here every 10 ms, each publisher with many messages."""
+    path, count = tmp_path / "x.bag", 0
+    with rosbag.Bag(str(path), "w", chunk_threshold=2000) as file:
+        for index in range(400):
+            for number in range(2):
+                header = {"callerid": f"/n{number}", "type": "std_msgs/Int32"}
+                header.update({"md5sum": Int32._md5sum, "message_definition": Int32._full_text})
+                stamp = genpy.Time(0, BEGIN + index // 10 * 10**7)
+                file.write("/a", Int32(count), stamp, connection_header=header)
+                count += 1
+    clock = Clock()
+    player = playing(opened(path), clock, "/a")
+    loaded(player)
+    player.play()
+    came: List[Tuple[float, int]] = []
+    for _ in range(45):
+        clock.time += 0.01
+        player.now()
+        for batch in player.outlets()["/a"].drain():
+            values = [int.from_bytes(message, "little") for message in batch.messages]
+            came += zip(batch.times, values)
+            assert list(batch.times) == sorted(batch.times)
+    assert sorted(value for _, value in came) == list(range(count))
+    assert len({time for time, _ in came}) == count
+    for time, value in came:
+        assert time == pytest.approx(START + value // 20 * 0.01, abs=1.5e-5)
+
+
 def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagFile) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)

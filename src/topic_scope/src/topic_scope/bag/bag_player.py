@@ -13,13 +13,14 @@ from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, S
 import numpy
 
 from topic_scope.bag.bag_file import BagError, BagFile, Part
-from topic_scope.record.message_source import Batch
+from topic_scope.record.message_source import TICK_S, Batch
 
 #: How long one call may read, s: while pages are shown, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
 _NS = 10**9
 #: How much of what came before a place is for those who take it besides, ns.
 ASIDE_NS = 5 * _NS
+_TICK_NS = round(TICK_S * _NS)
 
 
 class Outlet:
@@ -88,6 +89,8 @@ class BagPlayer:
         #: Chunks to be read, as number and begin, ns; and what was read, but is to come later.
         self._chunks: Deque[Tuple[int, int]] = deque()
         self._parts: List[Part] = []
+        #: When the latest message of each topic came out, ns.
+        self._latest: Dict[str, int] = {}
         #: All messages up to this time have come; and where it is sent to, ns.
         self._at = self._goal = self._start = self._recent = bag.start
         #: The time by which it counts, s, and where it was then, ns.
@@ -146,7 +149,7 @@ class BagPlayer:
         self.aside.open_outlets, besides = self._outlets_of(self.aside.wanted)
         self._connections = {*wanted, *besides}
         self._chunks = deque(zip(*self._bag.chunks_after(self._at, besides)))
-        self._parts = []
+        self._parts, self._latest = [], {}
         self.is_loading, self.lacks_past = True, False
 
     def _outlets_of(self, topics: Collection[str]) -> Tuple[Dict[str, Outlet], List[int]]:
@@ -221,14 +224,38 @@ class BagPlayer:
     def _put(self) -> None:
         """Let out what is not later than the clock."""
         parts, self._parts = self._parts, []
+        ready: Dict[str, List[Part]] = {}
         for connection, times, messages in parts:
-            ends = [self._start, self._recent, self._at]
-            first, recent, last = numpy.searchsorted(times, ends, "right").tolist()
-            recent = max(0, min(recent, last - 1))
-            topic, header = self._bag.connections[connection]
-            for outlets, begin in ((self._outlets, first), (self.aside.open_outlets, recent)):
-                if topic in outlets and begin < last:
-                    moments = (times[begin:last] / _NS).tolist()
-                    outlets[topic].batches.append(Batch(header, moments, messages[begin:last]))
+            last = int(times.searchsorted(self._at, "right"))
+            if last:
+                topic = self._bag.connections[connection].topic
+                ready.setdefault(topic, []).append(Part(connection, times[:last], messages[:last]))
             if last < len(messages):
                 self._parts.append(Part(connection, times[last:], messages[last:]))
+        for topic, found in ready.items():
+            came = _told_apart([part.times for part in found], self._latest.get(topic, 0))
+            self._latest[topic] = max(int(one[-1]) for one in came)
+            for part, one in zip(found, came):
+                self._let_out(topic, part, (one / _NS).tolist())
+
+    def _let_out(self, topic: str, part: Part, came: List[float]) -> None:
+        header = self._bag.connections[part.connection].header
+        first, recent = part.times.searchsorted([self._start, self._recent], "right").tolist()
+        recent = min(recent, len(came) - 1)
+        for outlets, begin in ((self._outlets, first), (self.aside.open_outlets, recent)):
+            if topic in outlets and begin < len(came):
+                outlets[topic].batches.append(Batch(header, came[begin:], part.messages[begin:]))
+
+
+def _told_apart(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
+    """Return when the messages of a topic come out, no two at the same time.
+
+    :param recorded: when those of each part were recorded, ascending, ns
+    :param latest: when the latest one before them came out, ns
+    """
+    times = numpy.concatenate(recorded)
+    order = times.argsort(kind="stable")
+    ticks = _TICK_NS * numpy.arange(1, len(times) + 1)
+    came = numpy.empty_like(times)
+    came[order] = numpy.maximum.accumulate(numpy.maximum(times[order] - ticks, latest)) + ticks
+    return numpy.split(came, numpy.cumsum([len(one) for one in recorded])[:-1])

@@ -2,12 +2,16 @@
 
 from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol
 
+#: Time between two messages of a topic that the clock does not tell apart, s: the resolution of a
+#: float.
+TICK_S = 5e-7
+
 
 class Batch(NamedTuple):
     """Messages that came over one connection.
 
     :param header: what the publisher has said of them
-    :param times: when they came, s
+    :param times: when they came, s: no two of a topic at the same time
     :param messages: as they came
     """
 

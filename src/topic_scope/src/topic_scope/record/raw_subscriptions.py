@@ -9,15 +9,13 @@ from typing import Any, Collection, Dict, List, Mapping
 import rospy
 
 from nodekit import Subscription
-from topic_scope.record.message_source import Batch
+from topic_scope.record.message_source import TICK_S, Batch
 
 #: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
 #: lost, with a warning.
 WAITING = 32 * 1024 * 1024
 _WARN_EVERY_S = 10.0
 _REFUSED_EVERY_S = 60.0
-#: Time between two messages that the clock does not tell apart, s: the resolution of a float.
-_TICK_S = 5e-7
 
 
 class SteadyClock:
@@ -62,7 +60,7 @@ class RawSubscription:
                 header = message._connection_header
                 if not self._waiting or self._waiting[-1].header is not header:
                     self._waiting.append(Batch(header, array("d"), []))
-                self._latest = max(self._clock.now(), self._latest + _TICK_S)
+                self._latest = max(self._clock.now(), self._latest + TICK_S)
                 self._waiting[-1].times.append(self._latest)
                 self._waiting[-1].messages.append(message._buff)
                 self._bytes += sys.getsizeof(message._buff)

@@ -47,3 +47,15 @@ def test_each_span_counts_once_until_another_request_begins_anew() -> None:
     assert counted(over, 1, 1.5, mean=math.nan, rise=0.1)["rise"]["count"] == 1
     assert counted(over, 2, 1.5, mean=5.0)["mean"]["count"] == 1
     assert counted(over, 0, 1.75, mean=5.0) == {}
+
+
+def test_what_is_forgotten_begins_anew_even_while_the_page_stands_still() -> None:
+    over = OverTime()
+    assert counted(over, 1, 1.0, mean=1.0)["mean"]["count"] == 1
+    over.forget(["/b"])
+    assert counted(over, 1, 2.0, mean=2.0)["mean"]["count"] == 2
+    over.forget(["/a"])
+    for _ in range(2):
+        assert counted(over, 1, 2.0, mean=8.0) == {
+            "mean": {"mean": 8.0, "sigma": 0.0, "min": 8.0, "max": 8.0, "count": 1}
+        }

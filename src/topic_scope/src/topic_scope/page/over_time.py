@@ -1,7 +1,7 @@
 """How the figures of traces have varied since somebody has asked for it."""
 
 import math
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Dict, Iterable, Mapping, Tuple
 
 #: What is a number, but no figure.
 _NO_FIGURES = ("silent", "nan")
@@ -50,6 +50,11 @@ class OverTime:
         self._span = (math.nan, math.nan)
         self._variations: Dict[str, Dict[str, Variation]] = {}
 
+    def forget(self, names: Iterable[str]) -> None:
+        """Begin anew with some traces: their figures are others from now on."""
+        for name in names:
+            self._variations.pop(name, None)
+
     def count(
         self, number: int, span: Tuple[float, float], traces: Mapping[str, Dict[str, Any]]
     ) -> None:
@@ -65,8 +70,9 @@ class OverTime:
             return
         is_new, self._span = span != self._span, span
         for name, told in traces.items():
+            is_to_count = is_new or name not in self._variations
             variations = self._variations.setdefault(name, {})
-            for key, value in told.items() if is_new else ():
+            for key, value in told.items() if is_to_count else ():
                 if isinstance(value, float) and key not in _NO_FIGURES and math.isfinite(value):
                     variations.setdefault(key, Variation()).add(value)
             told["over_time"] = {key: one.summary for key, one in variations.items()}

@@ -64,7 +64,10 @@ class Page:
 
         :param scaling: how
         """
-        self.scaling = scaling
+        changed, self.scaling = scaling.differing(self.scaling), scaling
+        if self.measure.against in changed:  # a negative gain turns the phases of all others
+            self._over_time = OverTime()
+        self._over_time.forget(changed)
         self.view.stepped = scaling.is_stepped
         self.show_anew()
 
@@ -74,7 +77,9 @@ class Page:
         self.chart = ChartFeed(self.chart.request)
 
     def set_measure(self, measure: Measure) -> None:
-        """Measure something else."""
+        """Measure something else; against another trace, phases do not go on as they were."""
+        if measure.against != self.measure.against:
+            self._over_time = OverTime()
         self.measure = measure
 
     def set_chart(self, chart: Chart) -> None:

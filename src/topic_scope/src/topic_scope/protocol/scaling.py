@@ -4,7 +4,7 @@ All that a page is told of a trace is of the scaled values: what is drawn, measu
 agrees with the axis then. CSV files have the values as they came.
 """
 
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Tuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Set, Tuple
 
 import numpy
 
@@ -56,6 +56,12 @@ class Scaling(NamedTuple):
                 return times, values * scale.gain + scale.offset
 
         return samples
+
+    def differing(self, other: "Scaling") -> Set[str]:
+        """Return the names of the traces whose values differ from those of another scaling."""
+        usual, names = TraceScale(), {*self.traces, *other.traces}
+        told = {name: [one.traces.get(name, usual)[:2] for one in (self, other)] for name in names}
+        return {name for name, (here, there) in told.items() if here != there}
 
     def is_stepped(self, name: str) -> bool:
         """Tell whether the value of a trace holds until the next one comes."""

@@ -2,6 +2,7 @@
 """The scope feeds pages that show robots, and lets them drive: with a dead man's switch."""
 
 import math
+import threading
 import time
 from typing import Any, Callable, Dict, List, Tuple
 
@@ -14,7 +15,7 @@ from wire.robot import Command, Robot
 from wire.scope_test import ScopeTest
 
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: What docs/nodes/scope.md promises, s.
 STOPS_WITHIN_S = 0.3
@@ -215,10 +216,19 @@ class DeadMan(RobotsTest):
     def test_the_scope_ends(self) -> None:
         robot = self.robot("/ended/")
         page = self.driver("/ended/cmd_vel")
-        self.drive(page)
+
+        def hold() -> None:  # the key, till the scope has ended
+            while not page.is_closed:
+                page.send("drive", speed=0.2, turn=0.5, sent=time.monotonic())
+                time.sleep(0.01)
+
+        holding = threading.Thread(target=hold, daemon=True)
+        holding.start()
+        wait_until(lambda: moves(robot.commands), lambda: "it does not drive")
         self.addCleanup(self.scope.wait_until_served)
         self.addCleanup(self.scope.start)
         self.scope.stop()
+        holding.join(TIMEOUT_S)
         commands = self.stopped(robot)
         self.assertEqual([command.speed for command in commands[-2:]], [0.2, 0.0])
 

@@ -110,7 +110,8 @@ class Driving:
             )
 
     def _stop_all(self) -> None:
-        if any([one.stop() for _, one in self._wheels.values()]):
+        # For good: pages go on sending commands to the thread of the web until the process ends.
+        if any([one.close() for _, one in list(self._wheels.values())]):
             time.sleep(_LAST_S)
 
     # --- Goals -------------------------------------------------------------------------------

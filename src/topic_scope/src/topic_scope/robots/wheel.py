@@ -41,27 +41,24 @@ class Wheel:
         :returns: whether it was told; False for a command that came too late
         """
         with self._bell:
+            if self._is_closed:  # nothing comes after the last zero
+                return False
             told = self._dead_man.accept(velocity, sent, time.monotonic())
             self._publish(told)
             self._bell.notify()
         return told is not None
 
-    def stop(self) -> bool:
-        """Stop the robot, if it was told to move from here.
+    def close(self) -> bool:
+        """Stop the robot, if it was told to move from here, and leave the topic to others.
 
         :returns: whether it was
         """
         with self._bell:
             zero = self._dead_man.stop()
             self._publish(zero)
-            return zero is not None
-
-    def close(self) -> None:
-        """Stop the robot, and leave the topic to others."""
-        self.stop()
-        with self._bell:
             self._is_closed = True
             self._bell.notify()
+            return zero is not None
 
     def _watch(self) -> None:
         with self._bell:

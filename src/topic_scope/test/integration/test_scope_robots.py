@@ -194,6 +194,19 @@ class DeadMan(RobotsTest):
         wait_until(lambda: len(robot.commands) > before, lambda: "it does not drive")
         self.stopped(robot)
 
+    def test_the_wheel_that_was_wanted_last_is_taken_however_quickly(self) -> None:
+        topics = ["/quick/cmd_vel", "/other/cmd_vel"]
+        for space in ("/quick/", "/other/"):
+            self.robot(space)
+        for second in topics:  # a double click, and another one before there is an answer
+            page = self.page()
+            page.send("robots", on=True)
+            page.wait_for("targets", lambda told: set(topics) <= set(told["commands"]))
+            for topic in (topics[0], second):
+                page.send("steer", topic=topic)
+            page.wait_for("steering", lambda told: told["topic"] == second)
+            page.close()
+
     def test_a_command_that_comes_late_is_left_out_and_the_page_is_told(self) -> None:
         robot = self.robot("/late/")
         page = self.driver("/late/cmd_vel")

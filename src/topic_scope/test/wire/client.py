@@ -55,6 +55,7 @@ class Client:
 
     async def _read(self) -> None:
         self._connection = await tornado.websocket.websocket_connect(self._request)
+        self._connection.protocol.set_nodelay(True)  # as in browsers
         self._ready.set()
         while True:
             text = await self._connection.read_message()

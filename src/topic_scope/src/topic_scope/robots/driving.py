@@ -65,6 +65,8 @@ class Driving:
         :param topic: where the robot takes commands; empty to give the wheel back
         :raises ValueError: if nobody takes commands there
         """
+        if topic and self._wanted.get(page) == topic:
+            return  # a second click, before there is an answer
         self.leave(page)
         if not topic:
             return
@@ -75,9 +77,12 @@ class Driving:
         self._wanted[page] = topic
 
     def _on_wheel(self, page: Page, topic: str, made: Any) -> None:
+        is_wanted = self._wanted.get(page) == topic  # or it has gone, or wants another one by now
+        if is_wanted:
+            del self._wanted[page]
         if isinstance(made, Exception):
             page.put_once({"type": "error", "text": str(made)})
-        elif self._wanted.pop(page, "") != topic:  # it has gone, or wants another one by now
+        elif not is_wanted:
             made.close()
         else:
             former, _ = self._wheels.get(topic, (page, None))

@@ -376,6 +376,8 @@ class DiffDrive(unittest.TestCase):
         )
         contact.close()
         change("/diff_drive", command_timeout=1.0)
+        self.advance(1.5)
+        self.assertEqual(self.odometry[""].messages()[-1].twist.twist, Twist(), "it drives on")
 
     def test_the_laser_sees_the_walls_where_they_are(self) -> None:
         scans = Ear("/scan", LaserScan)

@@ -175,6 +175,18 @@ def test_each_command_acts_anew() -> None:
     assert robot.speeds == (0.0, 0.0)
 
 
+def test_a_new_time_out_ends_the_command_in_force_too() -> None:
+    robot = Robot(forever())
+    robot.command(0.1, 0.0)
+    robot.step(HOUR)
+    robot.change(BURGER._replace(command_timeout=0.5))
+    robot.step(0.4)
+    robot.change(BURGER._replace(command_timeout=0.5, odometry_noise=0.01))
+    robot.step(HOUR)  # a tenth of a second is left: nothing else prolongs it
+    assert robot.pose.x == pytest.approx(360.05)
+    assert robot.speeds == (0.0, 0.0)
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_not_finite_is_refused_and_changes_nothing(value: float) -> None:
     robot = Robot()

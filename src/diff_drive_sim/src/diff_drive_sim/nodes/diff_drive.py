@@ -126,7 +126,7 @@ class DiffDrive:
 
     def _on_change(self, new: RobotParameters, old: RobotParameters) -> None:
         self._catch_up()
-        self._robot.settings = new.robot
+        self._robot.change(new.robot)
         self._robot.world = new.world
         self._messages = RobotMessages(new.frame_prefix, new.laser_x)
         self._scanner = None

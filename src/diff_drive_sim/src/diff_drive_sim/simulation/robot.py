@@ -87,6 +87,14 @@ class Robot:
         self._wanted = (linear, angular)
         self._acts_for = self.settings.command_timeout or math.inf
 
+    def change(self, settings: RobotSettings) -> None:
+        """Make it another robot; its command acts on, from now no longer than the new time-out.
+
+        :param settings: what it is like from now on
+        """
+        self.settings = settings
+        self._acts_for = min(self._acts_for, settings.command_timeout or math.inf)
+
     def step(self, dt: float) -> None:
         """Let time pass.
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Managed nodes of one process that say what is called, by the names on the command line.
 
-Those called configuring and hanging hang when they are configured and shut down.
+Those called configuring and hanging hang when they are configured and shut down. One called
+quitting ends the process once it is active; one called ending, as it is configured.
 """
 
 import sys
@@ -10,7 +11,7 @@ import time
 import rospy
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
-from nodekit import Maker, ManagedNode, Node, host
+from nodekit import Maker, ManagedNode, Node, give_up, host
 
 
 class Driver(ManagedNode):
@@ -30,6 +31,13 @@ class Driver(ManagedNode):
         self.say("configures")
         if self.node.name == "/configuring":
             time.sleep(60.0)
+        if self.node.name == "/ending":
+            rospy.signal_shutdown("it ends")
+
+    def on_activate(self, made: Maker) -> None:
+        if self.node.name == "/quitting":
+            made.before_deactivate(lambda: self.say("stops"))
+            made.every(1.0, lambda _: give_up("it cannot go on"))
 
     def on_shutdown(self) -> None:
         self.say(f"was {self.previous_state.label}")

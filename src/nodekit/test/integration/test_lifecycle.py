@@ -941,9 +941,29 @@ class Ends(unittest.TestCase):
         self.assertEqual((lines[: len(WAYS)], set(lines[len(WAYS) :])), (ends, expected))
         self.assertEqual(process.logged("ends without"), [])
 
+    def test_node_that_ends_its_process_in_a_callback_goes_through_shutdown_too(self) -> None:
+        process = self.start("quitting", "active")
+        self.assertTrue(self.change("quitting", "configure"))
+        self.ask_and_forget("quitting", "activate")
+        self.assertEqual(process.wait(), 1)
+        of_its_own = [line for line in process.lines if line.startswith("quitting ")]
+        expected = ["quitting configures", "quitting ends with True", "quitting was active"]
+        self.assertEqual(of_its_own, [*expected, "quitting gets True", "quitting stops"])
+        self.assertIn("active was unconfigured", process.lines)
+        self.assertEqual(process.logged("ends without"), [])
+
+    def test_node_that_ends_its_process_amid_a_transition_is_told_of(self) -> None:
+        process = self.start("ending", "active")
+        self.ask_and_forget("ending", "configure")
+        self.assertEqual(process.wait(), 0)
+        self.assertIn("active was unconfigured", process.lines)
+        text = "/ending ends without its shutdown: it is configuring, and still busy after 0 s"
+        self.assertEqual(len(process.logged(text)), 1, process.error_lines)
+
     def test_rosnode_kill_does_too_and_what_hangs_is_left_behind(self) -> None:
         process = self.start("killed", "configuring", "hanging")
-        threading.Thread(target=self.ask_and_forget, daemon=True).start()
+        asked = ("configuring", "configure")
+        threading.Thread(target=self.ask_and_forget, args=asked, daemon=True).start()
         process.wait_for_log("configuring configures")
         Graph().kill("/killed_host")
         self.assertEqual(process.wait(), 0)
@@ -954,9 +974,9 @@ class Ends(unittest.TestCase):
             self.assertEqual(len(process.logged(text.format(name, state))), 1, process.error_lines)
         self.assertEqual(len(process.logged("ends without")), 2)
 
-    def ask_and_forget(self) -> None:
+    def ask_and_forget(self, name: str, label: str) -> None:
         with contextlib.suppress(rospy.ServiceException):
-            self.change("configuring", "configure")
+            self.change(name, label)
 
 
 if __name__ == "__main__":

@@ -145,18 +145,29 @@ _all: "weakref.WeakSet[Interface]" = weakref.WeakSet()
 
 def _end_all() -> None:
     """Have all that have started go through shutdown; leave behind those that do not come to it."""
-    ending = {}
+    ending, mine = {}, []
     for managed in list(_all):
-        if managed.node.is_up:
+        if not managed.node.is_up:
+            continue
+        if managed.node.default_group.is_mine:  # one of its callbacks ends the process
+            mine.append(managed)
+        else:
             work = managed.lifecycle.shut_down
             ending[managed] = threading.Thread(target=work, name="shutdown", daemon=True)
             ending[managed].start()
     deadline = time.monotonic() + END_WAIT_S
+    for managed in mine:
+        if not managed.lifecycle.shut_down_inside():
+            _warn_of_busy(managed, 0.0)
     for managed, thread in ending.items():
         thread.join(max(0.0, deadline - time.monotonic()))
         if thread.is_alive():
-            text = "%s ends without its shutdown: it is %s, and still busy after %g s"
-            rospy.logwarn(text, managed.node.name, managed.state.label, END_WAIT_S)
+            _warn_of_busy(managed, END_WAIT_S)
+
+
+def _warn_of_busy(managed: Interface, waited: float) -> None:
+    text = "%s ends without its shutdown: it is %s, and still busy after %g s"
+    rospy.logwarn(text, managed.node.name, managed.state.label, waited)
 
 
 at_end(Ending.TRANSITIONS, _end_all)

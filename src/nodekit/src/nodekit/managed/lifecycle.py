@@ -19,6 +19,7 @@ from nodekit.lifecycle_states import (
     Outcome,
     State,
     Transition,
+    requested,
 )
 from nodekit.managed.gate import Gate
 from nodekit.managed.machine import Machine
@@ -117,6 +118,19 @@ class Lifecycle:
             with self._node.default_group:
                 self.make(transition)
             self.machine.release()
+
+    def shut_down_inside(self) -> bool:
+        """Go through shutdown at once, in a callback of the node that ends the process.
+
+        Who has claimed the machine now is waiting for the group, or about to release it.
+
+        :returns: False where the callback is one of a transition, which cannot be left
+        """
+        if self.machine.state in self._callbacks:
+            return False
+        with contextlib.suppress(NotAllowed):  # it is finalized
+            self.make(requested(self.machine.state, "shutdown"))
+        return True
 
 
 def _outcome(result: Any) -> Outcome:

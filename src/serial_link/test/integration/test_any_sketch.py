@@ -8,6 +8,7 @@ import struct
 import tempfile
 import unittest
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from xmlrpc.client import ServerProxy
 
 import rospkg
 import rospy
@@ -15,6 +16,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
+from nodekit.master import MasterClient
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
@@ -225,6 +227,33 @@ class AnySketch(unittest.TestCase):
         self.buffer = 70
         self.board.reset()
         node.wait_for_log("/told: a message of 100 bytes is not sent", "the board's buffer has 70")
+
+    def test_a_restarted_board_gets_what_is_latched_by_publishers_that_live(self) -> None:
+        self.sketch.topics = (*self.sketch.topics, declared(SUBSCRIBER, "last", String))
+        self.start()
+        living = rospy.Publisher(self.space + "/last", String, queue_size=1, latch=True)
+        self.addCleanup(living.unregister)
+        living.publish("still here")
+        gone = self.publisher(latch=True)
+        gone.publish("gone")
+        self.wait_until_told("gone")
+        gone.unregister()
+        wait_until(lambda: not self.connections("/told"), lambda: "the node still hears it")
+        last = ("last", encode(String("still here")))
+        wait_until(lambda: last in self.sketch.heard, lambda: str(self.sketch.heard))
+        self.sketch.heard.clear()
+        self.board.reset()
+        # It comes after what would be sent of the other topic.
+        wait_until(lambda: last in self.sketch.heard, lambda: str(self.sketch.heard))
+        self.assertEqual(self.sketch.heard, [last])
+
+    def connections(self, topic: str) -> List[Any]:
+        """Return the publishers of a topic that the node is connected to."""
+        with MasterClient("/test") as master:
+            uri = master.lookup_node(self.space + "/serial_node")
+        assert uri is not None
+        entries: Any = ServerProxy(uri).getBusInfo("/test")
+        return [one for one in entries[2] if (one[2], one[4]) == ("i", self.space + topic)]
 
     def test_a_parameter_beyond_the_buffer_is_answered_by_nothing(self) -> None:
         rospy.set_param(self.space + "/long", "x" * BUFFER)

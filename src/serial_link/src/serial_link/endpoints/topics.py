@@ -1,5 +1,6 @@
 """The topics of a board in ROS."""
 
+from functools import partial
 from typing import Any
 
 import rospy
@@ -50,7 +51,7 @@ class PublishedTopic:
 class SubscribedTopic:
     """A topic that the board subscribes to. Its messages are handed on as they are.
 
-    What is latched is sent again to a board that was restarted.
+    A board that was restarted gets what a new subscriber would: what living publishers latch.
 
     :param maker: makes the subscription
     :param endpoint: of the board
@@ -63,14 +64,14 @@ class SubscribedTopic:
         assert endpoint.outgoing is not None
         self._link, self._tally, self._info = link, tally, endpoint.outgoing
         self._sayings = Sayings(_WARN_EVERY_S)
-        self._latched = b""
-        self._is_latched = False
+        self._maker, self._topic = maker, endpoint.name
         self._name = maker.resolve(endpoint.name)
         data_class = message_class(endpoint.type, self._info.md5sum)
         kept = ("_type", "_md5sum", "_full_text", "_has_header")
         attributes = {name: getattr(data_class, name) for name in kept}
-        raw = type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": []})
-        maker.subscribe(endpoint.name, raw, self._on_message, group=maker.group(exclusive=False))
+        self._raw = type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": []})
+        self._ear = maker.lifetime()
+        self._subscribe()
 
     def adopt(self, endpoint: Endpoint) -> None:
         """Have the same topic under another id, or with another buffer."""
@@ -81,16 +82,21 @@ class SubscribedTopic:
         """Receive nothing: the board only listens."""
 
     def enter(self) -> None:
-        """Send what is latched to a board that was started anew."""
-        if self._is_latched and self._fits(self._latched):
-            self._link.send_latched(self._info.topic_id, self._latched)
+        """Subscribe anew for a board that was started anew; the topic stays on the graph."""
+        before, self._ear = self._ear, self._maker.lifetime()
+        self._subscribe()
+        before.close()
 
     def fail(self, why: str) -> None:
         """Do without an answer: there is none to wait for."""
 
-    def _on_message(self, message: Any) -> None:
+    def _subscribe(self) -> None:
+        on_message, group = partial(self._on_message, self._ear), self._maker.group(exclusive=False)
+        self._ear.subscribe(self._topic, self._raw, on_message, group=group)
+
+    def _on_message(self, ear: Maker, message: Any) -> None:
         payload, info = message._buff, self._info
-        if not self._fits(payload):
+        if ear is not self._ear or not self._fits(payload):  # one ear replaces the other
             return
         baud = self._link.baud
         if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
@@ -102,7 +108,6 @@ class SubscribedTopic:
                 "time",
             )
         if message._connection_header.get("latching") == "1":
-            self._latched, self._is_latched = payload, True
             self._link.send_latched(info.topic_id, payload)
         else:
             self._link.send(info.topic_id, payload)

@@ -43,6 +43,7 @@ class Member:
     :ivar heard_at: time of the last heartbeat
     :ivar query_at: when to ask for its state; infinite where that is not in doubt
     :ivar under_way: the request that it has not answered yet; empty where there is none
+    :ivar told: number of the state that it has published last meanwhile, 0 for none
     :ivar is_stuck: whether a transition down has failed
     """
 
@@ -53,6 +54,7 @@ class Member:
         self.heard_at = -math.inf
         self.query_at = math.inf
         self.under_way = ""
+        self.told = 0
         self.is_stuck = False
         self._restless_since = now
 

@@ -59,7 +59,9 @@ class System:
 
     def record_state(self, member: Member, state: int, now: float) -> None:
         """Record the state that a node publishes; query it where it is news, as it may be old."""
-        if member.is_heard and state != member.state and not member.under_way:
+        if member.under_way:
+            member.told = state  # not to be told again; the answer may be older
+        elif member.is_heard and state != member.state:
             member.query_at = now
 
     def mark_lost(self, member: Member, why: str, now: float) -> None:
@@ -69,7 +71,7 @@ class System:
         """
         member.is_heard = False
         member.query_at = math.inf
-        member.under_way = ""
+        member.under_way, member.told = "", 0
         member.enter(0, now)
         if self._meant() > Level.UNCONFIGURED:
             self.problem = f"{member.name} is lost: {why}"
@@ -81,9 +83,12 @@ class System:
         :param why: what went wrong, as far as that is known
         """
         label, member.under_way = member.under_way, ""
+        told, member.told = member.told, 0
         member.enter(state, now)
         if member.is_moving or not state:
             member.query_at = now + QUERY_EVERY_S
+        elif told not in (0, state):
+            member.query_at = now
         # One that has shut down meanwhile is lost rather than to blame: it may come back.
         if member.level > Level.GONE and state != RESULTS.get(label, state):
             result = why or f"it is {state_text(state)}; its log says why"

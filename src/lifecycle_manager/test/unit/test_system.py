@@ -23,7 +23,7 @@ class Fake:
     """A node as it is in truth."""
 
     def __init__(self) -> None:
-        self.state, self.is_stopped = 1, False
+        self.state, self.told, self.is_stopped = 1, 0, False
         self.wrong_since: Optional[float] = None
 
     def make(self, label: str) -> None:
@@ -59,6 +59,7 @@ class World:
         while self.now < until - TICK_S / 2:
             self.now += TICK_S
             self._beat()
+            self._tell()
             self._answer()
             self.system.check_timeouts(TIMEOUT_S, WINDOW_S, self.now)
             self._ask()
@@ -90,6 +91,12 @@ class World:
         for place, fake in enumerate(self.fakes):
             if fake is not None and not fake.is_stopped:
                 self.system.record_heartbeat(self.member(place), self.now)
+
+    def _tell(self) -> None:
+        """Have the nodes tell of states that are new."""
+        for place, fake in enumerate(self.fakes):
+            if fake is not None and not fake.is_stopped and fake.told != fake.state:
+                fake.told = fake.state
                 self.system.record_state(self.member(place), fake.state, self.now)
 
     def _answer(self) -> None:
@@ -337,6 +344,22 @@ def test_one_that_is_busy_is_asked_again_and_again() -> None:
     fake.state = 2
     world.run(1.0)
     assert world.system.is_active
+
+
+@pytest.mark.parametrize("told", [[2], [3, 2], [2, 3]])
+def test_a_state_that_is_told_just_before_an_older_answer_is_not_missed(told: List[int]) -> None:
+    world = up(2)
+    member, fake = world.member(1), world.fakes[1]
+    assert fake is not None
+    member.query_at = world.now
+    assert world.system.ask_next(world.now) is member
+    fake.state = fake.told = told[-1]
+    for state in told:
+        world.system.record_state(member, state, world.now)
+    world.system.record_answer(member, 3, "", world.now)
+    world.run(1.0)
+    assert world.steps == ["1 activate"] * (told[-1] == 2)
+    assert world.system.is_active and fake.state == 3
 
 
 def test_a_transition_without_an_answer_has_failed() -> None:

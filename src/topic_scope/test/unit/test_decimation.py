@@ -180,6 +180,31 @@ def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
     assert again is not None and again["reset"]
 
 
+def test_what_comes_long_after_the_end_of_a_span_is_sent_once_more() -> None:
+    samples, asked = arrays([(1.5, -7.0), (2.5, 3.0)]), 0
+    view, screen = LiveView(requests.View(1.0, 10, EPOCH + 2.0)), Screen()
+    view.select(["/a"])
+    changes = {5.0: 2.5, 10.0: 1.7, 15.0: 0.2}  # when what comes changes what
+
+    def changed_since(moment: float) -> float:
+        nonlocal asked
+        asked += 1
+        new = [EPOCH + time for at, time in changes.items() if moment < EPOCH + at <= now]
+        return min([moment, *new])
+
+    sent = []
+    for now in (EPOCH + index / 10.0 for index in range(35, 200)):
+        frame = view.frame(now, lambda *_: samples, changed_since)
+        if frame is not None:
+            sent.append((round(now - EPOCH, 1), frame["reset"]))
+            screen.show(frame)
+            samples = arrays([(1.5, -7.0), (1.7, 8.0), (2.5, 3.0)])
+    assert [reset for _, reset in sent] == [True, False, True] and sent[0][0] == 3.5
+    assert 10.0 <= sent[1][0] <= 10.0 + LATE_S and 15.0 <= sent[2][0] <= 15.0 + LATE_S
+    assert screen.bins[bin_of(EPOCH + 1.7, 0.1)] == [8.0, 8.0]
+    assert asked <= 20  # seldom
+
+
 def test_nothing_is_read_or_sent_of_a_hidden_trace_and_all_of_it_when_it_is_shown_again() -> None:
     samples = arrays([(1.5, -7.0)])
     asked: list = []

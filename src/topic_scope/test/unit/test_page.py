@@ -3,10 +3,13 @@
 import math
 from typing import Any, Dict, Tuple
 
+import pytest
 from test_differences import TimedSource, recording
 
+from topic_scope.page import charts
 from topic_scope.page.page import Page
-from topic_scope.protocol.requests import Measure
+from topic_scope.page.view import pinned
+from topic_scope.protocol.requests import Chart, Measure, View
 from topic_scope.protocol.scaling import Scaling, TraceScale
 
 
@@ -88,3 +91,36 @@ def test_figures_over_time_begin_anew_where_they_would_mix_what_differs() -> Non
     assert counts() == (2, 2)
     page.scale(Scaling({"/a/data": TraceScale(-1000.0)}))
     assert counts() == (1, 1)
+
+
+def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What looks 5 s ahead comes 5 s after the pause; and is kept when its time is over."""
+    monkeypatch.setattr(charts, "CHART_S", 0.0)
+    name = "=highest(/a/data, 5)"
+    shown: Dict[int, float] = {}
+    told: Dict[str, Dict[str, Any]] = {}
+    source, page = TimedSource(), Page(2.0)
+    made = recording(source, name)
+    page.view.select([name])
+    page.set_chart(Chart("xy", "/a/data"))
+    for index in range(100):
+        source.receive("/a", [source.time], [float(index)])
+        if index == 20:
+            page.view.show(View(4.0, 4, source.time))
+        now = made.update()
+        made.pin(pinned([page.view]))
+        told.update((message["type"], message) for message in page.frame(made, now, True))
+        frame = told.pop("frame", None)
+        if frame is not None:
+            shown = {} if frame["reset"] else shown
+            bins = frame["traces"][name][::2]
+            shown.update((frame["first"] + place, value) for place, value in enumerate(bins))
+        source.time += 1.0
+    # From 1016 s to 1020 s: of each what was highest up to 5 s after it.
+    highest = [21.0, 22.0, 23.0, 24.0, 25.0]
+    figures = told["stats"]["traces"][name]
+    assert (figures["min"], figures["max"]) == (highest[0], highest[-1])
+    assert [shown[1016 + second] for second in range(5)] == highest
+    assert told["xy"]["traces"][name] == [[16.0, 17.0, 18.0, 19.0, 20.0], highest]

@@ -138,3 +138,27 @@ def test_what_is_pinned_is_kept_however_long_ago_it_was(
     assert everything == sorted(everything, key=lambda sample: sample[0])
     ring.pin(math.inf, -math.inf)
     assert len(content(ring)) == len(ring)
+
+
+@given(
+    BATCHES,
+    st.lists(st.lists(st.floats(0.0, 1.0), max_size=20), max_size=20),
+    st.floats(0.0, 40.0),
+    st.floats(0.0, 40.0),
+)
+def test_what_comes_into_a_pinned_span_later_is_kept_as_well(
+    first: list, later: list, start: float, length: float
+) -> None:
+    ring = Ring(HISTORY)
+    filled(ring, first)
+    ring.pin(start, start + length)
+    expected = content(ring, start, start + length)
+    now = content(ring)[-1][0] if len(ring) else 0.0
+    for index, places in enumerate(later):
+        times = [start + place * length for place in places] + [now + 3.0 * index]
+        numbers = 1000.0 * index + numpy.arange(len(times))
+        ring.append(numpy.array(times), numbers, numbers)
+        came = zip(times, numbers.tolist())
+        expected += [one for one in came if start <= one[0] <= start + length]
+        expected.sort(key=lambda sample: sample[0])
+        assert content(ring, start, start + length) == expected

@@ -1,5 +1,6 @@
 """The recent samples of one trace, in memory that is bounded."""
 
+import math
 from typing import Optional, Tuple
 
 import numpy
@@ -30,7 +31,9 @@ class Ring:
         self._limit = limit
         self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
         self._start = self._end = 0
-        self._pinned = self._data[:, :0]
+        #: A span whose samples are kept all the same, s; and those of them that were forgotten.
+        self._pinned = (math.inf, -math.inf)
+        self._kept: Optional["Ring"] = None
 
     def __len__(self) -> int:
         return self._end - self._start
@@ -69,8 +72,10 @@ class Ring:
 
         :param by: how far, s
         """
-        self._data[0, self._start : self._end] += by
-        self._pinned[0] += by
+        start, end = self._pinned
+        self._pinned = (start + by, end + by)
+        for ring in [self] if self._kept is None else [self, self._kept]:
+            ring._data[0, ring._start : ring._end] += by
         if len(self):
             gap = self._data[:, self._end - 1 : self._end].copy()
             gap[1] = numpy.nan
@@ -83,20 +88,25 @@ class Ring:
         :param end: end of the span, s
         :returns: times, values and times of receipt; views that hold until samples are added
         """
-        recent = self._data[:, self._start : self._end]
-        found = _between(recent, start, end)
-        if not self._pinned.shape[1]:
+        found = _between(self._data[:, self._start : self._end], start, end)
+        kept = None if self._kept is None else self._kept.between(start, end)
+        if kept is None or not kept.shape[1]:
             return found
-        forgotten = numpy.searchsorted(self._pinned[0], recent[0, 0], "left")
-        return numpy.hstack([_between(self._pinned[:, :forgotten], start, end), found])
+        both = numpy.hstack([kept, found])
+        if not found.shape[1] or kept[0, -1] <= found[0, 0]:
+            return both
+        return both[:, both[0].argsort(kind="stable")]  # what is late is among the recent at first
 
     def pin(self, start: float, end: float) -> None:
-        """Keep the samples of a time span, and no others, when their time is over.
+        """Keep the samples of a time span, also those to come, and no others, beyond their time.
 
         :param start: start of the span, s
         :param end: end of the span, s; before its begin to keep nothing
         """
-        self._pinned = self.between(start, end).copy()
+        kept, self._kept = self._kept, None
+        self._pinned = (start, end)
+        if kept is not None:
+            self._keep(kept.between(start, end))
 
     def latest(self, count: int) -> numpy.ndarray:
         """Return the times of the latest samples, s.
@@ -116,6 +126,14 @@ class Ring:
         self._start = max(self._start, self._end + more - self._limit)
         if self._start > first:
             self.has_forgotten = True
+            self._keep(_between(self._data[:, first : self._start], *self._pinned))
+
+    def _keep(self, forgotten: numpy.ndarray) -> None:
+        """Keep samples that were forgotten, as they are of the span that is pinned."""
+        if forgotten.shape[1]:
+            if self._kept is None:
+                self._kept = Ring(math.inf, self._limit)
+            self._kept.append(*forgotten)
 
     def _make_room(self, count: int) -> None:
         """Move the samples to the front, of other memory where that is full, or almost empty."""

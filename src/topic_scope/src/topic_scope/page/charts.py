@@ -41,7 +41,7 @@ class ChartFeed:
         if self.request.kind == "time" or time.monotonic() < self._made_at + CHART_S:
             return None
         start, end = view.span(now)
-        made_of = (start, end, tuple(view.shown), now > end + LATE_S)
+        made_of = (start, end, tuple(view.shown), now > end + LATE_S, view.later)
         if made_of == self._made_of:
             return None
         self._made_at, self._made_of = time.monotonic(), made_of

@@ -21,7 +21,8 @@ from topic_scope.protocol.scaling import ReadSamples
 #: Returns how far apart samples of one line of a field may be, s.
 GapLimit = Callable[[str], float]
 
-#: How much later than others a sample may come and still be shown on a page that is paused, s.
+#: For how long after its end a page that is paused goes on as before, as samples come late, s; and
+#: how often it then looks for those that are later.
 LATE_S = 1.0
 
 
@@ -38,6 +39,8 @@ class LiveView:
         #: First bin that the page does not have in full; None where it has none.
         self._open: Optional[int] = None
         self._complete = False
+        #: How often samples have come when all were thought to be there.
+        self.later = 0
         self._frame_at = 0.0
         #: Tells whether the value of a field holds until the next one comes.
         self.stepped: Callable[[str], bool] = lambda _field: False
@@ -108,10 +111,10 @@ class LiveView:
         :param read: returns samples
         :param changed_since: tells from when on there are others than at an earlier time, s
         :param longest_step: tells where a line ends
-        :returns: the frame, None where nothing can come any more
+        :returns: the frame, None where nothing has come
         """
         stands_still = now == self._frame_at and self._open is not None
-        if self._complete or stands_still:
+        if stands_still or (self._complete and now < self._frame_at + LATE_S):
             return None
         start, end = self.span(now)
         width = self._view.window / self._view.width
@@ -119,6 +122,10 @@ class LiveView:
         first, reset = self._open, False
         changed = changed_since(self._frame_at)
         self._frame_at = now
+        if self._complete:
+            if changed > end:
+                return None
+            self.later += 1
         if first is None or last - first > self._view.width or changed < start:
             first, reset = bin_of(start, width), True
         else:

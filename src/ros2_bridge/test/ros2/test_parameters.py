@@ -1,6 +1,7 @@
 """Parameters, both ways."""
 
 import collections
+import math
 import queue
 import threading
 from types import SimpleNamespace
@@ -28,7 +29,7 @@ from ros2_bridge.parameters.messages import to_message
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
 from ros2_bridge.parameters.to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.to_ros2 import ParametersToRos2
-from ros2_bridge.parameters.values import BYTES, INTEGER, STRING, STRINGS
+from ros2_bridge.parameters.values import BYTES, DOUBLE, DOUBLES, INTEGER, STRING, STRINGS, changes
 
 GENERATOR = "/signal_generator"
 
@@ -200,12 +201,16 @@ def test_node_that_judges_itself_since_a_moment_is_not_passed_over() -> None:
 
 def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("motor_of_ros2")
+    node.declare_parameter("drift", math.nan)
     node.declare_parameter("sample_time", 0.02)
     node.declare_parameter("pid.p", 3)
     node.declare_parameter("limits", [1.5, 2.5])
     node.declare_parameter("mask", [b"a", b"b"])
 
+    judged: List[str] = []
+
     def judge(parameters: List[Any]) -> SetParametersResult:
+        judged.extend(one.name for one in parameters)
         bad = [one for one in parameters if one.name == "sample_time" and one.value <= 0.0]
         return SetParametersResult(successful=not bad, reason="must be above 0" if bad else "")
 
@@ -227,6 +232,8 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     wait_until(lambda: node.get_parameter("mask").value == [b"\1", b"\2"], lambda: "not taken")
     node.set_parameters([Value("sample_time", value=0.5)])
     wait_until(lambda: rospy.get_param(key) == 0.5, lambda: "its own change is not told")
+    assert math.isnan(rospy.get_param("/motor_of_ros2/drift"))
+    assert "drift" not in judged  # what does not equal itself is not set again and again
     ros.executor.remove_node(node)
     node.destroy_node()
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")
@@ -328,6 +335,18 @@ def test_a_value_that_is_not_of_its_kind_is_none(nonsense: Any, kind: int) -> No
     message = to_message(nonsense, kind)
     assert message.type == ParameterType.PARAMETER_NOT_SET
     serialize_message(message)
+
+
+@pytest.mark.parametrize(
+    "one, other, kind",
+    [(math.nan, 1.0, DOUBLE), ([math.nan] * 3000, [*[math.nan] * 2999, 1.0], DOUBLES)],
+)
+def test_of_numbers_that_do_not_equal_themselves_only_changes_are_told(
+    one: Any, other: Any, kind: int
+) -> None:
+    before, same, after = ({"x": to_message(plain, kind)} for plain in (one, one, other))
+    assert changes(before, same) == ({}, {}, {})
+    assert changes(before, after) == ({}, after, {})
 
 
 def test_a_read_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") -> None:

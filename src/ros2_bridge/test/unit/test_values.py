@@ -1,5 +1,6 @@
 """Parameters as ROS 2 has them."""
 
+import math
 from typing import Any, Optional
 
 import numpy
@@ -102,6 +103,19 @@ def test_changes() -> None:
 
 
 @pytest.mark.parametrize(
+    "one, other, is_same",
+    [
+        *[(math.nan, float("nan"), True), ([1.5, math.nan], [1.5, float("nan")], True)],
+        *[(math.nan, 1.0, False), (1, 1.0, False), (1, True, False), ([1], [1.0], False)],
+        *[(0.1, 0.1, True), ("a", "a", True), (None, None, True), ("1", 1, False)],
+    ],
+)
+def test_values_that_are_the_same(one: Any, other: Any, is_same: bool) -> None:
+    assert values.is_same(one, other) is is_same
+    assert values.changes({"x": one}, {"x": other}) == ({}, {} if is_same else {"x": other}, {})
+
+
+@pytest.mark.parametrize(
     "prefixes, depth, names",
     [
         ([], 0, ["a", "b.c", "b.d.e"]),
@@ -122,6 +136,7 @@ def test_list(prefixes: Any, depth: int, names: Any) -> None:
 def test_what_is_not_in_force_yet() -> None:
     assert values.differs({"a": 1, "b": 2}, {"a": 1, "b": 3})
     assert not values.differs({"a": 1, "b": 2}, {"a": 1.0, "c": 3})
+    assert not values.differs({"a": math.nan}, {"a": float("nan")})
 
 
 @pytest.mark.parametrize(
@@ -132,6 +147,7 @@ def test_what_is_not_in_force_yet() -> None:
         ([1, -(2**31) - 1], "refused -2147483649"),
         ("a\0b", "no control characters"),
         (["a", "\x1f"], "no control characters"),
+        ("a\r\nb", "no control characters"),
     ],
 )
 def test_what_ros1_cannot_carry(value: Any, words: str) -> None:

@@ -20,6 +20,7 @@ from ros2_bridge.parameters.values import (
     as_kind,
     fitting_kind,
     flat,
+    is_same,
     kind_of,
     ros1_key,
     unfit,
@@ -141,9 +142,7 @@ class ParametersToRos1:
         One that did is not written there: by now it may hold the next one, which is still to be
         sent.
         """
-        known = self._values.get(name)
-        value = messages.to_plain(message)
-        return (type(known), known) != (type(value), value)
+        return not is_same(self._values.get(name), messages.to_plain(message))
 
     def _key(self, name: str) -> str:
         return f"{self._name}/{ros1_key(name)}"
@@ -168,7 +167,7 @@ class ParametersToRos1:
             kind = self._kinds[name]
             if kind in (DOUBLE, DOUBLES) and kind_of(value) in (kind - 1, kind):
                 value = as_kind(value, kind)
-            if (type(value), value) == (type(old), old):
+            if is_same(value, old):
                 continue
             why = self._send(name, value)
             if why:

@@ -82,7 +82,7 @@ def unfit(name: str, value: Any) -> str:
             return f"{name} cannot be removed: ROS 1's nodes keep their parameters"
         if type(one) is int and not LOWEST <= one <= HIGHEST:
             return f"{name}: refused {one}: ROS 1 carries integers of 32 bits only"
-        if type(one) is str and any(ord(sign) < 32 and sign not in "\t\n\r" for sign in one):
+        if type(one) is str and any(ord(sign) < 32 and sign not in "\t\n" for sign in one):
             return f"{name}: refused {one!r}: ROS 1 carries no control characters"
     return ""
 
@@ -148,6 +148,15 @@ def description_of(entry: Mapping[str, Any]) -> Tuple[str, str]:
     return f"{entry.get('help', '')}{unit}", "; ".join(allowed)
 
 
+def is_same(one: Any, other: Any) -> bool:
+    """Tell whether two values are alike, also in kind; NaN is, which does not equal itself.
+
+    :param one: a plain value, or the message of one
+    :param other: another
+    """
+    return repr(one) == repr(other)
+
+
 def changes(
     old: Mapping[str, Any], new: Mapping[str, Any]
 ) -> Tuple[Dict[str, Any], Dict[str, Any], Dict[str, Any]]:
@@ -157,14 +166,17 @@ def changes(
     changed = {
         name: value
         for name, value in new.items()
-        if name in old and (type(value), value) != (type(old[name]), old[name])
+        if name in old and not is_same(value, old[name])
     }
     return fresh, changed, gone
 
 
 def differs(server: Mapping[str, Any], in_force: Mapping[str, Any]) -> bool:
     """Tell whether the server holds another value than the one in force."""
-    return any(name in server and server[name] != value for name, value in in_force.items())
+    return any(
+        name in server and server[name] != value and not is_same(server[name], value)
+        for name, value in in_force.items()
+    )
 
 
 def listed(names: List[str], prefixes: List[str], depth: int) -> Tuple[List[str], List[str]]:

@@ -164,9 +164,7 @@ def changes(
     fresh = {name: value for name, value in new.items() if name not in old}
     gone = {name: value for name, value in old.items() if name not in new}
     changed = {
-        name: value
-        for name, value in new.items()
-        if name in old and not is_same(value, old[name])
+        name: value for name, value in new.items() if name in old and not is_same(value, old[name])
     }
     return fresh, changed, gone
 

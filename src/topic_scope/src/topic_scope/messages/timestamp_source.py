@@ -164,9 +164,12 @@ class OwnClock:
 
     :param path: where the time stands in the messages
     :param exact: whether a sample stands where its message says; see :func:`is_exact`
+    :param before: time of the latest sample before, which went by the scope's clock, s
     """
 
-    def __init__(self, path: Optional[Path], exact: bool = False) -> None:
+    def __init__(
+        self, path: Optional[Path], exact: bool = False, before: float = -numpy.inf
+    ) -> None:
         #: What is to be added to an own time to get the scope's, s.
         self.offset = 0.0
         #: Whether any message has said a time; else the time of receipt counts.
@@ -174,6 +177,7 @@ class OwnClock:
         self._path = path
         self._exact = exact
         self._begin_anew()
+        self._latest = before
 
     def _begin_anew(self) -> None:
         #: Whether stamps are by the scope's clock: decided by the first, so that none jumps.

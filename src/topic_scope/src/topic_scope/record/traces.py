@@ -113,7 +113,9 @@ class Stream:
         if path != self._path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
                 trace.move(self.offset)
-            self._time = timestamp_source.OwnClock(path, exact)
+            latest = [trace.ring.latest(1) for trace in self.traces]
+            before = float(numpy.concatenate([[-numpy.inf], *latest]).max())
+            self._time = timestamp_source.OwnClock(path, exact, before)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
         for trace in self.traces:

@@ -1,0 +1,139 @@
+"""Traces whose messages say when they were made: by clocks of their own, or set back, or none."""
+
+import math
+import struct
+from typing import List
+
+import numpy
+import pytest
+from geometry_msgs.msg import PointStamped
+from hypothesis import given
+from hypothesis import strategies as st
+from std_msgs.msg import Float32
+from test_recorder import FakeSource, header, recording
+
+from basic_comms.msg import signal_msg
+from topic_scope.messages.definitions import layout_of
+from topic_scope.record.message_source import Batch
+from topic_scope.record.recorder import Recorder
+from topic_scope.record.traces import Stream
+
+
+@pytest.mark.parametrize("own", [5.0, 1700000.0])
+def test_a_type_with_a_clock_of_its_own_goes_on_where_the_one_before_ended(own: float) -> None:
+    """The samples before go by the scope's clock: they have their time, and then are forgotten."""
+    source = FakeSource()
+    source.time = 1.7e9
+    made = recording(source, "/a/data")
+    told = {"type": "a/Timed", "message_definition": "float64 time_x\nfloat32 data"}
+    for second in range(40):
+        times = [source.time + 0.1 * index for index in range(10)]
+        if second < 5:
+            batch = Batch(header(Float32), times, [struct.pack("<f", second)] * 10)
+        else:
+            data = [struct.pack("<df", time - 1.7e9 + own, second) for time in times]
+            batch = Batch(told, times, data)
+        source.topics["/a"].batches.append(batch)
+        source.time += 1.0
+        made.update()
+        stamps, found = made.samples("/a/data", -math.inf, math.inf)
+        there = numpy.isfinite(found)
+        expected = [1.7e9 + 0.1 * index for index in range(10 * (second + 1))]
+        kept = [time for time in expected if time >= expected[-1] - 10.0 - 1e-3]
+        numpy.testing.assert_allclose(stamps[there], kept, rtol=0.0, atol=1e-3)
+        numpy.testing.assert_allclose(found[there], [int(time - 1.7e9 + 0.01) for time in kept])
+
+
+def test_a_clock_that_is_set_back_within_a_batch_begins_a_new_line() -> None:
+    """Of a bag much comes at once."""
+    stream = Stream("/a", "time_x")
+    trace = stream.record(("signal_y",), 100.0)
+    own = [100.0 + 0.1 * index for index in range(20)] + [0.1 * index for index in range(20)]
+    received = [1.7e9 + 0.1 * index for index in range(40)]
+    data = [struct.pack("<ffdf", 2.0, 1.0, time, 5.0) for time in own]
+    stream.add(layout_of(signal_msg), Batch(header(signal_msg), received, data))
+    times, found = trace.samples(0.0, 2e9)
+    assert len(times) == 41 and numpy.isnan(found[20])
+    numpy.testing.assert_allclose(numpy.delete(times, 20), received, atol=1e-3)
+
+
+def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -> None:
+    stream = Stream("/a", "")
+    trace = stream.record(("point", "x"), 100.0)
+
+    def add(first: int, last: int, begin: int) -> None:
+        received = [1.7e9 + 0.01 * index for index in range(first, last)]
+        data = [
+            struct.pack("<IIII3d", 0, begin, begin and index * 10**7, 0, index, 0.0, 0.0)
+            for index in range(first, last)
+        ]
+        stream.add(layout_of(PointStamped), Batch(header(PointStamped), received, data))
+
+    add(0, 50, 0)
+    assert (stream.timestamp, trace.longest_step) == ("received", 0.25)
+    add(50, 99, 7)
+    assert stream.timestamp == "stamp" and abs(trace.longest_step - 0.05) < 1e-6
+    times, found = trace.samples(0.0, 2e9)
+    assert len(times) == 100 and numpy.isnan(found[50])
+    numpy.testing.assert_allclose(numpy.delete(found, 50), numpy.arange(99))
+    numpy.testing.assert_allclose(
+        numpy.delete(times, 50), 1.7e9 + 0.01 * numpy.arange(99), rtol=0.0, atol=1e-5
+    )
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0])
+def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
+    speed: float,
+) -> None:
+    source = FakeSource()
+    made = recording(source, "/a/signal_y")
+
+    def go_on(seconds: int, begin: float = 0.0) -> None:
+        for first in range(0, 100 * seconds, 10):
+            times = [source.time + 0.01 * index for index in range(10)]
+            data = [
+                struct.pack("<ffdf", 2.0, 1.0, begin + speed * (time - 1000.0), time - 1000.0)
+                for time in times
+            ]
+            source.topics["/a"].batches.append(Batch(header(signal_msg), times, data))
+            source.time += 0.1
+            made.update()
+
+    go_on(15)
+    end = source.time
+    shown = values_in(made, end - 4.0, end)
+    assert len(shown) > 100
+    made.pin({"/a/signal_y": (end - 4.0, end + 1.0)})
+    go_on(20)
+    kept = values_in(made, end - 4.0, end)
+    assert kept[: len(shown)] == shown  # by such a clock, some of the span comes only now
+    made.pin({"/a/signal_y": (end - 5.0, end + 1.0)})  # moved: no farther than it is kept
+    assert values_in(made, end - 4.0, end) == kept
+    go_on(2, -1000.0)  # the simulation begins anew
+    assert values_in(made, end - 4.0, end) == kept
+    trace = made.trace("/a/signal_y")
+    assert trace is not None and trace.span is not None and trace.span[0] <= end - 3.9
+    made.pin({})
+    latest = values_in(made, source.time - 1.5, source.time)
+    assert min(latest) > 30.0
+
+
+def values_in(made: Recorder, start: float, end: float) -> List[float]:
+    """Return what was sampled in a time span."""
+    found = made.samples("/a/signal_y", start, end)[1]
+    return [value for value in found.tolist() if not math.isnan(value)]
+
+
+@given(st.lists(st.floats(0.0, 3.0), min_size=1, max_size=50, unique=True).map(sorted))
+def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
+    """Own times are finer than the scope's, which are large."""
+    stream = Stream("/a", "time_x")
+    trace = stream.record(("signal_y",), 10.0)
+    data = [struct.pack("<ffdf", 2.0, 1.0, time, index) for index, time in enumerate(times)]
+    stream.add(layout_of(signal_msg), Batch(header(signal_msg), [1.7e9] * len(data), data))
+    ends = sorted({stream.offset + end for end in (-1.0, *times, 5.0)})
+    parts = [
+        trace.samples(begin, float(numpy.nextafter(end, begin)))[1]
+        for begin, end in zip(ends, ends[1:])
+    ]
+    assert numpy.concatenate(parts).tolist() == list(range(len(times)))

@@ -1,130 +1,28 @@
 #!/usr/bin/env python3
 """Boards of the test's own behind the node: services, parameters, logs, time, and sizes."""
 
-import os
-import queue
 import shutil
 import struct
-import tempfile
-import unittest
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
-from xmlrpc.client import ServerProxy
+from typing import Any
 
-import rospkg
 import rospy
+from board_rig import BUFFER, REQUEST, RESPONSE, BoardRig
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
-from nodekit.master import MasterClient
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
-from serial_link.board.ends import PtyEnd
-from serial_link.board.simulation import Faults, SimulatedBoard
-from serial_link.device.device import Declared, Device
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from serial_link.board.simulation import Faults
 from serial_link.endpoints.types import encode
 from serial_link.framing.frames import OLD_REQUEST, PROBE
-from serial_link.negotiation.payloads import (
-    ERROR,
-    PUBLISHER,
-    SERVICE_CLIENT,
-    SERVICE_SERVER,
-    SUBSCRIBER,
-    Values,
-)
-
-SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
-BUFFER = 100
-REQUEST, RESPONSE = SetBool._request_class, SetBool._response_class
+from serial_link.negotiation.payloads import ERROR, Values
 
 
-def declared(kind: int, name: str, data_class: Any) -> Declared:
-    if kind in (SERVICE_SERVER, SERVICE_CLIENT):
-        sums = data_class._request_class._md5sum, data_class._response_class._md5sum
-        return Declared(kind, name, data_class._type, *sums)
-    return Declared(kind, name, data_class._type, data_class._md5sum)
-
-
-class TestSketch:
-    """Notes what it hears, and does what the test puts into its queue."""
-
-    topics: Sequence[Declared] = (
-        declared(PUBLISHER, "said", String),
-        declared(SUBSCRIBER, "told", String),
-        declared(SERVICE_SERVER, "offered", SetBool),
-        declared(SERVICE_CLIENT, "called", SetBool),
-        Declared(PUBLISHER, "strange", "no_such_msgs/Thing", "0" * 32),
-        Declared(SUBSCRIBER, "stranger", "std_msgs/NoSuchThing", "0" * 32),
-    )
-
-    def __init__(self) -> None:
-        self.heard: List[Tuple[str, bytes]] = []
-        self.parameters: List[Values] = []
-        self.todo: "queue.Queue[Callable[[Device], None]]" = queue.Queue()
-        self.answers = True
-
-    def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
-        self.heard.append((name, payload))
-        if name == "offered" and self.answers:
-            wanted = REQUEST().deserialize(payload).data
-            device.publish(name, encode(RESPONSE(wanted, "from the board")))
-
-    def on_parameter(self, device: Device, now: float, values: Values) -> None:
-        self.parameters.append(values)
-
-    def loop(self, device: Device, now: float) -> None:
-        if device.is_configured and not self.todo.empty():
-            self.todo.get()(device)
-
-    def next_due(self, now: float) -> float:
-        return now + 0.01
-
-    def texts(self) -> List[str]:
-        """Return what was told."""
-        return [String().deserialize(data).data for name, data in self.heard if name == "told"]
-
-
-class AnySketch(unittest.TestCase):
-    """Each test has a namespace, a board and a node of its own."""
-
-    def setUp(self) -> None:
-        self.space = "/" + self.id().rsplit(".", 1)[-1]
-        self.folder = tempfile.mkdtemp()
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.port = os.path.join(self.folder, "board")
-        self.sketch = TestSketch()
-        self.end = PtyEnd(self.port)
-        self.buffer = BUFFER
-        make = lambda now: Device(self.sketch, self.buffer, 512)  # noqa: E731
-        self.board = SimulatedBoard(self.end, 115200, make)
-
-    def start(self, *words: str, environment: Optional[Dict[str, str]] = None) -> Process:
-        """Switch the board on and start the node; both end with the test."""
-        self.board.start()
-        self.addCleanup(self.board.close)
-        return self.start_node(*words, environment=environment)
-
-    def start_node(self, *words: str, environment: Optional[Dict[str, str]] = None) -> Process:
-        arguments = ["__ns:=" + self.space, f"_port:={self.port}", "_baud:=115200", *words]
-        node = Process(os.path.join(SCRIPTS, "serial_node.py"), arguments, environment)
-        self.addCleanup(node.end)
-        return node
-
-    def publisher(self, **options: Any) -> rospy.Publisher:
-        publisher = rospy.Publisher(self.space + "/told", String, **{"queue_size": 2000, **options})
-        self.addCleanup(publisher.unregister)
-        return publisher
-
-    def wait_until_told(self, *texts: str) -> None:
-        wait_until(
-            lambda: set(texts) <= set(self.sketch.texts()),
-            lambda: f"{texts} not among {self.sketch.texts()[-5:]}",
-        )
-
-    def do(self, work: Callable[[Device], None]) -> None:
-        self.sketch.todo.put(work)
+class AnySketch(BoardRig):
+    """Boards with the test's own sketch."""
 
     def test_services_both_ways(self) -> None:
         """Course 003-serial-2."""
@@ -163,36 +61,6 @@ class AnySketch(unittest.TestCase):
         with self.assertRaisesRegex(rospy.ServiceException, "is not there|is gone"):
             offered(True)
 
-    def test_call_under_way_fails_when_the_board_is_restarted(self) -> None:
-        self.sketch.answers = False
-        node = self.start("_service_timeout:=20.0")
-        offered = rospy.ServiceProxy(self.space + "/offered", SetBool)
-        offered.wait_for_service(TIMEOUT_S)
-        failures: List[str] = []
-
-        def call() -> None:
-            try:
-                offered(True)
-            except rospy.ServiceException as error:
-                failures.append(str(error))
-
-        in_thread(call)
-        wait_until(lambda: self.sketch.heard, lambda: "the board was not called")
-        self.board.reset()
-        wait_until(lambda: failures, lambda: "the call goes on", 15.0)
-        self.assertRegex(failures[0], "the board was restarted")
-        node.wait_for_log("the board was restarted")
-
-    def test_what_a_new_sketch_has_no_more_is_told_and_taken_off_the_graph(self) -> None:
-        said = Ear(self.space + "/said", String)
-        node = self.start()
-        wait_until(said.publishers, lambda: "nobody publishes")
-        self.sketch.topics = self.sketch.topics[1:]
-        self.board.reset()
-        node.wait_for_log("the board no longer publishes said")
-        wait_until(lambda: not said.publishers(), lambda: "it still publishes")
-        self.assertEqual(len(node.logged("the board no longer")), 1)
-
     def test_types_that_there_are_not_are_refused_and_the_others_work(self) -> None:
         said = Ear(self.space + "/said", String)
         node = self.start()
@@ -218,42 +86,6 @@ class AnySketch(unittest.TestCase):
         publisher.publish("x" * (BUFFER - 4))
         self.wait_until_told("x" * (BUFFER - 4))
         self.assertEqual(self.board.device.receiver.too_long, 0)
-
-    def test_what_is_latched_is_too_long_for_the_smaller_buffer_of_a_new_sketch(self) -> None:
-        node = self.start()
-        text = "x" * (BUFFER - 4)
-        self.publisher(latch=True).publish(text)
-        self.wait_until_told(text)
-        self.buffer = 70
-        self.board.reset()
-        node.wait_for_log("/told: a message of 100 bytes is not sent", "the board's buffer has 70")
-
-    def test_a_restarted_board_gets_what_is_latched_by_publishers_that_live(self) -> None:
-        self.sketch.topics = (*self.sketch.topics, declared(SUBSCRIBER, "last", String))
-        self.start()
-        living = rospy.Publisher(self.space + "/last", String, queue_size=1, latch=True)
-        self.addCleanup(living.unregister)
-        living.publish("still here")
-        gone = self.publisher(latch=True)
-        gone.publish("gone")
-        self.wait_until_told("gone")
-        gone.unregister()
-        wait_until(lambda: not self.connections("/told"), lambda: "the node still hears it")
-        last = ("last", encode(String("still here")))
-        wait_until(lambda: last in self.sketch.heard, lambda: str(self.sketch.heard))
-        self.sketch.heard.clear()
-        self.board.reset()
-        # It comes after what would be sent of the other topic.
-        wait_until(lambda: last in self.sketch.heard, lambda: str(self.sketch.heard))
-        self.assertEqual(self.sketch.heard, [last])
-
-    def connections(self, topic: str) -> List[Any]:
-        """Return the publishers of a topic that the node is connected to."""
-        with MasterClient("/test") as master:
-            uri = master.lookup_node(self.space + "/serial_node")
-        assert uri is not None
-        entries: Any = ServerProxy(uri).getBusInfo("/test")
-        return [one for one in entries[2] if (one[2], one[4]) == ("i", self.space + topic)]
 
     def test_a_parameter_beyond_the_buffer_is_answered_by_nothing(self) -> None:
         rospy.set_param(self.space + "/long", "x" * BUFFER)

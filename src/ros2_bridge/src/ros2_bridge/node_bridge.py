@@ -124,15 +124,17 @@ class NodeBridge:
             style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
             style = "described" if name in describing else style
             style = style if parameters else "none"
-            if name not in self._to_ros2:
-                self._to_ros2[name] = NodeToRos2(
-                    self._side, self._other(name), self._leaving.append
-                )
-            if self._to_ros2[name].style != style:  # a managed node has them only for a time
-                self._to_ros2[name].set_parameters("none", None)
-                self._to_ros2[name].set_parameters(style, self._parameters(name, style))
+            with self._skipped.catching(name):  # ROS 2 may refuse its name
+                self._update_to_ros2(name, style)
         listing = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
         self._update_to_ros1(listing - ros1.nodes() if parameters else set(), most, is_restarted)
+
+    def _update_to_ros2(self, name: str, style: str) -> None:
+        if name not in self._to_ros2:
+            self._to_ros2[name] = NodeToRos2(self._side, self._other(name), self._leaving.append)
+        if self._to_ros2[name].style != style:  # a managed node has them only for a time
+            self._to_ros2[name].set_parameters("none", None)
+            self._to_ros2[name].set_parameters(style, self._parameters(name, style))
 
     def _other(self, name: str) -> str:
         """Return the name in ROS 2 of what has a name in ROS 1."""
@@ -185,9 +187,10 @@ class NodeBridge:
         self._to_ros1.close_missing(wanted)
         for name in wanted:
             if name not in self._to_ros1:
-                self._to_ros1[name] = ParametersToRos1(
-                    self._side, self._client, name, self._other(name), self._skipped
-                )
+                with self._skipped.catching(name):
+                    self._to_ros1[name] = ParametersToRos1(
+                        self._side, self._client, name, self._other(name), self._skipped
+                    )
             elif is_restarted:
                 self._to_ros1[name].write_all()
             else:

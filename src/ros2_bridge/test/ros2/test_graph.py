@@ -207,6 +207,25 @@ def test_parameters_are_bridged_as_the_node_and_the_user_want() -> None:
     assert bridge.in_ros2() == nodes  # or calls of their services would be given up each time
 
 
+def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    def make(name: str) -> Any:
+        if "b" in name:
+            raise ValueError("too long")
+        return SimpleNamespace(retry_write_all=dict, close=dict)
+
+    bridge = FewNodes()
+    bridge._side.make_node = make
+    for _ in range(2):
+        assert bridge.shown("abc") == {"/a": "none", "/c": "none"}
+    assert bridge.log.next_line(0.0) == "not bridged: /b: too long"
+    monkeypatch.setattr(node_bridge, "ParametersToRos1", lambda *given: make(given[2]))
+    bridge._update_to_ros1({"/d", "/e/b", "/f"}, 9, False)
+    assert set(bridge._to_ros1) == {"/d", "/f"}
+    assert bridge.log.next_line(2.0) == "not bridged: /e/b: too long"
+
+
 class ManyTopics:
     """Stands in for our side of a graph: 200 topics of ours, one of which others use too."""
 

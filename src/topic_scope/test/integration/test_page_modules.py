@@ -352,11 +352,27 @@ class Modules(BrowserTest):
             "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 10);"
             " return [buffer.rows(['f'], 0).map((row) => String(row[1])), buffer.filled('f'),"
-            " buffer.extent(['f'], 0, 100), buffer.at('f', 6.5)]; })()",
+            " buffer.extent(['f'], 0, 100),"
+            " [5.5, 6.5, 7.5, 8.5].map((time) => buffer.at('f', time))]; })()",
             {**frame, "traces": traces},
         )
         rows = ["1", "2", "NaN", "3", "4"]
-        self.assertEqual(found, [rows, 2, [1, 4], 1.5])
+        self.assertEqual(found, [rows, 2, [1, 4], [1.5, None, None, 3.5]])
+
+    def test_a_line_has_a_value_between_its_ends_and_a_step_beside_them(self) -> None:
+        bins = [None, None, 1, None, 3, None, None, None, False, 5, None, 7, None]
+        found = self.browser.call(
+            "state/buffer.js",
+            "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 20);"
+            " return a[1].map((time) => buffer.at('f', time)); })()",
+            {
+                **{"now": 13, "bin": 1, "reset": True, "first": 0},
+                "traces": {"f": [value for value in bins for _ in "lh"]},
+            },
+            [number + 0.5 for number in range(len(bins))],
+        )
+        # Where it is as far to either side, what was before counts.
+        self.assertEqual(found, [1, 1, 1, 1, 3, 3, 3, None, None, 5, 5, 7, 7])
 
     def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
         frames = [

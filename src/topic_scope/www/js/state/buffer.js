@@ -2,6 +2,13 @@
 
 import { isThere, tabulated } from "./rows.js";
 
+/** Find the next bin that holds something, from one on; null where the line ends before. */
+function nextFilled(values, from, way) {
+  let bin = from;
+  while (values[2 * bin] === null) bin += way;
+  return isThere(values[2 * bin]) ? bin : null;
+}
+
 /** Smallest and largest value of each bin, for a stretch of bins that moves on. */
 export class TraceBuffer {
   constructor() {
@@ -130,7 +137,8 @@ export class TraceBuffer {
 
   /**
    * Return the value of a trace at a time: the middle of the nearest bin that holds something; of
-   * steps, the last value before.
+   * steps, the last value before. There is none where the line has ended: beside its ends it counts as
+   * far as it is from there to the next value.
    * @param {string} field
    * @param {number} time since the epoch, s
    * @returns {?number}
@@ -140,13 +148,17 @@ export class TraceBuffer {
     const middle = Math.floor(time / this.bin) - this.first;
     if (middle < 0 || middle >= this.count) return null;
     if (this.lasts.has(field)) return this.heldAt(field, middle);
-    for (let distance = 0; distance < this.count; distance += 1) {
-      for (const index of [middle - distance, middle + distance]) {
-        const low = values[2 * index];
-        if (isThere(low)) return (low + values[2 * index + 1]) / 2;
-      }
+    const before = nextFilled(values, middle, -1);
+    const after = nextFilled(values, middle, 1);
+    const isBetween = before !== null && after !== null;
+    const nearest = isBetween && after - middle < middle - before ? after : before ?? after;
+    if (nearest === null) return null;
+    if (!isBetween) {
+      const inwards = Math.sign(nearest - middle);
+      const next = nextFilled(values, nearest + inwards, inwards);
+      if (next === null || Math.abs(nearest - middle) > Math.abs(next - nearest)) return null;
     }
-    return null;
+    return (values[2 * nearest] + values[2 * nearest + 1]) / 2;
   }
 
   /** Return the value that holds in a bin; null where its line has ended. */

@@ -233,7 +233,8 @@ class Controls(ScopeTest):
 
     def test_managed_nodes_have_states_and_transitions(self) -> None:
         program = roslib.packages.find_node("basic_comms", "talker.py")[0]
-        talker = subprocess.Popen([program, "__ns:=/managed", "_managed:=true"])
+        command = [program, "__ns:=/managed", "_managed:=true"]
+        talker = subprocess.Popen(command)
         self.addCleanup(talker.wait, 30.0)
         self.addCleanup(talker.terminate)
         node = "/managed/talker"
@@ -255,6 +256,16 @@ class Controls(ScopeTest):
         self.assertIn(f"{node} cannot configure now", page.wait_for("error")["text"])
         page.send("transition", node="/nobody", label="configure")
         page.wait_for("error", lambda told: "/nobody cannot" in told["text"])
+        page.forget()
+        talker.kill()  # the master goes on to list its services
+        self.assertEqual(wait_state("does not answer"), [])
+        page.send("transition", node=node, label="deactivate")
+        page.wait_for("error", lambda told: f"{node} cannot deactivate now" in told["text"])
+        page.forget()
+        talker = subprocess.Popen(command)  # another one of its name, which ends in order
+        self.addCleanup(talker.wait, 30.0)
+        self.addCleanup(talker.terminate)
+        self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
         page.forget()
         talker.terminate()
         page.wait_for("managed", lambda told: states(told) == [])

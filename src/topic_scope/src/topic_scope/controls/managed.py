@@ -13,6 +13,8 @@ from topic_scope.graph.background import Background
 AGAIN_S, _CHANGE_S = 2.0, 60.0
 #: Most nodes that are asked; beyond that the first by name.
 NODES = 32
+#: What stands in the place of the state of a node that has answered before.
+_SILENT = "does not answer"
 _SERVICES = ("get_state", "get_available_transitions", "change_state")
 
 
@@ -80,9 +82,11 @@ class Managed:
         )
 
     def _on_state(self, node: str, told: Any) -> None:
-        if isinstance(told, Exception) or node not in self._present:
-            return  # it is asked again
-        if self._nodes.get(node) != told:
+        if isinstance(told, Exception):  # it is asked again; the master lists one that was killed
+            if node not in self._nodes:
+                return
+            told = {"node": node, "state": _SILENT, "transitions": []}
+        if node in self._present and self._nodes.get(node) != told:
             self._nodes[node] = told
             self._send(self.message())
 

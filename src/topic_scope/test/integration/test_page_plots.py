@@ -119,19 +119,39 @@ class Plots(PageTest):
         """Return what is painted in place of the plot over time."""
         return str(self.browser.run("return document.querySelector('#chart canvas').toDataURL()"))
 
-    def test_shows_spectra_and_one_trace_over_another(self) -> None:
-        # What the chart is told to write: its canvas cannot be read.
+    def watch_writing(self) -> None:
+        """Have the page remember what charts are told to write: their canvas cannot be read."""
         self.browser.run(
             "const write = CanvasRenderingContext2D.prototype.fillText; window.written = [];"
             "CanvasRenderingContext2D.prototype.fillText = function(text, ...place) {"
             " window.written.push(text); return write.call(this, text, ...place); };"
         )
-        written = "const all = window.written; window.written = []; return all.join('\\n')"
+
+    def written(self) -> str:
+        """Return what was written since this was asked last, a line for each text."""
+        take = "const all = window.written; window.written = []; return all.join('\\n')"
+        return str(self.browser.run(take))
+
+    def test_a_chart_that_stands_still_stays_when_it_is_drawn_otherwise(self) -> None:
+        self.watch_writing()
+        self.browser.keys("k")
+        wait_until(lambda: re.search(r" Hz, [\d.]+ dB$", self.written(), re.M), self.written)
+        self.browser.keys(Keys.SPACE)
+        # The server has nothing to tell of that, so the chart is there at once.
+        self.browser.choose("[aria-label='spectrum scale']", "linear")
+        self.assertRegex(self.written(), r"(?m) Hz, [\d.]+$")
+        self.browser.keys("k")
+        wait_until(lambda: PROCESSED in self.written().split("\n"), self.written)
+        self.browser.find(".chart-controls input").click()
+        self.assertIn(PROCESSED, self.written().split("\n"))
+
+    def test_shows_spectra_and_one_trace_over_another(self) -> None:
+        self.watch_writing()
         self.browser.keys("k")
         seen = [""]
 
         def marked() -> bool:
-            seen[0] = self.browser.run(written)
+            seen[0] = self.written()
             peaks = re.findall(r"^([\d.]+) ± [\d.]+ Hz, ([\d.]+) dB$", seen[0], re.MULTILINE)
             return any(
                 abs(float(hertz) - 1.0) < 0.01 and abs(float(level) - 20 * math.log10(2.0)) < 0.2
@@ -141,16 +161,14 @@ class Plots(PageTest):
         wait_until(marked, lambda: seen)
         self.browser.choose("[aria-label='spectrum scale']", "linear")
         wait_until(
-            lambda: re.search(
-                r"^1\.000 ± [\d.]+ Hz, 2\.0\d\d$", self.browser.run(written), re.MULTILINE
-            ),
-            lambda: self.browser.run(written),
+            lambda: re.search(r"^1\.000 ± [\d.]+ Hz, 2\.0\d\d$", self.written(), re.MULTILINE),
+            self.written,
         )
         self.browser.choose("[aria-label='spectrum scale']", "dB")
         wait_until(marked, lambda: seen)
         # A picture for a report has its numbers, what is measured, and the date.
         self.browser.find("#png").click()
-        picture = self.browser.run(written).split("\n")
+        picture = self.written().split("\n")
         self.assertTrue(any(re.match(r"\d{4}-\d\d-\d\d, ", text) for text in picture), picture)
         self.assertIn("RMS", picture)
         self.assertTrue(any(text.endswith(" dB") for text in picture), picture)
@@ -158,8 +176,8 @@ class Plots(PageTest):
         self.browser.wait_for("[aria-label='horizontal trace']")
         first = self.drawn()
         wait_until(
-            lambda: PROCESSED in self.browser.run(written).split("\n") and self.drawn() != first,
-            lambda: self.browser.run(written),
+            lambda: PROCESSED in self.written().split("\n") and self.drawn() != first,
+            self.written,
         )
         # It is in the address, and so survives a reload.
         wait_until(

@@ -90,8 +90,8 @@ const handlers = {
     sweep.onFrame(frame);
     screen.refresh();
   },
-  spectrum: (message) => charts.onSpectrum(message),
-  xy: (message) => charts.onXy(message),
+  spectrum: (message) => charts.onChart(message),
+  xy: (message) => charts.onChart(message),
   stats: ({ traces }) => {
     legend.showStats(traces);
     showOverTime(traces);

@@ -64,7 +64,7 @@ export function spectra(traces, fields, scale) {
  * @param {import("../state/state.js").State} state
  * @param {import("../page/requests.js").Requests} requests
  * @param {function(string): string} colourOf
- * @returns {{onSpectrum: function(Object): void, onXy: function(Object): void, chart: Chart}}
+ * @returns {{onChart: function(Object): void, chart: Chart}}
  */
 export function startCharts(state, requests, colourOf) {
   const chart = new Chart(byId("chart"), colourOf, (field) => dashOf(state, field));
@@ -104,28 +104,42 @@ export function startCharts(state, requests, colourOf) {
     }
   }
 
+  let latest = null; // what the server has sent for the request
+  const draw = { spectrum: drawSpectra, xy: drawXy };
+
+  function drawSpectra({ traces }) {
+    chart.draw(spectra(traces, state.shown, state.values.chart.scale));
+  }
+
+  function drawXy({ x, traces }) {
+    const lines = state.shown.filter((field) => traces[field]).map((field) =>
+      ({ field, xs: traces[field][0], ys: traces[field][1], marks: [] }));
+    const y = lines.map(({ field }) => field).join(", ");
+    chart.draw({ lines, titles: { x, y }, isEqual: state.values.chart.equal, exact: false });
+  }
+
+  /** Draw what has come: a chart that stands still comes once. */
+  function redraw() {
+    if (latest) draw[latest.type](latest);
+    else chart.draw({ lines: [], titles: { x: "", y: "" }, isEqual: false, exact: false });
+  }
+
   function follow() {
     fill();
     chart.forget();
-    chart.draw({ lines: [], titles: { x: "", y: "" }, isEqual: false, exact: false });
-    requests.sendChart(wantedChart(state.values));
+    const wanted = wantedChart(state.values);
+    if (JSON.stringify(wanted) !== JSON.stringify(requests.chart)) latest = null;
+    redraw();
+    requests.sendChart(wanted);
+  }
+
+  function onChart(message) {
+    if (state.values.chart.kind !== message.type) return;
+    latest = message;
+    redraw();
   }
 
   state.on(["chart", "fields", "traces"], follow);
   fill();
-  return {
-    chart,
-    onSpectrum({ traces }) {
-      if (state.values.chart.kind !== "spectrum") return;
-      chart.draw(spectra(traces, state.shown, state.values.chart.scale));
-    },
-    onXy({ x, traces }) {
-      const { kind, equal } = state.values.chart;
-      if (kind !== "xy") return;
-      const lines = state.shown.filter((field) => traces[field]).map((field) =>
-        ({ field, xs: traces[field][0], ys: traces[field][1], marks: [] }));
-      const y = lines.map(({ field }) => field).join(", ");
-      chart.draw({ lines, titles: { x, y }, isEqual: equal, exact: false });
-    },
-  };
+  return { chart, onChart };
 }

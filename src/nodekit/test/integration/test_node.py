@@ -128,6 +128,26 @@ class Start(OnMaster):
         self.assertEqual(heard, ["news"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/late", Trigger)().message, "here")
 
+    def test_names_are_remapped_once_where_the_new_one_is_remapped_as_well(self) -> None:
+        swapped = {"a": "b", "b": "a", "ask": "tell", "tell": "ask", "c": "d", "d": "e"}
+        remapped = {f"{self.space}/{old}": f"{self.space}/{new}" for old, new in swapped.items()}
+        heard: List[str] = []
+        node = self.node()
+        with mock.patch.dict(rospy.names.get_resolved_mappings(), remapped):
+            node.publisher("a", String, latch=True).publish("at b")
+            node.publisher("c", String, latch=True).publish("at d")
+            node.subscribe("b", String, lambda message: heard.append(message.data))
+            node.service("ask", Trigger, lambda request: TriggerResponse(True, "here"))
+            node.start()
+        self.publisher("a", latch=True).publish("at a")
+        for name in "bd":
+            ear = Ear(f"{self.space}/{name}", String)
+            self.addCleanup(ear.close)
+            self.assertEqual(ear.wait_for(lambda message: True).data, f"at {name}")
+        wait_until(lambda: heard, lambda: "nothing at a")
+        self.assertEqual(heard, ["at a"])
+        self.assertEqual(rospy.ServiceProxy(self.space + "/tell", Trigger)().message, "here")
+
     def test_latched_message_of_the_constructor_reaches_who_comes_later(self) -> None:
         node = self.node()
         state = node.publisher("state", String, latch=True)

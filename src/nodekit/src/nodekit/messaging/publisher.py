@@ -84,7 +84,10 @@ class Publisher:
             if not mismatch:
                 topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
             publisher = rospy.Publisher(
-                name, data_class, latch=self._latch, queue_size=FALLBACK_QUEUE_SIZE
+                made.name_before(name),
+                data_class,
+                latch=self._latch,
+                queue_size=FALLBACK_QUEUE_SIZE,
             )
         publisher.name = publisher.resolved_name = name  # rospy has made copies
         while True:  # another thread may publish meanwhile, and what is latched is the newest

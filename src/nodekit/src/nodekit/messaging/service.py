@@ -3,6 +3,7 @@
 from typing import Any, Callable, Optional
 
 from nodekit.messaging.failures import Failures
+from nodekit.rospy_internals.made import name_before
 from nodekit.rospy_internals.services import ClosableService
 
 
@@ -38,7 +39,8 @@ class Service:
         """Offer it, unless it was closed."""
         if self._is_closed:
             return
-        service = _LoggedService(self.resolved_name, self._service_class, self._handler)
+        name = name_before(self.resolved_name)
+        service = _LoggedService(name, self._service_class, self._handler)
         self._service = service
         self.resolved_name = service.resolved_name  # rospy makes a copy, which is enough of them
 

@@ -40,13 +40,14 @@ class Subscription:
         if mismatch:
             rospy.logwarn_once("unsupported rospy version: receiving one by one: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
+        before = made.name_before(name)
         with made.topic_lock():
             self._is_late = latched.is_heard(name)
             if not mismatch and subscribers.receive_in_batches(name, data_class, self._receive):
-                self._subscriber = rospy.Subscriber(name, data_class, tcp_nodelay=True)
+                self._subscriber = rospy.Subscriber(before, data_class, tcp_nodelay=True)
             else:
                 self._subscriber = rospy.Subscriber(
-                    name,
+                    before,
                     data_class,
                     lambda message: self._receive([message], True),
                     tcp_nodelay=True,

@@ -6,6 +6,7 @@ A topic has one type: rospy takes a second one in a process for the first, witho
 from typing import Any, ContextManager, List, Tuple
 
 import rospy
+import rospy.names
 from rospy.impl.registration import Registration, get_service_manager, get_topic_manager
 
 #: What is registered: kind, name, and its type or, of a service, its URI.
@@ -23,6 +24,18 @@ def all_made() -> List[Entry]:
     ):
         entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
     return entries
+
+
+def name_before(name: str) -> str:
+    """Return what to call a topic or a service, whose name rospy remaps once more.
+
+    :param name: resolved, and remapped if it is to be
+    :returns: the name itself unless that is remapped in turn, as where two are swapped
+    """
+    remapped = rospy.names.get_resolved_mappings()
+    if name not in remapped:
+        return name
+    return next((old for old, new in remapped.items() if new == name and old[0] == "/"), name)
 
 
 def topic_lock() -> ContextManager[Any]:

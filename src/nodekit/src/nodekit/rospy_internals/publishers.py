@@ -141,7 +141,7 @@ class OutgoingTopic(_Topic):
 
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
-        self.resolved_name = name  # rospy has made a copy
+        self.resolved_name = name  # rospy has made a copy, remapped once more
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None

@@ -121,6 +121,7 @@ class IncomingTopic(_Topic):
 
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
+        self.resolved_name = name  # rospy has remapped it once more
         self._batch_callbacks: List[BatchCallback] = []
         self._hears_any_type = issubclass(data_class, rospy.AnyMsg)
         #: When the master told of publishers that are connected, s: perhaps of a new one each.

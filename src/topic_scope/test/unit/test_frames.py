@@ -47,9 +47,9 @@ def test_a_heading_is_the_angle_of_the_nose(angle: float) -> None:
 
 def test_a_laser_is_found_through_its_robot_and_the_map() -> None:
     frames = Frames()
-    frames.set_transform("/map", "odom", turned(0.0, 10.0, 0.0))
-    frames.set_transform("odom", "base", turned(math.pi / 2, 1.0, 2.0))
-    frames.set_transform("base", "/laser", turned(0.0, 0.5, 0.0))
+    frames.set_transform("/tf", "/map", "odom", turned(0.0, 10.0, 0.0))
+    frames.set_transform("/tf", "odom", "base", turned(math.pi / 2, 1.0, 2.0))
+    frames.set_transform("/tf", "base", "/laser", turned(0.0, 0.5, 0.0))
     place = frames.place("laser")
     assert place.root == "map" and frames.knows("/laser") and not frames.knows("map")
     assert place.transform.position == pytest.approx((11.0, 2.5, 0.0))
@@ -62,14 +62,14 @@ def test_odometry_counts_where_nobody_publishes_transforms() -> None:
     frames.set_odometry("/a/odom", "odom", "base", turned(0.0, 1.0))
     frames.set_odometry("/b/odom", "odom", "base", turned(0.0, 3.0))
     assert frames.place("base").transform.position[0] == 1.0
-    frames.set_transform("odom", "base", turned(0.0, 7.0))
+    frames.set_transform("/tf", "odom", "base", turned(0.0, 7.0))
     assert frames.place("base").transform.position[0] == 7.0
 
 
 def test_a_ring_of_frames_ends() -> None:
     frames = Frames()
-    frames.set_transform("a", "b", IDENTITY)
-    frames.set_transform("b", "a", IDENTITY)
+    frames.set_transform("/tf", "a", "b", IDENTITY)
+    frames.set_transform("/tf", "b", "a", IDENTITY)
     assert frames.place("a").root in ("a", "b")
 
 

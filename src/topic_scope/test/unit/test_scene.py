@@ -2,10 +2,11 @@
 
 import json
 import math
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import numpy
 import pytest
+import rospy
 from geometry_msgs.msg import Point, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import LaserScan
@@ -101,14 +102,54 @@ def test_markers_come_and_go_one_by_one() -> None:
     box = Marker(ns="boxes", id=4, type=Marker.CUBE)
     box.pose.position.x, box.scale.x, box.color.r = 1.5, 0.4, math.nan
     receive(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL), wall, box]))
-    lines, cube = told(shown.standing())["markers"]
+    lines, cube = told(shown.standing(0.0))["markers"]
     assert (lines["kind"], lines["points"]) == ("lines", [0.0, 1.0, 2.0, 3.0])
     assert (cube["kind"], cube["size"], cube["at"][4]) == ("box", [0.4, 0.0], 1.5)
     receive(shown, "/world", MarkerArray([Marker(ns="walls", action=Marker.DELETE)]))
-    assert [one["kind"] for one in shown.standing()["markers"]] == ["box"]
+    assert [one["kind"] for one in shown.standing(0.0)["markers"]] == ["box"]
     receive(shown, "/other", box)
     receive(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL)]))
-    assert len(shown.standing()["markers"]) == 1
+    assert len(shown.standing(0.0)["markers"]) == 1
+
+
+def test_a_marker_is_there_as_long_as_it_lasts() -> None:
+    shown = Scene()
+    brief = Marker(ns="brief", type=Marker.CUBE, lifetime=rospy.Duration(0.5))
+    receive(shown, "/world", MarkerArray([brief, Marker(ns="lasting", type=Marker.SPHERE)]), 10.0)
+
+    def kinds(now: float) -> List[str]:
+        return [one["kind"] for one in shown.standing(now)["markers"]]
+
+    assert kinds(10.4) == ["box", "disc"]
+    receive(shown, "/world", brief, 10.4)
+    assert kinds(10.8) == ["box", "disc"]
+    assert kinds(11.0) == ["disc"] == kinds(1e9)
+
+
+def test_what_topics_that_are_gone_have_told_of_frames_is_forgotten() -> None:
+    shown = Scene()
+    topics = ["/a/odom", "/goal", "/tf", "/tf_static"]
+    goal = PoseStamped()
+    goal.header.frame_id = "base"
+    receive(shown, "/tf_static", transforms("map", "odom", 100.0))
+    receive(shown, "/tf", transforms("odom", "base", 20.0))
+    receive(shown, "/a/odom", odometry(3.0, 0.0, 0.0))
+    receive(shown, "/goal", goal)
+
+    def x() -> float:
+        shown.keep(dict.fromkeys(topics, ""))
+        return float(shown.standing(0.0)["goals"][0]["x"])
+
+    assert x() == 120.0
+    topics.remove("/tf")
+    assert x() == 103.0
+    topics.remove("/a/odom")
+    assert x() == 0.0
+    topics.append("/b/odom")  # it comes after the other one by name, which blocks it no more
+    receive(shown, "/b/odom", odometry(4.0, 0.0, 0.0))
+    assert x() == 104.0
+    topics.remove("/tf_static")
+    assert x() == 4.0
 
 
 def test_paths_and_goals() -> None:
@@ -120,7 +161,7 @@ def test_paths_and_goals() -> None:
     path.header.frame_id = "map"
     receive(shown, "/goal", goal)
     receive(shown, "/plan", path)
-    standing = told(shown.standing())
+    standing = told(shown.standing(0.0))
     assert standing["goals"] == [{"topic": "/goal", "x": 1.0, "y": 2.0, "heading": 0.0}]
     assert standing["paths"][0]["points"] == [0.0, 2.0, 0.0, 2.0]
 

@@ -1,7 +1,7 @@
 """Where things are: frames that hang on one another, as ``/tf`` tells them, seen from above."""
 
 import math
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Container, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 Vector = Tuple[float, float, float]
 #: x, y, z, w.
@@ -82,14 +82,24 @@ class Frames:
     """Knows where each frame was told to be last."""
 
     def __init__(self) -> None:
-        self._parents: Dict[str, Tuple[str, Transform]] = {}
+        #: Of each frame the topic that told of it last, the frame that it is in, and where.
+        self._parents: Dict[str, Tuple[str, str, Transform]] = {}
         self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
 
-    def set_transform(self, parent: str, child: str, transform: Transform) -> None:
-        """Take note of what ``/tf`` tells."""
+    def keep(self, topics: Container[str]) -> None:
+        """Forget what other topics have told."""
+        for told in (self._parents, self._guesses):
+            for child in [child for child, (source, *_) in told.items() if source not in topics]:
+                del told[child]
+
+    def set_transform(self, source: str, parent: str, child: str, transform: Transform) -> None:
+        """Take note of what ``/tf`` tells.
+
+        :param source: its topic
+        """
         child = bare(child)
         if len(self._parents) < _FRAMES or child in self._parents:
-            self._parents[child] = (bare(parent), transform)
+            self._parents[child] = (source, bare(parent), transform)
 
     def set_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
         """Take note of what an odometry says; it counts where ``/tf`` says nothing of the child.
@@ -110,7 +120,7 @@ class Frames:
         frame, transform = bare(frame), IDENTITY
         for _ in range(_DEPTH):
             if frame in self._parents:
-                frame, step = self._parents[frame]
+                _, frame, step = self._parents[frame]
             elif frame in self._guesses:
                 _, frame, step = self._guesses[frame]
             else:

@@ -1,5 +1,6 @@
 """Markers as a page draws them: visualization_msgs/Marker and MarkerArray, seen from above."""
 
+import math
 from typing import Any, Dict, List, Optional, Tuple
 
 from topic_scope.robots.frames import transform_of
@@ -28,12 +29,14 @@ class Markers:
     """The markers of one topic, which come and go one by one."""
 
     def __init__(self) -> None:
-        self._items: Dict[Tuple[str, int], Item] = {}
+        #: Each with the time at which it is over, s.
+        self._items: Dict[Tuple[str, int], Tuple[Item, float]] = {}
 
-    def add_message(self, message: Dict[str, Any]) -> None:
+    def add_message(self, message: Dict[str, Any], now: float) -> None:
         """Add a message.
 
         :param message: a MarkerArray, or a Marker
+        :param now: when it came, s
         """
         for marker in message.get("markers", [message]):
             key = (marker["ns"], marker["id"])
@@ -44,11 +47,16 @@ class Markers:
             else:
                 item = _item(marker)
                 if item is not None and (key in self._items or len(self._items) < _MARKERS):
-                    self._items[key] = item
+                    lasts = marker["lifetime"] or math.inf
+                    self._items[key] = (item, now + lasts)
 
-    def items(self) -> List[Item]:
-        """Return the markers that are there, each with its frame and its transform in there."""
-        return list(self._items.values())
+    def items(self, now: float) -> List[Item]:
+        """Return the markers that are there, each with its frame and its transform in there.
+
+        :param now: the time, s; what is over by then is forgotten
+        """
+        self._items = {key: one for key, one in self._items.items() if now < one[1]}
+        return [item for item, _ in self._items.values()]
 
 
 def _item(marker: Dict[str, Any]) -> Optional[Item]:

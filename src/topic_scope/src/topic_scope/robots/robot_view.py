@@ -69,7 +69,7 @@ class RobotView:
         self.send_to_pages(self._scene.moving(now))
         self._ticks += 1
         if self._ticks % _SLOWLY == 0:
-            self.send_to_pages(self._scene.standing())
+            self.send_to_pages(self._scene.standing(now))
             self.send_to_pages(self._scene.fleet(now))
 
     def _add_batch(self, topic: str, batch: Batch) -> None:

@@ -73,6 +73,7 @@ class Scene:
         for said in remembered:
             for topic in set(said) - set(topics):
                 del said[topic]
+        self._frames.keep(topics)
 
     def add_message(self, topic: str, datatype: str, message: Message, now: float) -> None:
         """Add a message.
@@ -92,9 +93,9 @@ class Scene:
         elif datatype == GOAL:
             self._add_goal(topic, message)
         elif datatype in MARKERS:
-            self._markers.setdefault(topic, Markers()).add_message(message)
+            self._markers.setdefault(topic, Markers()).add_message(message, now)
         elif datatype in TRANSFORMS:
-            self._add_transforms(message)
+            self._add_transforms(topic, message)
         else:
             self._statuses[topic] = _Said(_status(message), now)
 
@@ -116,14 +117,13 @@ class Scene:
             frame = message["header"]["frame_id"]
             self._goals[topic] = {"frame": frame, "transform": transform}
 
-    def _add_transforms(self, message: Message) -> None:
+    def _add_transforms(self, topic: str, message: Message) -> None:
         for one in message["transforms"]:
             there = one["transform"]
             transform = transform_of(there["translation"], there["rotation"])
             if transform is not None:
-                self._frames.set_transform(
-                    one["header"]["frame_id"], one["child_frame_id"], transform
-                )
+                parent, child = one["header"]["frame_id"], one["child_frame_id"]
+                self._frames.set_transform(topic, parent, child, transform)
 
     # --- For pages ---------------------------------------------------------------------------
 
@@ -169,9 +169,12 @@ class Scene:
         place = self._frames.place(frame)
         return Place(place.root, place.transform.then(transform))
 
-    def standing(self) -> Message:
-        """Return what changes now and then: markers, paths, goals."""
-        markers = [self._marker(item) for one in self._markers.values() for item in one.items()]
+    def standing(self, now: float) -> Message:
+        """Return what changes now and then: markers, paths, goals.
+
+        :param now: the time, s
+        """
+        markers = [self._marker(item) for one in self._markers.values() for item in one.items(now)]
         return {
             "type": "scenery",
             "markers": markers,

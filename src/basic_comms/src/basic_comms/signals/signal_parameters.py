@@ -151,7 +151,8 @@ class SignalParameters(ParameterSet):
         help="multisine: phases",
     )
     file = SeriesParameter(
-        "", help="file: path of a CSV file of time,value; its largest value reaches the amplitude"
+        "",
+        help="file: path of a CSV file of time,value; its largest magnitude reaches the amplitude",
     )
     file_mode = EnumParameter(
         "linear", choices=("linear", "hold"), help="file: values between two rows"

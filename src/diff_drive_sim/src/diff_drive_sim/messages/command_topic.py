@@ -1,8 +1,8 @@
 """A subscription that reports publishers of the wrong type.
 
-ROS lets no publisher of another type connect: not one message comes, and the log names neither the
-topic nor a way out. So the subscription accepts any type, and ignores messages of an unexpected one
-with a warning. The master is told the expected type all the same.
+ROS lets no publisher of another type connect: not one message comes, and the log names no way out.
+So the subscription accepts any type, and ignores messages of an unexpected one with a warning. The
+master is told the expected type all the same.
 """
 
 from typing import Any, Callable, Optional

@@ -13,7 +13,7 @@ _RATE_HZ = 1.0
 
 
 class TemperatureDemoNode:
-    """Publishes a temperature that rises and falls once in a minute, from -10 to 40 degrees.
+    """Publishes a temperature that rises and falls once a minute, from -5 to 35 degrees, and noise.
 
     :ROS Publishers:
         - ``data/temperature`` (sensor_msgs/Temperature): once a second

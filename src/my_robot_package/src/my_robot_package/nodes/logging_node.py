@@ -16,10 +16,11 @@ class LoggingNodeParameters(ParameterSet):
 
 
 class LoggingNode:
-    """Logs a line at each level, one with a number in it, and one about an exception.
+    """Logs at the start a line at each level, one with a number, and one about an exception.
 
-    What is below the node's level is not shown, which is info: ``rosservice call
-    NODE/set_logger_level rosout debug`` shows the rest, too.
+    The debug line is below the node's level, info, so it is not shown. ``rosservice call
+    NODE/set_logger_level rosout debug`` changes the level of a node that runs, for what it logs
+    from then on.
 
     :ROS Services:
         - ``~debug_node_info`` (std_srvs/Trigger): logs, and answers, who the node is and which

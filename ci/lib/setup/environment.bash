@@ -76,7 +76,8 @@ warn_of_foreign_master() { # COMMAND…
             ;;
     esac
     [[ $port =~ ^[0-9]+$ ]] || return 0
-    owner=$(listeners | awk -v port="$port" '$1 == port { print $2; exit }')
+    # To the end of what listeners says: SIGPIPE would end it, and with it ci/exec.
+    owner=$(listeners | awk -v port="$port" '$1 == port && !seen++ { print $2 }')
     if [ -z "$owner" ] || [ "$owner" = "$(id -u)" ]; then return 0; fi
     free=$(listeners | awk -v port="$port" '{ taken[$1] } END { while (++port in taken); print port }')
     say "port $port of this machine is used by $(id -nu "$owner" 2>/dev/null || echo "user $owner"), not by" \

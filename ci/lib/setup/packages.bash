@@ -93,7 +93,7 @@ refuse_without_network() { # PACKAGE…
     if [ ${#uris[@]} = 0 ] || grep -qE '404 +Not Found|Unable to read' "$state/log"; then
         return 0
     fi
-    uri=$(sed -n 's/^E: Failed to fetch [^ ]* *//p' "$state/log" | head -n 1)
+    uri=$(sed -n '/^E: Failed to fetch [^ ]* */{s///p;q}' "$state/log")
     die "no package can be downloaded (${uris[0]}: ${uri:-no answer within $patience s}):" \
         "check the network, or the proxy that apt is configured to use, and try again."
 }

@@ -26,6 +26,14 @@ signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 open(sys.argv[1], "w").close()
 signal.sigtimedwait([signal.SIGINT], 60.0)
 """
+#: An awk that takes each line as it comes, as gawk does; more listeners than a pipe has room for.
+HASTY_AWK = {
+    "awk": """case $(readlink -f "$(type -P awk)") in
+        *mawk) command awk -W interactive "$@" ;;
+        *) command awk "$@" ;;
+    esac""",
+    "tail": 'command tail "$@"; yes "0: 0:0000 0:0 0A 0 0 0 0" | head -n 20000',
+}
 PRINT_ENVIRONMENT = ("sh", "-c", 'echo "$ROS_HOSTNAME,${ROS_IP-none},$LANG"')
 
 
@@ -174,6 +182,7 @@ def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> Non
     with socket.create_server(("localhost", 0)) as listener:
         port = listener.getsockname()[1]
         built.be_somebody()
+        built.fakes.update(HASTY_AWK)
         command = ["roslaunch", "--help"] if words else ["true"]
         command += [word.replace("PORT", str(port)) for word in words]
         changes = {} if words else {"ROS_MASTER_URI": f"http://localhost:{port}"}

@@ -26,9 +26,13 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nodekit.executors import SingleThreadedExecutor
 from nodekit.managed.managed_node import ManagedNode
+from nodekit.messaging import service
 from nodekit.node.legal_names import IllegalName
 from nodekit.node.names import Names
 from nodekit.node.node import Node
+from nodekit.node.timers import NodeTimer
+from nodekit.parameter_server import followed_parameter, live_parameters
+from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import (
     FloatParameter,
     ParameterError,
@@ -38,10 +42,12 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.process.host import host_all
 from nodekit.process.run import init_node
+from nodekit.rospy_internals import publishers, subscribers
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from nodekit.timing.scheduler import get_scheduler
 
 
 class Settings(ParameterSet):
@@ -127,6 +133,35 @@ class Start(OnMaster):
         node.publisher("topic", String).publish("news")
         self.assertEqual(heard, ["news"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/late", Trigger)().message, "here")
+
+    def test_what_is_closed_amid_the_start_is_not_opened_either(self) -> None:
+        for owner, function in (
+            (publishers, "send_at_once"),
+            (service, "_LoggedService"),
+            (subscribers, "receive_in_batches"),
+            (live_parameters, "open_all"),
+            (followed_parameter, "open_all"),
+            (NodeTimer, "start_together"),
+        ):
+            with self.subTest(f"{owner.__name__} {function}"):
+                node = self.node(f"{owner.__name__}_{function}".replace(".", "_"))
+                settings = node.parameters(Settings)
+                node.follow("~beside", lambda value: None)
+                node.every(lambda: settings.values.rate, lambda elapsed: None)
+                node.publisher("~topic", String)
+                node.subscribe("~topic", String, lambda message: None)
+                node.service("~ask", Trigger, lambda request: TriggerResponse())
+                go_on = getattr(owner, function)
+
+                def close_and_go_on(*arguments: Any, **options: Any) -> Any:
+                    node.close()
+                    return go_on(*arguments, **options)
+
+                with mock.patch.object(owner, function, close_and_go_on):
+                    node.start()
+                self.assertEqual([n for n, _ in self.registered() if node.name in n], [])
+                self.assertEqual([w.key for w in get_watcher()._watched if node.name in w.key], [])
+                self.assertEqual(get_scheduler()._timers, set())
 
     def test_names_are_remapped_once_where_the_new_one_is_remapped_as_well(self) -> None:
         swapped = {"a": "b", "b": "a", "ask": "tell", "tell": "ask", "c": "d", "d": "e"}

@@ -43,6 +43,8 @@ class Service:
         service = _LoggedService(name, self._service_class, self._handler)
         self._service = service
         self.resolved_name = service.resolved_name  # rospy makes a copy, which is enough of them
+        if self._is_closed:  # by another thread, meanwhile
+            self.close()
 
     def close(self) -> None:
         """Offer it no longer."""

@@ -52,6 +52,8 @@ class Subscription:
                     lambda message: self._receive([message], True),
                     tcp_nodelay=True,
                 )
+        if self._is_closed:  # by another thread, meanwhile
+            self.close()
 
     def receive_latched(self) -> None:
         """Hand over what was latched on the topic before; once, after :meth:`open`."""

@@ -1,14 +1,16 @@
 """Open what nodes have made: nothing before their constructors have returned, then all together."""
 
 import threading
-from typing import Any, Iterable, List, Optional
+from typing import Any, Iterable, List, Optional, Union
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import Subscription
+from nodekit.node.callbacks import Callback
 from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import followed_parameter, live_parameters
+from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.rospy_internals import registration
 
 
@@ -63,12 +65,23 @@ def _open_together(things: List[Any]) -> None:
             subscription.open()
     for subscription in subscriptions:
         subscription.receive_latched()
-    followed = [thing for thing in things if isinstance(thing, FollowCallback)]
-    live_parameters.open_all(
-        [thing for thing in things if isinstance(thing, live_parameters.LiveParameters)]
-    )
+    # Another thread may have closed some of the rest by now, or does so while it is opened.
+    rest = [
+        thing
+        for thing in things
+        if isinstance(thing, (Callback, LiveParameters)) and not _is_closed(thing)
+    ]
+    followed = [thing for thing in rest if isinstance(thing, FollowCallback)]
+    live_parameters.open_all([thing for thing in rest if isinstance(thing, LiveParameters)])
     followed_parameter.open_all([one.followed for one in followed])
-    for thing in things:
+    for thing in rest:
         if isinstance(thing, (ChangeCallback, FollowCallback)):
             thing.start()
-    NodeTimer.start_together([thing for thing in things if isinstance(thing, NodeTimer)])
+    NodeTimer.start_together([thing for thing in rest if isinstance(thing, NodeTimer)])
+    for thing in rest:
+        if _is_closed(thing):
+            thing.close()
+
+
+def _is_closed(thing: Union[Callback, LiveParameters[Any]]) -> bool:
+    return thing.closed if isinstance(thing, Callback) else thing.is_closed

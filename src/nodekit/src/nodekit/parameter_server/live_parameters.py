@@ -46,7 +46,7 @@ class LiveParameters(Generic[Snapshot]):
     :raises MasterUnreachable: if the master does not answer
 
     :ivar values: the snapshot in force; never changes itself, is replaced
-    :ivar is_closed: whether it has followed the server, and does not any more
+    :ivar is_closed: whether it follows the server no longer, and never will
     """
 
     values: Snapshot

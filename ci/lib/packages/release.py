@@ -1,6 +1,7 @@
 """Release the workspace: see ci/release.
 
-Ends with status 125 and one sentence where it cannot begin, and with 1 where something is not good.
+Ends with status 125 and one sentence where it cannot begin, with 1 where something is not good, and
+with 130 at Ctrl-C.
 """
 
 import argparse
@@ -233,7 +234,13 @@ class Attempt:
         own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
         # Each system is bootstrapped once for all checks.
         own.setdefault("CLEAN_ROOM_CACHE", str(self._systems))
-        status = subprocess.call(command, cwd=str(self.tree), env=own)
+        process = subprocess.Popen(command, cwd=str(self.tree), env=own)
+        try:
+            status = process.wait()
+        except KeyboardInterrupt:
+            # The terminal has told it as well: it cleans up before it ends.
+            process.wait()
+            raise
         if status != 0:
             raise Refused(f"'{line}' ended with status {status}: nothing was released")
 
@@ -312,6 +319,9 @@ def main(arguments: List[str]) -> int:
     except Refused as reason:
         say(str(reason))
         return 1
+    except KeyboardInterrupt:
+        say("interrupted: with --resume, what was good is not run again")
+        return 130
     return 0
 
 

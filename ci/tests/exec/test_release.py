@@ -4,8 +4,10 @@ import datetime
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import textwrap
+import time
 from typing import List
 
 import pytest
@@ -174,6 +176,35 @@ def test_what_was_good_is_not_run_again(copy: Copy) -> None:
     names = [line.split()[0] for line in copy.journal.read_text().splitlines()]
     assert names == RUNS[RUNS.index("deb") :]
     assert copy.state() != before and copy.git("describe").strip() == "1.2.0"
+
+
+def test_a_check_cleans_up_at_ctrl_c(copy: Copy) -> None:
+    begun = copy.journal.with_name("begun")
+    copy.script(
+        "deb",
+        f"""trap 'sleep 1; echo cleaned >>"{copy.journal}"; exit 130' INT
+        : >"{begun}"
+        while :; do sleep 0.1 || :; done""",
+    )
+    copy.commit()
+    before = copy.state()
+    process = subprocess.Popen(
+        [str(copy.root / "ci" / "release"), "1.2.0"],
+        stderr=subprocess.PIPE,
+        universal_newlines=True,
+        start_new_session=True,
+    )
+    give_up = time.monotonic() + 60.0
+    while not begun.exists() and time.monotonic() < give_up:
+        assert process.poll() is None
+        time.sleep(0.01)  # poll
+    os.killpg(process.pid, signal.SIGINT)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert said.splitlines()[-1].startswith("ci/release: interrupted: with --resume")
+    assert "Traceback" not in said
+    assert copy.journal.read_text().splitlines()[-1] == "cleaned"
+    assert copy.state() == before and copy.git("tag") == ""
 
 
 def test_only_the_same_commit_is_gone_on_with(copy: Copy) -> None:

@@ -185,9 +185,10 @@ def _bridged(
     def read(results: Results) -> Tuple[str, List[float]]:
         ours = results.median(measurement, way, name)
         hops = sum(results.median(measurement, ros, name) for ros in (bridging.ROSPY, RCLPY))
-        # A hop of each, of the same turns.
-        shares = [results.ratios(measurement, ros, way, name) for ros in (bridging.ROSPY, RCLPY)]
-        return f"{number(ours)} against {number(hops)} us", [1.0 / sum(two) for two in zip(*shares)]
+        return (
+            f"{number(ours)} against {number(hops)} us",
+            results.ratios_to_sum(measurement, way, (bridging.ROSPY, RCLPY), name),
+        )
 
     return read
 

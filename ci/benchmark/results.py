@@ -3,7 +3,7 @@
 import collections
 import math
 import statistics
-from typing import Any, Counter, Dict, List, Tuple
+from typing import Any, Counter, Dict, List, Sequence, Tuple
 
 import machine
 from context import Figures
@@ -80,13 +80,19 @@ class Results:
 
         :raises LookupError: if either was not measured
         """
-        ours = self._runs.get((measurement, subject), {})
-        theirs = self._runs.get((measurement, peer), {})
-        pairs = [
-            (ours[repeat][figure], theirs[repeat][figure])
-            for repeat in sorted(set(ours) & set(theirs))
-        ] or [(self.median(measurement, subject, figure), self.median(measurement, peer, figure))]
-        return [a / b if b else math.inf for a, b in pairs]
+        return self.ratios_to_sum(measurement, subject, [peer], figure)
+
+    def ratios_to_sum(
+        self, measurement: str, subject: str, peers: Sequence[str], figure: str
+    ) -> List[float]:
+        """Return the same against the sum of some peers, of each repeat that has them all."""
+        names = [subject, *peers]
+        runs = [self._runs.get((measurement, name), {}) for name in names]
+        rows = [
+            [figures[repeat][figure] for figures in runs]
+            for repeat in sorted(set(runs[0]).intersection(*runs[1:]))
+        ] or [[self.median(measurement, name, figure) for name in names]]
+        return [ours / sum(theirs) if sum(theirs) else math.inf for ours, *theirs in rows]
 
     def medians(self, measurement: str, subject: str) -> Figures:
         """Return the median of each figure."""

@@ -105,6 +105,7 @@ def test_too_few_turns_decide_nothing_and_beside_disturbed_ones_are_no_figure():
     assert judged(results, HOP).outcome is Outcome.PASS
 
 
+@pytest.mark.parametrize("missing", [None, ("rospy", 0), ("rclpy", 1), ("to_ros2", 2)])
 @pytest.mark.parametrize(
     "measurement, figure, what",
     [
@@ -113,11 +114,13 @@ def test_too_few_turns_decide_nothing_and_beside_disturbed_ones_are_no_figure():
     ],
 )
 def test_what_goes_through_the_bridge_is_compared_with_both_hops_of_its_turn(
-    measurement, figure, what
+    measurement, figure, what, missing
 ):
     results = Results()
-    for repeat, slow in enumerate([1.0, 3.0]):
-        for subject, p50 in (("rospy", 100.0), ("rclpy", 200.0), ("to_ros2", 150.0)):
-            results.add(measurement, subject, repeat, {figure: slow * p50})
+    for repeat, (rospy, rclpy) in enumerate([(100.0, 200.0), (600.0, 100.0), (20.0, 40.0)]):
+        for subject, p50 in (("rospy", rospy), ("rclpy", rclpy), ("to_ros2", (rospy + rclpy) / 2)):
+            if (subject, repeat) != missing:
+                results.add(measurement, subject, repeat, {figure: p50})
     verdict = judged(results, what)
-    assert verdict.value == pytest.approx(0.5) and verdict.turns == 2
+    assert verdict.value == pytest.approx(0.5) and verdict.turns == 3 - bool(missing)
+    assert verdict.interval == pytest.approx((0.5, 0.5))

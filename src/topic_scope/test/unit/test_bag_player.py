@@ -130,16 +130,17 @@ def test_messages_that_were_recorded_at_the_same_time_are_told_apart(
 ) -> None:
     """As under simulated time: here every 10 ms, each publisher with many messages."""
     path, count = tmp_path / "x.bag", 0
+    connections: List[Dict[str, object]] = [{}, {}]  # as rosbag record has, of each publisher
     with rosbag.Bag(str(path), "w", chunk_threshold=2000) as file:
         for index in range(400):
-            for number in range(2):
-                header = {"callerid": f"/n{number}", "type": "std_msgs/Int32"}
-                header.update({"md5sum": Int32._md5sum, "message_definition": Int32._full_text})
+            for file._topic_connections in connections:
                 stamp = genpy.Time(0, BEGIN + index // 10 * 10**7)
-                file.write("/a", Int32(count), stamp, connection_header=header)
+                file.write("/a", Int32(count), stamp)
                 count += 1
     clock = Clock()
-    player = playing(opened(path), clock, "/a")
+    bag = opened(path)
+    assert len(bag.connections) == 2
+    player = playing(bag, clock, "/a")
     loaded(player)
     player.play()
     came: List[Tuple[float, int]] = []

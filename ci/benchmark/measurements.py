@@ -35,7 +35,7 @@ class Measurement(NamedTuple):
     stand_ready: Optional[Callable[[Bench, str], ContextManager[Callable[[], Figures]]]] = None
     #: how often it is measured afresh at most; less often what scatters little or takes long
     repeats: int = 1000
-    #: subjects that are left out of --quick, and measured once otherwise
+    #: subjects that are left out of --quick, and otherwise measured until there is one turn
     slow: List[str] = []
     #: whether to run it once for nothing, so that files and caches are warm
     warm_up: bool = False
@@ -135,6 +135,7 @@ MEASUREMENTS = [
         "1000 groups of generator and process",
         [stacks.OURS],
         groups.thousand,
+        repeats=1,
         slow=[stacks.OURS],
         is_extra=True,
     ),

@@ -102,7 +102,8 @@ class Turns:
     def _repeat(self, measurement: Measurement, repeat: int) -> None:
         assert measurement.measure is not None
         for subject in rotated(self._subjects(measurement), repeat):
-            if subject in measurement.slow and (self._bench.quick or repeat > 0):
+            has_turn = self._results.turns(measurement.name, subject) > 0
+            if subject in measurement.slow and (self._bench.quick or has_turn):
                 continue
             if repeat == 0 and measurement.warm_up:
                 self._say(f"{measurement.name}, {subject}, warm-up")

@@ -2,6 +2,7 @@
 
 import pytest
 from goals import GOALS, Outcome
+from measurements import MEASUREMENTS
 from report import tables
 from results import Results
 
@@ -53,6 +54,15 @@ def test_a_least_figure_is_judged_from_below(rate, passed):
     assert judged(results, "rate without loss").outcome is (
         Outcome.PASS if passed else Outcome.SHORT
     )
+
+
+def test_a_goal_of_what_is_measured_once_is_decided_by_one_turn():
+    slow = {one.name: one.slow for one in MEASUREMENTS}
+    goals = [goal for goal in GOALS if set(goal.subjects) <= set(slow[goal.measurement])]
+    assert {goal.measurement for goal in goals} == {"thousand"}
+    results = Results()
+    results.add("thousand", "basic_comms", 0, {"holding": 1000.0, "cpu_percent": 61.0})
+    assert [goal.judge(results).outcome for goal in goals] == [Outcome.PASS, Outcome.SHORT]
 
 
 def test_times_faster_has_the_slower_one_on_top():

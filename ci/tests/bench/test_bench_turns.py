@@ -126,3 +126,19 @@ def test_what_starts_afresh_is_measured_once_in_each_repeat(bench):
     results = Results()
     turns.Turns([once, often], bench, results, 2, lambda _text: None).take_all()
     assert order == ["x", "y", "z", "z", "y"]
+
+
+def test_what_is_slow_is_measured_until_there_is_one_turn(bench, monkeypatch):
+    shares = iter([0.0, 0.5, 0.0, 0.0, 0.0])
+    monkeypatch.setattr(machine.Steal, "share", lambda _self: next(shares))
+    order = []
+
+    def measure(_bench, subject):
+        order.append(subject)
+        return {"p50_us": 1.0}
+
+    row = Measurement("latency-50hz", "", ["a", "slow"], measure, repeats=2, slow=["slow"])
+    results = Results()
+    turns.Turns([row], bench, results, None, lambda _text: None).take_all()
+    assert order == ["a", "slow", "slow", "a", "a"]
+    assert results.turns("latency-50hz", "slow") == 1

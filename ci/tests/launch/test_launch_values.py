@@ -119,6 +119,13 @@ def test_text_reaches_the_parameter_as_typed(name: str, text: str) -> None:
     assert {parameter: found[parameter] for parameter in wanted} == wanted
 
 
+@pytest.mark.parametrize("text", [text for text in TEXTS if text])
+def test_the_robot_is_expected_as_typed(text: str) -> None:
+    launch = "robot_interfaces_demo/launch/robot_status_demo.launch"
+    found = settings(load(launch, f"robot_name:={text}"))
+    assert found["/fleet_monitor/expected"] == [found["/robot_monitor/robot_name"]] == [text]
+
+
 def test_no_file_is_no_text() -> None:
     for name in ("basic_comms/launch/signal_gen.launch", "basic_comms/launch/cw1.launch"):
         assert settings(load(name))["/signal_generator/file"] == ""

@@ -209,12 +209,14 @@ class Monitors(unittest.TestCase):
         self.assertTrue(report(monitor).success)
 
     def test_launch_file_starts_both_with_the_file_s_parameters(self) -> None:
-        arguments = "__ns:=launched robot_name:=r2 period:=0.1 fault:=hot"
+        name = "007"  # which is text
+        arguments = f"__ns:=launched robot_name:={name} period:=0.1 fault:=hot"
         with launched(f"robot_interfaces_demo robot_status_demo.launch {arguments}"):
             rospy.wait_for_service("/launched/fleet_monitor/report")
-            self.wait_for_line("r2", "too hot: 55.00", monitor="/launched/fleet_monitor")
-            self.wait_for_line("robot_01", "awaited", monitor="/launched/fleet_monitor")
-            Graph().wait_for_parameters("/launched/fleet_monitor", {"stale_after": 3.0})
+            self.wait_for_line(name, "too hot: 55.00", monitor="/launched/fleet_monitor")
+            self.wait_for_line("WARN: 1 robot, ", monitor="/launched/fleet_monitor")
+            expected = {"stale_after": 3.0, "expected": [name]}
+            Graph().wait_for_parameters("/launched/fleet_monitor", expected)
 
     def test_paused_simulation_makes_nobody_lost(self) -> None:
         rospy.set_param("/use_sim_time", True)

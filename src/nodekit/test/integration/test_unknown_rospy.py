@@ -28,6 +28,7 @@ RENAMED = {
     r"\b_rosout\b": "_to_rosout",
     r"\breceive_callback\b": "receive",
     r"\breceive_once\b": "receive_some",
+    r"\b_connect_topic_thread\b": "_connect_one",
     r"\bpublock\b": "publishing",
     r"\binbound_handler\b": "handler",
     r"\b_tcp_server_callback\b": "_on_connection",

@@ -6,12 +6,12 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 import rospy
 import rospy.core
-from rospy.impl.registration import Registration, get_registration_listeners
+from rospy.impl.registration import RegManager, Registration, get_registration_listeners
 from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import registration
-from nodekit.testing.waiting import in_thread
+from nodekit.testing.waiting import in_thread, wait_until
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"
@@ -171,6 +171,29 @@ def test_service_that_is_closed_while_it_is_registered_again_is_taken_back(asked
     assert told[:2] == [("registerService", *entry[1:]) for entry in entries]
     assert told[2:] == [("unregisterService", "/closed", "rosrpc://here:2")]
     assert list(registration.services()) == ["/open"]
+
+
+class Handler:
+    """Stands in for rospy's object that connects to publishers."""
+
+    def __init__(self):
+        self.done = False
+        self.connected = set()
+
+    def _connect_topic(self, _topic, uri):
+        self.connected.add(uri)
+        return 1, "", 0
+
+
+def test_publishers_that_rospy_was_just_told_of_are_not_forgotten_for_another_one(ending):
+    handler = Handler()
+    listener = RegManager(handler)
+    listener.publisher_update("/topic", ["http://there:1/", "http://there:2/"])
+    registration._Registrar(listener, Asked()).connect("/topic", ["http://there:3/"])
+    running = in_thread(listener.run)
+    wait_until(lambda: len(handler.connected) == 3, lambda: str(handler.connected))
+    handler.done = True
+    running.join()
 
 
 def test_without_rospy_s_listener_its_own_server_is_told_of_publishers(ending, monkeypatch):

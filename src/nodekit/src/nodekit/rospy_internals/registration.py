@@ -168,7 +168,13 @@ class _Registrar(RegistrationListener):
         """Connect to publishers of a topic, given by URI, but to those that need no connection."""
         topic = get_topic_manager().get_subscriber_impl(name)
         missing = [uri for uri in publishers if topic is None or not topic.has_connection(uri)]
-        if missing:
+        connect_one = getattr(self._listener, "_connect_topic_thread", None)
+        if connect_one is not None:
+            # As rospy's own thread does it, which takes the latest list of a topic for all there
+            # are, and would forget others that the master has just told it of.
+            for uri in missing:
+                threading.Thread(target=connect_one, args=(name, uri), daemon=True).start()
+        elif missing:
             self._listener.publisher_update(name, missing)
 
 

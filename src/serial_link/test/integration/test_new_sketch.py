@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Boards that are restarted, also with another sketch."""
 
+import threading
 from typing import Any, List
 from xmlrpc.client import ServerProxy
 
@@ -13,8 +14,25 @@ from nodekit.master import MasterClient
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
+from serial_link.board.simulation import Faults
+from serial_link.device.device import Device
 from serial_link.endpoints.types import encode
-from serial_link.negotiation.payloads import SUBSCRIBER
+from serial_link.negotiation.payloads import SUBSCRIBER, TOPICS
+
+
+class DamagedOnce(Device):
+    """Tells of its topics, the first time all damaged."""
+
+    is_damaged = True
+
+    def _send(self, topic_id: int, payload: bytes) -> None:
+        super()._send(topic_id, payload)
+        if self.is_damaged and topic_id in TOPICS:
+            self._output[-1] ^= 1
+
+    def receive(self, now: float, data: bytes) -> None:
+        super().receive(now, data)
+        self.is_damaged = self.is_damaged and not self.is_configured
 
 
 class NewSketch(BoardRig):
@@ -50,6 +68,44 @@ class NewSketch(BoardRig):
         wait_until(lambda: not said.publishers(), lambda: "it still publishes")
         self.assertEqual(len(node.logged("the board no longer")), 1)
 
+    def test_nothing_is_heard_under_the_name_that_its_id_had_in_the_sketch_before(self) -> None:
+        told, other = (declared(SUBSCRIBER, name, String) for name in ("told", "other"))
+        self.sketch.topics = (told, other)
+        node = self.start()
+        publisher, is_over = self.publisher(), threading.Event()
+
+        def stream() -> None:
+            while not is_over.wait(0.005):
+                publisher.publish("x")
+
+        thread = in_thread(stream)
+        self.addCleanup(thread.join, TIMEOUT_S)
+        self.addCleanup(is_over.set)
+        self.wait_until_told("x")
+        self.board.faults = Faults(is_plugged=False)
+        node.wait_for_log("is gone")
+        before = self.board.device
+        self.sketch.topics = (other, told)
+        self.board.reset()
+        wait_until(lambda: self.board.device not in (None, before), lambda: "it does not start")
+        self.sketch.heard.clear()
+        self.board.faults = Faults()
+        wait_until(lambda: self.sketch.texts(), lambda: f"{self.sketch.heard[:3]}")
+        self.assertEqual({name for name, _ in self.sketch.heard}, {"told"})
+
+    def test_what_a_damaged_announcement_leaves_out_stays_on_the_graph(self) -> None:
+        said = Ear(self.space + "/said", String)
+        self.publisher(latch=True).publish("latched")
+        node = self.start()
+        self.wait_until_told("latched")
+        self.sketch.heard.clear()
+        self.board._make_device = lambda now: DamagedOnce(self.sketch, BUFFER)
+        self.board.reset()
+        self.wait_until_told("latched")
+        self.do(lambda device: device.publish("said", encode(String("back"))))
+        said.wait_for(lambda heard: heard.data == "back")
+        self.assertEqual(node.logged("the board no longer"), [])
+
     def test_what_is_latched_is_too_long_for_the_smaller_buffer_of_a_new_sketch(self) -> None:
         node = self.start()
         text = "x" * (BUFFER - 4)
@@ -61,12 +117,12 @@ class NewSketch(BoardRig):
 
     def test_a_restarted_board_gets_what_is_latched_by_publishers_that_live(self) -> None:
         self.sketch.topics = (*self.sketch.topics, declared(SUBSCRIBER, "last", String))
-        self.start()
         living = rospy.Publisher(self.space + "/last", String, queue_size=1, latch=True)
         self.addCleanup(living.unregister)
         living.publish("still here")
         gone = self.publisher(latch=True)
         gone.publish("gone")
+        self.start()
         self.wait_until_told("gone")
         gone.unregister()
         wait_until(lambda: not self.connections("/told"), lambda: "the node still hears it")

@@ -172,10 +172,11 @@ class SerialNode(Rig):
         self.assertEqual(self.figures()["openings"], 2)
 
     def test_board_that_is_reset_in_the_middle_of_a_message(self) -> None:
-        self.start_both(baud=19200, rate=20.0)
+        # Before it is heard: rospy has a publisher latch only after the master knows it.
         lamp = rospy.Publisher(self.space + "/led", Bool, queue_size=1, latch=True)
         log = Ear("/rosout", Log)
         lamp.publish(True)
+        self.start_both(baud=19200, rate=20.0)
         name = self.space + "/serial_node/board"
         log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
         reset = rospy.ServiceProxy(self.space + "/simulated_board/reset", Trigger)

@@ -128,8 +128,9 @@ def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> Non
     rig.fetch_until(InStep)
     assert rig.fetch_until(Message).endpoint.name == "topic_0_0"
     assert rig.link.is_in_step and rig.link.trouble == ""
-    assert rig.link.send_all(100, b"all")
-    rig.link.send(101, b"one")
+    infos = {endpoint.name: endpoint.outgoing for endpoint in topics.endpoints}
+    assert rig.link.send_all(infos["topic_1_0"], b"all")
+    rig.link.send(infos["topic_1_1"], b"one")
     wait_until(lambda: rig.sketch.heard == [b"all", b"one"], lambda: f"{rig.sketch.heard}")
     figures = rig.link.figures()
     assert figures["openings"] == 1 and figures["restarts of the board"] == 0
@@ -137,12 +138,13 @@ def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> Non
 
 def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig: Rig) -> None:
     rig.start()
+    info = rig.fetch_until(Topics).endpoints[-1].outgoing
     rig.fetch_until(InStep)
     rig.board.faults = Faults(is_plugged=False)
     assert "is gone" in rig.fetch_until(Restarted).why
     wait_until(lambda: "is not there" in rig.link.trouble, lambda: rig.link.trouble)
-    rig.link.send(100, b"")
-    assert not rig.link.send_all(100, b"")
+    rig.link.send(info, b"")
+    assert not rig.link.send_all(info, b"")
     assert rig.link.figures()["no contact"] == 1
     rig.board.faults = Faults()
     rig.fetch_until(InStep)

@@ -92,6 +92,29 @@ def test_a_board_that_tells_nothing_loses_nothing() -> None:
     assert names(book) == ["topic_125"]
 
 
+def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() -> None:
+    book = TopicBook()
+    book.mark_damaged()  # so that what is told once replaces nothing
+    for time in (0.0, 1.0):
+        book.begin(time)
+        for told_by in (PUBLISHER, SUBSCRIBER):
+            book.add(time, told_by, info(100, "old"))
+        book.settle(time + 0.5)
+    assert book.has_all and book.takes(info(100, "old"))
+    book.forget()
+    assert not book.has_all and not book.takes(info(100, "old"))
+    assert book.endpoints() == [] and book.incoming(100) is None
+    book.begin(2.0)
+    book.add(2.0, SUBSCRIBER, info(100, "new"))
+    assert book.takes(info(100, "new")) and not book.takes(info(100, "old"))
+    book.mark_damaged()
+    assert book.settle(2.5) is False and not book.has_all
+    book.begin(3.0, is_first=False)
+    book.add(3.0, SUBSCRIBER, info(100, "new"))
+    assert book.settle(3.5) is True and book.has_all
+    assert names(book) == ["new"]
+
+
 def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
     book = TopicBook()
     book.begin(0.0)

@@ -70,6 +70,8 @@ class BoardInRos:
         self._maker, self._link, self._tally = maker, link, tally
         self._timeout, self._find_parameter = timeout, find_parameter
         self._log = LogLines(maker, maker.name + "/board")
+        #: What the board has told of since it was started; and what there is in ROS, which may be
+        #: more until it has told of all.
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
         #: Whether the board has told of its topics, and so of its buffer, since it was started; and
@@ -103,7 +105,7 @@ class BoardInRos:
         if isinstance(arrival, Message):
             self._receive(arrival)
         elif isinstance(arrival, Topics):
-            self._update(arrival.endpoints)
+            self._update(*arrival)
             self._is_known = True
             asked, self._asked = self._asked, []
             for name in asked:
@@ -117,14 +119,16 @@ class BoardInRos:
                 self._asked.append(arrival.name)
         elif isinstance(arrival, Restarted):
             self._is_known, self._asked = False, []
+            self._wanted.clear()
             for _, one in self._open.values():
                 one.fail(arrival.why)
         elif isinstance(arrival, InStep):
             for _, one in self._open.values():
                 one.enter()
-        if len(self._open) < len(self._wanted) and time.monotonic() > self._retry_at:
+        if time.monotonic() > self._retry_at and not self._wanted.keys() <= self._open.keys():
             self._retry_at = time.monotonic() + _RETRY_S
-            self._update(list(self._wanted.values()))
+            for endpoint in list(self._wanted.values()):
+                self._opened(endpoint)
 
     def _receive(self, message: Message) -> None:
         # What a board sends right after it was asked comes before all of its topics are known.
@@ -134,10 +138,11 @@ class BoardInRos:
         except Malformed:
             self._tally.add(MALFORMED)
 
-    def _update(self, endpoints: List[Endpoint]) -> None:
-        """Have what the board has now, and nothing else."""
+    def _update(self, endpoints: List[Endpoint], has_all: bool) -> None:
+        """Have what the board has now, and until it has told of all, what it had before."""
+        before = set(self._open) if has_all else self._wanted.keys() & self._open.keys()
         self._wanted = {_key(endpoint): endpoint for endpoint in endpoints}
-        for key in set(self._open) - set(self._wanted):
+        for key in before - self._wanted.keys():
             lifetime, _ = self._open.pop(key)
             lifetime.close()
             rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
@@ -146,11 +151,11 @@ class BoardInRos:
 
     def _opened(self, endpoint: Endpoint) -> Any:
         key = _key(endpoint)
+        self._wanted[key] = endpoint
         if key in self._open:
             one = self._open[key][1]
             one.adopt(endpoint)
             return one
-        self._wanted.setdefault(key, endpoint)
         lifetime = self._maker.lifetime()
         try:
             one = self._made(lifetime, endpoint)

@@ -53,8 +53,9 @@ class _Service:
                 f"{self.name}: a message of {len(payload)} bytes is not sent: the board's buffer "
                 f"has {size}"
             )
-        if not self._link.send_all(self._info.topic_id, payload):
-            raise CallError(f"{self.name}: {self._link.trouble or 'too much waits to be sent'}")
+        if not self._link.send_all(self._info, payload):
+            why = "the board has not told of it again, or too much waits to be sent"
+            raise CallError(f"{self.name}: {self._link.trouble or why}")
 
 
 class OfferedService(_Service):

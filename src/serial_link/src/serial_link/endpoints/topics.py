@@ -108,9 +108,9 @@ class SubscribedTopic:
                 "time",
             )
         if message._connection_header.get("latching") == "1":
-            self._link.send_latched(info.topic_id, payload)
+            self._link.send_latched(info, payload)
         else:
-            self._link.send(info.topic_id, payload)
+            self._link.send(info, payload)
 
     def _fits(self, payload: bytes) -> bool:
         """Tell whether the board's buffer holds a message; if not, it is counted and told."""

@@ -6,9 +6,14 @@ from serial_link.negotiation.topic_book import Endpoint
 
 
 class Topics(NamedTuple):
-    """The board has told of its topics: what there is now, in place of what was."""
+    """The board has told of its topics: what is known since it was started.
+
+    :param endpoints: the topics
+    :param has_all: whether there is nothing else; no part of what was told was damaged then
+    """
 
     endpoints: List[Endpoint]
+    has_all: bool
 
 
 class Message(NamedTuple):
@@ -38,7 +43,7 @@ class Restarted(NamedTuple):
 
 
 class InStep(NamedTuple):
-    """All that the board has told is known: it listens."""
+    """All that the board has to tell since it was started is known, and it listens."""
 
 
 Arrival = Union[Topics, Message, ParameterWanted, LogLine, Restarted, InStep]

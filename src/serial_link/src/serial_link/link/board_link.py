@@ -32,7 +32,15 @@ from serial_link.link.arrivals import (
 )
 from serial_link.link.sayings import Sayings
 from serial_link.negotiation import payloads
-from serial_link.negotiation.payloads import FIRST_TOPIC, LOG, PARAMETER, STOP, TIME, TOPICS
+from serial_link.negotiation.payloads import (
+    FIRST_TOPIC,
+    LOG,
+    PARAMETER,
+    STOP,
+    TIME,
+    TOPICS,
+    TopicInfo,
+)
 from serial_link.negotiation.topic_book import TopicBook
 
 #: Longest wait for bytes or for the line, s: the node may end meanwhile.
@@ -82,7 +90,7 @@ class BoardLink:
         self._sayings = Sayings(_SAY_EVERY_S)
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
         self._first_words = FirstWords()
-        #: Whether the board has forgotten what it was told, and was not told it again yet.
+        #: Whether the board was started, and not all that it has to tell is known yet.
         self._is_new = True
         #: Nobody closes the port, whose number the system gives away anew, while it is written to.
         self._port_lock = threading.Lock()
@@ -138,36 +146,37 @@ class BoardLink:
             "not kept": self._outbox.refused + self.inbox.refused,
         }
 
-    def send(self, topic_id: int, payload: bytes) -> None:
+    def send(self, info: TopicInfo, payload: bytes) -> None:
         """Send a value of a stream, unless too many newer ones come before its turn.
 
-        :param topic_id: of the topic
+        :param info: what the board has told of the topic
         :param payload: the serialised message
         """
-        if self.is_in_step:
-            self._outbox.put(topic_id, encode(topic_id, payload))
+        if self._takes(info):
+            self._outbox.put(info.topic_id, encode(info.topic_id, payload))
         else:
             self._tally.add(counts.NO_CONTACT)
 
-    def send_latched(self, topic_id: int, payload: bytes) -> None:
+    def send_latched(self, info: TopicInfo, payload: bytes) -> None:
         """Send a value that stands until the next one, and that many may come of at once.
 
-        :param topic_id: of the topic
+        :param info: what the board has told of the topic
         :param payload: the serialised message
         """
-        if self.is_in_step:
-            self._outbox.put((topic_id, "latched"), encode(topic_id, payload), _LATCHED_DEPTH)
+        if self._takes(info):
+            stream = (info.topic_id, "latched")
+            self._outbox.put(stream, encode(info.topic_id, payload), _LATCHED_DEPTH)
         else:
             self._tally.add(counts.NO_CONTACT)
 
-    def send_all(self, topic_id: int, payload: bytes) -> bool:
+    def send_all(self, info: TopicInfo, payload: bytes) -> bool:
         """Send a message that must not be lost.
 
-        :param topic_id: of the topic, or a special one
+        :param info: what the board has told of the half of the service
         :param payload: the serialised message
         :returns: whether it will be sent, if the contact lasts
         """
-        return self.is_in_step and self._outbox.keep(encode(topic_id, payload))
+        return self._takes(info) and self._outbox.keep(encode(info.topic_id, payload))
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         """Answer a board that may not be in step yet.
@@ -185,6 +194,11 @@ class BoardLink:
             self._outbox.clear()
             self._outbox.keep(_STOP_FRAME)
             self._has_stopped.wait(_STOP_S)
+
+    def _takes(self, info: TopicInfo) -> bool:
+        """Tell whether the board listens, and has told of that since it was started: with another
+        sketch, the same id is another topic's."""
+        return self.is_in_step and self._book.takes(info)
 
     def _guard(self, work: Callable[[], None]) -> None:
         """Do something again and again; an exception is logged, and ends nothing."""
@@ -325,6 +339,7 @@ class BoardLink:
                 self._outbox.keep(PROBE)
             else:
                 self._is_new = True
+                self._book.forget()
                 self._outbox.clear()
                 self.inbox.keep(Restarted(self._trouble or "the board was restarted"))
                 if self._is_open:
@@ -338,8 +353,9 @@ class BoardLink:
             self._carry_out(now, [contact.ASK], is_first=False)
         longest = self._book.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
-        self.inbox.keep(Topics(self._book.endpoints()))
-        if self._is_new:
+        self.inbox.keep(Topics(self._book.endpoints(), self._book.has_all))
+        # Not earlier: a board that is asked does not listen while it answers, and loses messages.
+        if self._is_new and is_complete:
             self._is_new = False
             self.inbox.keep(InStep())
 

@@ -62,6 +62,13 @@ class TopicBook:
         self._ends_at: Optional[float] = None
         self._is_damaged = self._is_noisy = False
         self._rounds = 0
+        #: Whether the board has told of all since it was started, in a round without any damage.
+        self.has_all = False
+
+    def forget(self) -> None:
+        """Begin with a board that was started anew, perhaps with another sketch."""
+        self._told, self.has_all = {}, False
+        self._doubted.clear()
 
     @property
     def is_settled(self) -> bool:
@@ -119,6 +126,7 @@ class TopicBook:
         if self._seen:
             self._told = {key: told for key, told in self._told.items() if key in self._seen}
             self._doubted &= self._seen
+            self.has_all = True
         return not (self._is_noisy and self._doubted) or self._rounds >= MOST_ROUNDS
 
     def incoming(self, topic_id: int) -> Optional[Endpoint]:
@@ -128,6 +136,14 @@ class TopicBook:
         """
         told = self._told.get((PUBLISHER, topic_id))
         return self._endpoint(*told) if told else None
+
+    def takes(self, info: TopicInfo) -> bool:
+        """Tell whether the board takes messages by that info: now, not before it was restarted.
+
+        :param info: as it was told
+        """
+        told = self._told.get((SUBSCRIBER, info.topic_id))
+        return told is not None and told[1] == info
 
     def endpoints(self) -> List[Endpoint]:
         """Return the topics, and those services of which both halves are known."""

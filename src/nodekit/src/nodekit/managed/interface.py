@@ -93,7 +93,7 @@ class Interface:
 class Heart:
     """Publishes ``~heartbeat`` in any state, beside all callbacks: one that takes long stops none.
 
-    Without a subscriber nothing is sent.
+    Except those that hear a heartbeat in this process. Without a subscriber nothing is sent.
 
     :param node: the node; the heart is closed with it
     """
@@ -116,7 +116,7 @@ class Heart:
 
 @functools.lru_cache(maxsize=None)
 def _scheduler() -> Scheduler:
-    """Return the scheduler of all hearts of this process: its thread makes no user's call."""
+    """Return the scheduler of all hearts of this process, whose thread calls no node's timer."""
     return Scheduler(MonotonicClock())
 
 

@@ -173,7 +173,8 @@ class Maker(Protocol):
         """Read and judge the node's private parameters now, and follow them from the start on.
 
         :param declaration: the class that declares them
-        :param on_change: called with the new and the old values after a change
+        :param on_change: called with the new and the old values after a change; short, without an
+            executor, since the changes of all other nodes of the process wait for it
         :param exempt: names beside them that are used but not declared
         :param group: the callback's group; the node's own by default
         :param rules: methods of the node's class that are marked by :func:`nodekit.rule`, and
@@ -191,7 +192,7 @@ class Maker(Protocol):
 
         :param key: name of the parameter
         :param callback: called with its value, None where it is not set: once at the start and
-            after each change
+            after each change; short, without an executor, as of :meth:`parameters`
         :param group: the callback's group; the node's own by default
         """
         ...

@@ -89,8 +89,8 @@ def rule(*names: str) -> Callable[[Method], Method]:
     """Mark a method of a :class:`ParameterSet` as a rule across parameters.
 
     Or one of the node's class, which :meth:`.Maker.parameters` is given: it is called with the
-    snapshot, for rules that need the node, such as those about names. It must be quick, and ask
-    nobody: other changes wait for it.
+    snapshot, for rules that need the node, such as those about names. It must be quick, ask
+    nobody and take no lock: it is called under the lock of the parameters, and changes wait for it.
 
     Where the values do not go together, the method raises :class:`ValueError`
     with a clause that says what must hold, such as "low must be at most high":

@@ -5,7 +5,9 @@ import csv
 import io
 import json
 import math
+import os
 import re
+import signal
 import socket
 import subprocess
 import threading
@@ -882,6 +884,17 @@ class Page(PageTest):
         )
         self.assertEqual(self.browser.value("#window"), "2")
         self.assertFalse(self.browser.find(f"[aria-label='show {PROCESSED}']").is_selected())
+        self.wait_moving()
+
+    def test_notices_that_nothing_comes_any_more_and_comes_back(self) -> None:
+        self.expected_errors = ["WebSocket connection"]
+        os.kill(self.scope.pid, signal.SIGSTOP)  # as where a link is cut: nobody closes it
+        self.addCleanup(os.kill, self.scope.pid, signal.SIGCONT)
+        self.wait_banner("The scope does not answer. Trying again in 1 s.")
+        self.assertNotEqual(self.browser.text("#link"), "connected")
+        os.kill(self.scope.pid, signal.SIGCONT)
+        self.browser.wait_connected()
+        self.wait_banner("")
         self.wait_moving()
 
 

@@ -66,6 +66,7 @@ class Signals(ScopeTest):
         self.assertIn((updates + "/doubles[0]/value", "float64", updates), fields)
         self.assertEqual(told["types"]["/signal"], "basic_comms/signal_msg")
         self.assertEqual(told["types"][updates], "dynamic_reconfigure/Config")
+        page.wait_for("alive")
 
     def test_what_a_topic_has_beyond_what_a_page_shows_is_told(self) -> None:
         publisher = rospy.Publisher("/wide", Odometry, queue_size=1)

@@ -66,6 +66,15 @@ def test_a_page_hears_of_the_master_before_it_has_answered(server: Server) -> No
     assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
 
 
+def test_a_page_hears_that_the_scope_is_there_while_there_is_nothing_else(server: Server) -> None:
+    server.on_topics({})
+    reading, busy = Socket(server), Socket(server)
+    server.halt()  # as while a bag is loaded
+    busy.is_ready = False
+    server._send_alive()
+    assert (reading.sent, busy.sent) == ([{"type": "alive"}], [])
+
+
 def test_the_greeting_tells_the_version_of_the_protocol(server: Server) -> None:
     server.on_topics({})
     socket = Socket(server)

@@ -79,6 +79,7 @@ const playback = new Playback(state, sweep, send, () => robots.trails.clear());
 
 const handlers = {
   hello: (message) => {
+    connection.expectMore();
     playback.onHello(message, !requests.welcome && !setup.chosen);
     requests.onHello(message);
     robots.onHello();

@@ -34,6 +34,8 @@ FRAME_S = 0.025
 WARN_AFTER_S = 5.0
 #: Time between two measurements of the traces, s: they cost as much as a dozen frames.
 STATISTICS_S = 0.33
+#: Time between two signs of life, s: a page that gets none for 10 s takes the connection for lost.
+ALIVE_S = 1.0
 _LOG_PERIOD_S = 10.0
 
 
@@ -62,6 +64,7 @@ class Server:
         self._handlers = {**self._own_handlers(), **origin.handlers()}
         loop.call_later(WARN_AFTER_S, self._warn)
         tornado.ioloop.PeriodicCallback(self._send_frames, FRAME_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._send_alive, ALIVE_S * 1e3).start()
 
     # --- From the origin ---------------------------------------------------------------------
 
@@ -271,6 +274,12 @@ class Server:
     def _pin(self) -> None:
         """Keep what stands still on a page."""
         self._recorder.pin(pinned(page.view for page in self.pages()))
+
+    def _send_alive(self) -> None:
+        """Tell pages that the link is there, also where there is nothing to tell otherwise."""
+        for connection in self.sockets:
+            if connection.is_ready:
+                connection.send([{"type": "alive"}])
 
     def _send_frames(self) -> None:
         now = self._recorder.update()

@@ -2,7 +2,7 @@
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
-const WELCOME_MS = 10000; // a server says something at once: one that does not by then is none
+const SILENT_MS = 10000; // a server says something at once, and then each second: one that does not is none
 
 /** Sends and receives objects; connects again after a loss, each time after a longer wait. */
 export class Connection {
@@ -20,6 +20,7 @@ export class Connection {
     this.wait = FIRST_WAIT_MS;
     this.socket = null;
     this.timer = null;
+    this.expectsMore = false;
   }
 
   /** Connect, now. */
@@ -30,7 +31,12 @@ export class Connection {
     const socket = new WebSocket(this.url);
     this.socket = socket;
     former?.close();
-    this.timer = setTimeout(() => socket.close(), WELCOME_MS);
+    this.expectsMore = false;
+    const expect = () => {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.giveUp(), SILENT_MS);
+    };
+    expect();
     let isWelcome = false; // a server that has no place for this page closes without a message
     socket.addEventListener("message", (event) => {
       if (socket !== this.socket) return;
@@ -41,10 +47,24 @@ export class Connection {
         this.onChange("connected", 0, "");
       }
       this.onMessage(JSON.parse(event.data));
+      if (this.expectsMore) expect();
     });
     socket.addEventListener("close", (event) => {
       if (socket === this.socket) this.retryLater(event.reason);
     });
+  }
+
+  /** Expect something each second from now on: the server shows something, and no more waits itself. */
+  expectMore() {
+    this.expectsMore = true;
+  }
+
+  /** Take a connection over which nothing comes for lost: the browser may notice that much later. */
+  giveUp() {
+    const former = this.socket;
+    this.socket = null;
+    former.close();
+    this.retryLater("The scope does not answer");
   }
 
   retryLater(reason) {

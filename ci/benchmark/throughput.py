@@ -76,6 +76,8 @@ class _Source:
         self._source.stdin.write(b"%g %g\n" % (rate, seconds))
         self._source.stdin.flush()
         answer = self._source.stdout.readline().split()
+        if not answer:  # it waits for nothing without end
+            raise RuntimeError(f"the source has ended: {self._bench.session.log_of(self._source)}")
         expected = before + int(answer[0])
         give_up = time.monotonic() + GRACE * seconds
         while self._count() < expected and time.monotonic() < give_up:

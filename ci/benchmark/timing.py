@@ -7,11 +7,13 @@ import record
 import stacks
 from analysis import Sample, drift, percentile, periods
 from context import Bench, Figures
-from observers import Counter
+from observers import Counter, wait_until
 
 RATE = 1000.0
 #: what both are given to settle, s
 WARM_UP = 0.5
+#: longest wait for the first sample, and for an end that is due, s
+PATIENCE_S = 30.0
 LOOP = "clock_nanosleep"
 
 
@@ -39,8 +41,7 @@ def _generator(bench: Bench, seconds: float) -> List[Sample]:
         counter.watch("/signal", "basic_comms/signal_msg")
         generator = stacks.generator_command(bench.peers, stacks.OURS, file, RATE)
         with bench.session.running(generator):
-            while not counter.first:
-                time.sleep(0.01)
+            wait_until(lambda: bool(counter.first), PATIENCE_S, "sample")
             time.sleep(WARM_UP + seconds)
     return _settled(record.read(file))
 
@@ -49,7 +50,11 @@ def _loop(bench: Bench, seconds: float) -> List[Sample]:
     """Run the loop in C++ alone."""
     file = bench.session.directory / f"timing-{time.monotonic_ns()}"
     command = [str(bench.peers.roscpp / "periodic_loop"), str(file)]
-    bench.session.start(command + [f"{RATE:g}", f"{WARM_UP + seconds:g}"]).wait()
+    process = bench.session.start(command + [f"{RATE:g}", f"{WARM_UP + seconds:g}"])
+    try:
+        process.wait(WARM_UP + seconds + PATIENCE_S)
+    finally:
+        bench.session.stop(process)
     return _settled(record.read(file))
 
 

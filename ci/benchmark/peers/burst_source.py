@@ -13,6 +13,7 @@ import sys
 import time
 from typing import List, Tuple
 
+from observers import wait_until
 from tcpros import Node, TopicType
 
 DEFINITION = "float32 amplitude\nfloat32 frequency\nfloat64 time_x\nfloat32 signal_y\n"
@@ -21,6 +22,8 @@ AMPLITUDE, FREQUENCY = 2.0, 2.0 * math.pi
 TICK = 0.0002  # s
 #: A source that is so far behind is of no use any more, s.
 HOPELESS = 0.15
+#: Longest wait for a subscriber, to come or to take one message, s.
+PATIENCE = 30
 
 
 def frame(number: int, rate: float) -> bytes:
@@ -34,7 +37,12 @@ def send(connections: List[socket.socket], rate: float, seconds: float) -> Tuple
     """Send at a rate to all subscribers.
 
     :returns: how many messages, and how far behind at worst, s
+    :raises OSError: a subscriber has gone, or takes nothing for too long
     """
+    for connection in connections:
+        # By the kernel: Python's own time-out would cost another system call for each message.
+        limit = struct.pack("ll", PATIENCE, 0)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, limit)
     total = int(rate * seconds)
     sent, latest = 0, 0.0
     start = time.monotonic()
@@ -61,8 +69,7 @@ def main() -> None:
     )
     for line in sys.stdin:
         rate, seconds = map(float, line.split())
-        while not connections:
-            time.sleep(0.01)
+        wait_until(lambda: bool(connections), PATIENCE, "subscriber")
         print("%d %.6f" % send(connections, rate, seconds), flush=True)
     node.close()
 

@@ -9,6 +9,8 @@ import latency
 import pytest
 import record
 import stacks
+import throughput
+import timing
 from context import Bench
 from observers import wait_until
 from peers import Peers
@@ -56,6 +58,22 @@ def test_a_topic_is_recorded_from_any_host_until_ctrl_c(bench, tmp_path):
         assert observer.wait(30.0) == 0
         sent = {sample.value for sample in pair.sent()}
     assert {sample.value for sample in record.read(file)} <= sent
+
+
+def test_nothing_is_waited_for_without_end(bench, monkeypatch):
+    monkeypatch.setattr(timing, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(stacks, "generator_command", lambda *_arguments: ["sleep", "600"])
+    with pytest.raises(TimeoutError, match="no sample"):
+        timing.over_time(bench, stacks.OURS)
+
+
+def test_a_source_that_ends_is_told_of(bench, monkeypatch):
+    monkeypatch.setattr(throughput, "signal_msg_md5sum", lambda: "*")
+    monkeypatch.setattr(
+        stacks, "peer", lambda script, *rest: ["sh", "-c", "read line; echo 'no luck' >&2"]
+    )
+    with pytest.raises(RuntimeError, match="source has ended: no luck"):
+        throughput.zero_loss_rate(bench, stacks.OURS)
 
 
 def test_a_pair_that_stands_still_sends_nothing(bench):

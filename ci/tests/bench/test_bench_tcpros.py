@@ -1,13 +1,17 @@
 """Tests of how ci/bench's own node reads and writes TCPROS."""
 
+import importlib
+import io
 import os
 import socket
 import struct
+import sys
 import threading
 import time
 import xmlrpc.client
 import xmlrpc.server
 
+import peers
 import pytest
 import tcpros
 from hypothesis import given
@@ -147,3 +151,25 @@ def test_a_closed_node_leaves_no_socket_and_no_thread(master):
         return (len(os.listdir("/proc/self/fd")), threading.active_count()) <= before
 
     wait_until(is_as_before, 5.0, "end of the threads")
+
+
+@pytest.fixture
+def burst_source(monkeypatch):
+    """The source of ci/bench, which is not as patient as there."""
+    monkeypatch.syspath_prepend(str(peers.SCRIPTS))
+    module = importlib.import_module("burst_source")
+    monkeypatch.setattr(module, "PATIENCE", 1)
+    return module
+
+
+def test_a_source_waits_for_no_subscriber_without_end(burst_source, master, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["burst_source.py", master, "/topic", "*"])
+    monkeypatch.setattr(sys, "stdin", io.StringIO("1000 1\n"))
+    with pytest.raises(TimeoutError, match="no subscriber"):
+        burst_source.main()
+
+
+def test_a_source_waits_for_no_stalled_subscriber_without_end(burst_source):
+    ours, theirs = socket.socketpair()
+    with ours, theirs, pytest.raises(BlockingIOError):
+        burst_source.send([ours], 1e6, 60.0)

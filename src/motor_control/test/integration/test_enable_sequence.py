@@ -35,10 +35,10 @@ class EnableSequence(unittest.TestCase):
         self.enable = rospy.ServiceProxy(self.space + "/EnableProcess", SetProcessBool)
         self.nodes: Dict[str, "subprocess.Popen[bytes]"] = {}
 
-    def start(self, program: str, name: str) -> "subprocess.Popen[bytes]":
+    def start(self, program: str, name: str, *given: str) -> "subprocess.Popen[bytes]":
         """Start a node, to be ended after the test."""
         node = subprocess.Popen(
-            [os.path.join(SCRIPTS, program), "__ns:=" + self.space, "__name:=" + name]
+            [os.path.join(SCRIPTS, program), "__ns:=" + self.space, "__name:=" + name, *given]
         )
         self.addCleanup(self.end, node, signal.SIGKILL)
         self.nodes[name] = node
@@ -61,8 +61,17 @@ class EnableSequence(unittest.TestCase):
         self.wait_for_state("waiting")
         return motor
 
-    def start_set_point(self) -> "subprocess.Popen[bytes]":
-        return self.start("set_point.py", "sp_gen")
+    def start_set_point(self, *given: str) -> "subprocess.Popen[bytes]":
+        return self.start("set_point.py", "sp_gen", *given)
+
+    def manage_set_point(self, *transitions: str) -> None:
+        for transition in transitions:
+            node = self.space + "/sp_gen"
+            subprocess.run(
+                ["rosrun", "nodekit", "lifecycle", "set", node, transition],
+                check=True,
+                timeout=TIMEOUT_S,
+            )
 
     def wait_for_state(self, state: str) -> None:
         self.states.wait_for(lambda heard: heard.data == state)
@@ -191,6 +200,29 @@ class EnableSequence(unittest.TestCase):
                 self.assertIn(answer.message, ("enabled already", "the motor is shutting down"))
             self.enable(True)
         self.assertEqual(motor.wait(TIMEOUT_S), 0)
+
+    def test_set_point_that_ends_has_its_stop_value_be_the_last_input(self) -> None:
+        self.start_motor()
+        # So often that another one is due as it ends.
+        set_point = self.start_set_point("_rate:=10000", "_offset:=2", "_stop_value:=0.25")
+        self.assert_both_run()
+        self.assertEqual(self.end(set_point, signal.SIGINT), 0)
+        self.assertEqual(self.inputs.messages()[-1].data, 0.25)
+        self.assertEqual([heard.data for heard in self.inputs.messages()].count(0.25), 1)
+
+    def test_managed_set_point_stops_the_motor_when_it_is_deactivated(self) -> None:
+        self.start_motor()
+        set_point = self.start_set_point("_managed:=true", "_offset:=2", "_stop_value:=0.25")
+        rospy.wait_for_service(self.space + "/sp_gen/change_state", TIMEOUT_S)
+        for transitions in (("configure", "activate"), ("activate",)):
+            self.manage_set_point(*transitions)
+            self.assert_both_run()
+            self.manage_set_point("deactivate")
+            self.inputs.wait_for(lambda heard: heard.data == 0.25)
+            self.assertEqual(self.inputs.messages()[-1].data, 0.25)
+        self.inputs.forget()
+        self.assertEqual(self.end(set_point, signal.SIGINT), 0)
+        self.assertEqual(self.inputs.messages(), [])
 
     def test_set_point_that_waits_ends_cleanly(self) -> None:
         set_point = self.start_set_point()

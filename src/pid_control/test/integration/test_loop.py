@@ -170,6 +170,48 @@ class Loop(unittest.TestCase):
         self.assertNotIn(0.0, before)
         self.assertEqual(last, 0.0)
 
+    def manage(self, node: str, *transitions: str) -> None:
+        for transition in transitions:
+            subprocess.run(
+                ["rosrun", "nodekit", "lifecycle", "set", f"{self.space}/{node}", transition],
+                check=True,
+                timeout=TIMEOUT_S,
+            )
+
+    def test_managed_controller_begins_anew_whenever_it_is_activated(self) -> None:
+        self.start("system")
+        self.start("set_point_generator", waveform="constant", amplitude=0.0, offset=4.0)
+        controller = self.start("controller", managed=True)
+        rospy.wait_for_service(self.space + "/controller/change_state", TIMEOUT_S)
+        self.manage("controller", "configure")
+        for _ in range(2):
+            # Time for an integral to grow, if it were at work.
+            self.outputs.forget()
+            wait_until(lambda: self.outputs.count() > 500, lambda: "no outputs")
+            self.inputs.forget()
+            self.manage("controller", "activate")
+            self.wait_for_speed(4.0)
+            first = next(heard.input for heard in self.inputs.messages() if heard.input != 0.0)
+            self.assertAlmostEqual(first, 4.0 * 0.08, delta=1e-6)
+            self.manage("controller", "deactivate")
+            self.assert_stands()
+        self.inputs.forget()
+        self.assertEqual(self.end(controller), 0)
+        self.assertEqual(self.inputs.messages(), [])
+
+    def test_managed_set_point_takes_leave_when_it_is_deactivated(self) -> None:
+        heard = Ear(self.space + "/set_point", set_point)
+        self.start("set_point_generator", managed=True, offset=3.0, stop_value=-1.0)
+        rospy.wait_for_service(self.space + "/set_point_generator/change_state", TIMEOUT_S)
+        for transitions in (("configure", "activate"), ("activate",)):
+            self.manage("set_point_generator", *transitions)
+            heard.wait_for(lambda message: message.setPoint >= 2.0)
+            self.manage("set_point_generator", "deactivate")
+            heard.wait_for(lambda message: message.setPoint == -1.0)
+            self.assertEqual(heard.messages()[-1].setPoint, -1.0)
+            heard.forget()
+        heard.close()
+
     def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
         nodes = self.start_all()
         self.end(nodes["system"], signal.SIGKILL)

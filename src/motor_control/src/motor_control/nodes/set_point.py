@@ -34,7 +34,9 @@ class SetPoint:
     """Publishes the input of a motor, by default u = amplitude sin(omega t).
 
     It has the motor enabled first, and publishes nothing before. When the motor is disabled or
-    gone, it publishes stop_value once, and the signal's time stands still until it goes on.
+    gone, it publishes stop_value once, and the signal's time stands still until it goes on. It also
+    takes leave with stop_value when it ends or, where it is managed, is deactivated: a motor holds
+    its last input.
 
     :ROS Publishers:
         - ``motor_input_u`` (std_msgs/Float32)
@@ -50,29 +52,45 @@ class SetPoint:
         self._settings = node.parameters(SetPointParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
-        self._ran = False
+        #: Whether the motor has an input to be taken back, and whether there will be none any more.
+        self._has_to_stop = self._has_ended = False
+        self._group = node.default_group
         self._publisher = node.publisher("motor_input_u", Float32)
         self._motor = MotorEnabler(node)
         node.every(lambda: self._settings.values.rate, self._publish)
+        node.before_deactivate(self._stop)
+        node.before_end(self._end)
         self._warn_of_aliasing(self._settings.values)
 
     def _on_change(self, new: SetPointParameters, _old: SetPointParameters) -> None:
         self._warn_of_aliasing(new)
 
     def _publish(self, elapsed: float) -> None:
+        if self._has_ended:
+            return
         settings = self._settings.values
-        runs, ran = self._motor.may_publish, self._ran
-        self._ran = runs
+        runs = self._motor.may_publish
         self._run_control.enable(elapsed, runs)
         if not runs:
-            if ran:
-                self._publisher.publish(Float32(settings.stop_value))
+            self._stop()
             return
+        self._has_to_stop = True
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
         value = settings.stop_value
         if status.state == RUNNING:
             value = self._source.sample(status.time_x, settings).value
         self._publisher.publish(Float32(value))
+
+    def _stop(self) -> None:
+        with self._group:
+            if self._has_to_stop:
+                self._has_to_stop = False
+                self._publisher.publish(Float32(self._settings.values.stop_value))
+
+    def _end(self) -> None:
+        with self._group:  # or an input that is due just now would have the last word
+            self._has_ended = True
+            self._stop()
 
     def _warn_of_aliasing(self, settings: SetPointParameters) -> None:
         if settings.aliasing:

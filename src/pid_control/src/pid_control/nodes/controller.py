@@ -26,8 +26,8 @@ class Controller:
     outputs are missing, the next input goes on from the last one.
 
     The motor is stopped, by one input of 0, while there is no set point yet or the controller is
-    not enabled, when nothing was heard of the motor for longer than the time-out, and at the node's
-    end. After that the controller begins anew.
+    not enabled, when nothing was heard of the motor for longer than the time-out, and when the node
+    ends or, where it is managed, is deactivated. After that the controller begins anew.
 
     :ROS Subscribers:
         - ``set_point`` (pid_control/set_point), ``motor_output`` (pid_control/motor_output); what
@@ -47,6 +47,8 @@ class Controller:
         self._stamps = StampJudge()
         self._set_point: Optional[float] = None
         self._is_stopped = self._has_ended = False
+        #: Whether outputs are answered: from the timer's first tick on, as it ticks while active.
+        self._is_active = False
         # By ROS time: a simulation that stands still is not silence.
         self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         #: The motor's latest stamp, the latest input, and when the motor was heard last, s.
@@ -58,19 +60,22 @@ class Controller:
         node.subscribe("set_point", set_point, self._on_set_point, finite=True)
         node.subscribe("motor_output", motor_output, self._on_output, finite=True)
         node.every(_CHECKS_HZ, self._check_silence)
+        node.before_deactivate(self._pause)
         node.before_end(self._end)
 
     def _on_set_point(self, message: set_point) -> None:
         self._set_point = message.setPoint
 
     def _on_output(self, message: motor_output) -> None:
+        if not self._is_active:
+            return
         settings = self._settings.values
         stamp = self._stamps.judge(message.time, settings.timeout)
         if stamp.kind == LATE:
             self._warn(f"a sample of {message.time:g} s came late or twice, and is left out")
             return
         self._stamp, self._heard_at = message.time, self._clock()
-        if self._set_point is None or not settings.enabled or self._has_ended:
+        if self._set_point is None or not settings.enabled:
             self._stop()
             return
         if self._is_stopped or stamp.kind == FIRST:
@@ -95,6 +100,7 @@ class Controller:
         self._law.change(new.pid)
 
     def _check_silence(self, _elapsed: float) -> None:
+        self._is_active = not self._has_ended
         timeout = self._settings.values.timeout
         if not self._is_stopped and self._clock() - self._heard_at > timeout:
             was_at_work = self._input != 0.0
@@ -109,10 +115,17 @@ class Controller:
             self._input = 0.0
             self._publisher.publish(0.0, self._stamp)
 
-    def _end(self) -> None:
+    def _pause(self) -> None:
         with self._group:  # or an output that is answered just now would have the last word
+            if self._is_active:
+                self._is_active = False
+                self._stop()
+                self._stamps = StampJudge()
+
+    def _end(self) -> None:
+        with self._group:
             self._has_ended = True
-            self._stop()
+            self._pause()
 
     def _warn(self, text: str) -> None:
         rospy.logwarn_throttle(_WARN_EVERY_S, f"{self._motor}: {text}")

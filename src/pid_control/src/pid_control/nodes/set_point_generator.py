@@ -10,8 +10,8 @@ from pid_control.set_point_parameters import SetPointParameters
 class SetPointGenerator:
     """Publishes the speed that a motor shall have: any waveform, each sample with its time.
 
-    Before the start delay is over and after the duration, and once at the node's end, stop_value
-    goes out.
+    Before the start delay is over and after the duration, and once when the node ends or, where it
+    is managed, is deactivated, stop_value goes out.
 
     :ROS Publishers:
         - ``set_point`` (pid_control/set_point)
@@ -24,27 +24,36 @@ class SetPointGenerator:
         self._settings = node.parameters(SetPointParameters)
         self._source = SignalSource()
         self._run_control = RunControl()
-        self._elapsed, self._has_ended = 0.0, False
+        self._elapsed = 0.0
+        #: Whether there is a sample to be taken back, and whether there will be none any more.
+        self._has_to_stop = self._has_ended = False
         self._group = node.default_group
         self._publisher = node.publisher("set_point", set_point)
         node.every(lambda: self._settings.values.rate, self._publish)
+        node.before_deactivate(self._stop)
         node.before_end(self._end)
 
     def _publish(self, elapsed: float) -> None:
         if self._has_ended:
             return
         settings = self._settings.values
-        self._elapsed = elapsed
+        self._elapsed, self._has_to_stop = elapsed, True
         status = self._run_control.at(elapsed, settings.start_delay, settings.duration)
         value = settings.stop_value
         if status.state == RUNNING:
             value = self._source.sample(status.time_x, settings).value
         self._publisher.publish(value, elapsed)
 
+    def _stop(self) -> None:
+        with self._group:
+            if self._has_to_stop:
+                self._has_to_stop = False
+                self._publisher.publish(self._settings.values.stop_value, self._elapsed)
+
     def _end(self) -> None:
         with self._group:  # or a sample that is due just now would have the last word
             self._has_ended = True
-            self._publisher.publish(self._settings.values.stop_value, self._elapsed)
+            self._stop()
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import random
+import re
 import signal
 import subprocess
 import time
@@ -20,6 +21,9 @@ ENDS_WITHIN = 2.0
 FIRST = 0.04
 #: the last moment, s; the node has been running for a while then
 LAST = 2.5
+#: A function of a node's package or of nodekit in a traceback. That nodekit's first module is being
+#: imported is no such thing: nothing of it runs yet that could take Ctrl-C.
+OUR_CODE = re.compile(r'/src/(nodekit|basic_comms)/src/\S+", line \d+, in (?!<module>)')
 NODES = {
     "/talker": "talker.py",
     "/listener": "listener.py",
@@ -102,7 +106,7 @@ def in_session(session: int) -> List[int]:
 
 def is_before_our_code(output: str) -> bool:
     """Tell whether a traceback is the interpreter's own, from before a node's first line."""
-    return "basic_comms/src/basic_comms" not in output
+    return OUR_CODE.search(output) is None
 
 
 def report(ends: List[End]) -> List[Check]:

@@ -106,8 +106,16 @@ def test_a_name_that_is_registered_twice_shows() -> None:
 
 
 GOOD = End("/talker after 1 s", 0.5, 0, "", "", [])
-OURS = 'Traceback\n  File "/x/basic_comms/src/basic_comms/nodes/talker.py", line 1\nOSError'
-EARLY = 'Traceback\n  File "/usr/lib/python3/site.py", line 1\nKeyboardInterrupt'
+OURS = """Traceback (most recent call last):
+  File "/x/src/nodekit/src/nodekit/entry_point.py", line 24, in main
+  File "/x/src/basic_comms/src/basic_comms/nodes/talker.py", line 1, in <module>
+OSError"""
+NODEKITS = OURS.replace("/basic_comms/src/basic_comms/", "/nodekit/src/nodekit/")
+EARLY = """Traceback (most recent call last):
+  File "/x/src/basic_comms/scripts/talker.py", line 4, in <module>
+  File "/x/src/nodekit/src/nodekit/entry_point.py", line 6, in <module>
+  File "/usr/lib/python3.11/signal.py", line 7, in <module>
+KeyboardInterrupt"""
 
 
 @pytest.mark.parametrize(
@@ -117,6 +125,7 @@ EARLY = 'Traceback\n  File "/usr/lib/python3/site.py", line 1\nKeyboardInterrupt
         GOOD._replace(status=1),
         GOOD._replace(status=None),
         GOOD._replace(output=OURS),
+        GOOD._replace(output=NODEKITS),
         GOOD._replace(output=OURS, status=1),
         GOOD._replace(left_over="/chatter"),
         GOOD._replace(children=[17]),
@@ -128,7 +137,8 @@ def test_an_end_that_is_not_clean_falls_short(end: End) -> None:
 
 
 def test_the_interpreters_own_traceback_is_told_but_accepted() -> None:
-    assert is_before_our_code(EARLY) and not is_before_our_code(OURS)
+    assert is_before_our_code(EARLY)
+    assert not is_before_our_code(OURS) and not is_before_our_code(NODEKITS)
     found = report([GOOD, GOOD._replace(output=EARLY, status=130)])
     assert all(check.passed for check in found)
     assert [check.figure for check in found if "interpreter" in check.what] == ["1"]

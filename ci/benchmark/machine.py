@@ -74,7 +74,9 @@ def _system() -> str:
 
 
 def _version(package: str) -> str:
-    result = subprocess.run(
-        ["dpkg-query", "-W", "-f=${Version}", package], capture_output=True, text=True
-    )
-    return result.stdout or "not from a package"
+    command = ["dpkg-query", "-W", "-f=${Version}", package]
+    try:
+        version = subprocess.run(command, capture_output=True, text=True).stdout
+    except OSError:  # no Debian
+        version = ""
+    return version or "not from a package"

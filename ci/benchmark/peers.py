@@ -79,8 +79,8 @@ def run(command: List[str]) -> None:
 
 
 def find_relay() -> Optional[pathlib.Path]:
-    """Find the relay of topic_tools, in the distribution's ROS or in /opt/ros/noetic."""
-    for prefix in ("/opt/ros/noetic", "/usr"):
+    """Find the relay of topic_tools, in a ROS of its own or in the distribution's."""
+    for prefix in [*os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep), "/usr"]:
         program = pathlib.Path(prefix, "lib", "topic_tools", "relay")
         if program.exists():
             return program

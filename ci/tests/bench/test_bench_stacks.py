@@ -6,6 +6,7 @@ import signal
 import sys
 
 import latency
+import machine
 import pytest
 import record
 import stacks
@@ -13,7 +14,7 @@ import throughput
 import timing
 from context import Bench
 from observers import wait_until
-from peers import Peers
+from peers import Peers, find_relay
 from processes import Session
 
 RATE = 100.0
@@ -23,6 +24,19 @@ RATE = 100.0
 def make_bench(tmp_path_factory):
     with Session(tmp_path_factory.mktemp("session")) as session:
         yield Bench(session, Peers(pathlib.Path(), None, None, {}), True)
+
+
+def test_a_machine_without_dpkg_is_described(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert machine.describe()["rospy"] == "not from a package"
+
+
+def test_the_relay_is_that_of_the_ros_that_is_built_upon(tmp_path, monkeypatch):
+    relay = tmp_path / "ros" / "lib" / "topic_tools" / "relay"
+    relay.parent.mkdir(parents=True)
+    relay.touch()
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"{tmp_path / 'devel'}:{tmp_path / 'ros'}")
+    assert find_relay() == relay
 
 
 def test_each_answers_its_samples_in_its_turns_and_stands_still_in_those_of_others(bench):

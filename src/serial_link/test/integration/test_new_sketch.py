@@ -7,7 +7,7 @@ from xmlrpc.client import ServerProxy
 
 import rospy
 from board_rig import BUFFER, BoardRig, declared
-from std_msgs.msg import String
+from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
 from nodekit.master import MasterClient
@@ -17,7 +17,7 @@ from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from serial_link.board.simulation import Faults
 from serial_link.device.device import Device
 from serial_link.endpoints.types import encode
-from serial_link.negotiation.payloads import SUBSCRIBER, TOPICS
+from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, TOPICS
 
 
 class DamagedOnce(Device):
@@ -92,6 +92,20 @@ class NewSketch(BoardRig):
         self.board.faults = Faults()
         wait_until(lambda: self.sketch.texts(), lambda: f"{self.sketch.heard[:3]}")
         self.assertEqual({name for name, _ in self.sketch.heard}, {"told"})
+
+    def test_a_topic_has_the_type_that_the_new_sketch_gives_it(self) -> None:
+        node = self.start()
+        node.wait_for_log("the board publishes said (std_msgs/String)")
+        self.sketch.topics = (declared(PUBLISHER, "said", Bool), *self.sketch.topics[1:])
+        # Published at once, before the node knows that these are all topics.
+        self.sketch.loop = self.publish  # type: ignore[assignment]
+        self.board.reset()
+        node.wait_for_log("the board publishes said (std_msgs/Bool)")
+        Ear(self.space + "/said", Bool).wait_for(lambda heard: heard.data)
+        self.assertEqual(node.logged("said is refused"), [])
+
+    def publish(self, device: Device, now: float) -> None:
+        device.publish("said", encode(Bool(True)))
 
     def test_what_a_damaged_announcement_leaves_out_stays_on_the_graph(self) -> None:
         said = Ear(self.space + "/said", String)

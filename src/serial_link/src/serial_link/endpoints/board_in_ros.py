@@ -143,11 +143,14 @@ class BoardInRos:
         before = set(self._open) if has_all else self._wanted.keys() & self._open.keys()
         self._wanted = {_key(endpoint): endpoint for endpoint in endpoints}
         for key in before - self._wanted.keys():
-            lifetime, _ = self._open.pop(key)
-            lifetime.close()
-            rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
+            self._close(key)
         for endpoint in endpoints:
             self._opened(endpoint)
+
+    def _close(self, key: _Key) -> None:
+        lifetime, _ = self._open.pop(key)
+        lifetime.close()
+        rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
 
     def _opened(self, endpoint: Endpoint) -> Any:
         key = _key(endpoint)
@@ -156,6 +159,9 @@ class BoardInRos:
             one = self._open[key][1]
             one.adopt(endpoint)
             return one
+        for other in set(self._open) - set(self._wanted):
+            if other[1] == endpoint.name and other[2] != endpoint.type:
+                self._close(other)  # the sketch before had another type there
         lifetime = self._maker.lifetime()
         try:
             one = self._made(lifetime, endpoint)

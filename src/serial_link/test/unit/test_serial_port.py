@@ -12,6 +12,7 @@ import pytest
 
 from nodekit.testing.waiting import wait_until
 from serial_link.board.ends import PtyEnd
+from serial_link.hardware import serial_port
 from serial_link.hardware.ports import PortLost, PortUnavailable
 from serial_link.hardware.serial_port import SerialPort
 
@@ -31,6 +32,15 @@ except PortUnavailable as error:
 """
 #: Tells whether a terminal is open to one program alone; termios does not name it.
 _TIOCGEXCL = 0x80045440
+#: Opens a port, and waits.
+OPEN = """
+import sys
+from serial_link.hardware.serial_port import SerialPort
+port = SerialPort(sys.argv[1], 57600)
+port.open(0.0)
+print('open', flush=True)
+sys.stdin.read()
+"""
 #: Opens a port without a lock, as a terminal program may, and waits.
 HOLD = """
 import sys
@@ -107,30 +117,39 @@ def test_a_second_program_is_told_who_has_the_port(plugged: Tuple[PtyEnd, Serial
     assert port.open(0.0)
 
 
-def test_it_has_the_port_for_itself(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+@pytest.mark.parametrize("is_pseudo", [True, False])
+def test_it_has_the_port_for_itself(
+    plugged: Tuple[PtyEnd, SerialPort], is_pseudo: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
     _, port = plugged
+    if not is_pseudo:
+        monkeypatch.setattr(serial_port, "_PSEUDO", "/elsewhere/")
     earlier = os.open(port.name, os.O_RDWR | os.O_NOCTTY)  # by this process: no other program
     port.open(0.0)
     with pytest.raises(BlockingIOError):
         fcntl.flock(earlier, fcntl.LOCK_EX | fcntl.LOCK_NB)
     # Those that know no lock do not come in either, unless the superuser starts them.
-    assert fcntl.ioctl(earlier, _TIOCGEXCL, bytes(4)) != bytes(4)
+    assert (fcntl.ioctl(earlier, _TIOCGEXCL, bytes(4)) == bytes(4)) is is_pseudo
     os.close(earlier)
     with pytest.raises(PortUnavailable, match="in use by a program of another user"):
         SerialPort(port.name, 57600).open(0.0)
 
 
-def test_others_may_open_a_port_that_was_closed() -> None:
+def test_others_may_open_the_port_of_a_simulated_board_whose_node_was_killed() -> None:
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:
         os.chmod(folder, 0o755)
         end = PtyEnd(os.path.join(folder, "board"))
         end.plug()
-        port = SerialPort(os.path.join(folder, "board"), 57600)
-        os.chmod(port.name, 0o666)
-        port.open(0.0)
-        port.close()
+        name = os.path.join(folder, "board")
+        os.chmod(name, 0o666)
+        killed = subprocess.Popen(
+            [sys.executable, "-c", OPEN, name], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        assert killed.stdout is not None and killed.stdout.readline() == b"open\n"
+        killed.kill()
+        killed.communicate()
         words = subprocess.run(
-            [sys.executable, "-c", AS_NOBODY, port.name], stdout=subprocess.PIPE, check=True
+            [sys.executable, "-c", AS_NOBODY, name], stdout=subprocess.PIPE, check=True
         ).stdout.decode()
         end.unplug()
     assert words == ""

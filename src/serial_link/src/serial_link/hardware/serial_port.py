@@ -19,6 +19,8 @@ _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
 #: Between the bytes of a frame there are no pauses but those of the adapter, s.
 _GAP_S = 0.1
+#: Where pseudo terminals are. One lives on after a kill -9, and would stay shut to other users.
+_PSEUDO = "/dev/pts/"
 #: The group whose users may open serial ports, on Debian and what comes from it.
 _GROUP = "dialout"
 
@@ -50,7 +52,8 @@ class SerialPort:
                 self.name, self.baud, timeout=0, write_timeout=_WRITE_S, exclusive=True
             )
             # The lock of pyserial is known to those alone who ask for it.
-            fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
+            if not os.path.realpath(self.name).startswith(_PSEUDO):
+                fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
         except (OSError, ValueError, termios.error) as error:
             raise PortUnavailable(self._why(error)) from None
         self._serial = opened
@@ -87,7 +90,7 @@ class SerialPort:
         opened, self._serial = self._serial, None
         if opened is not None:
             with contextlib.suppress(OSError):  # it is gone already
-                # A terminal that lives on, as that of a simulated board, would stay shut.
+                # A terminal that another program had opened before lives on, and would stay shut.
                 fcntl.ioctl(opened.fileno(), termios.TIOCNXCL)
             with contextlib.suppress(OSError):
                 opened.close()

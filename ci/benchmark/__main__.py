@@ -57,22 +57,13 @@ def main() -> int:
 def arguments() -> argparse.Namespace:
     """Read the command line."""
     names = [one.name for one in MEASUREMENTS]
-    listed = "\n".join(
-        f"  {one.name:14} {one.help}{', with --all' if one.is_extra else ''}"
-        for one in MEASUREMENTS
-    )
-    parser = argparse.ArgumentParser(
-        prog="ci/bench",
-        description="Measure the workspace's nodes and their peers in turn.",
-        epilog="measurements:\n" + listed,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--quick", action="store_true", help="one turn of each")
-    parser.add_argument("--all", action="store_true", help="also those that few need")
-    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
-    parser.add_argument("--repeats", type=int, metavar="N", help="turns of each at most")
-    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
-    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE", help="draw, .svg or .png")
+    parser = argparse.ArgumentParser(prog="ci/bench")  # which has the help
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME")
+    parser.add_argument("--repeats", type=int, metavar="N")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
+    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE")
     options = parser.parse_args()
     if options.quick and options.repeats is None:
         options.repeats = 1

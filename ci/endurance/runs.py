@@ -26,23 +26,15 @@ class Run(Generic[Given]):
     run: Callable[[Given], List[Check]]
 
 
-def parser_of(
-    command: str, description: str, runs: Sequence[Run[Given]]
-) -> argparse.ArgumentParser:
+def parser_of(command: str, runs: Sequence[Run[Given]]) -> argparse.ArgumentParser:
     """Return a parser with the options that every command with runs has.
 
-    :param command: how it is called
+    :param command: how it is called; its own comment has the help
     """
-    listed = "\n".join(f"  {one.name:10} {one.help}" for one in runs)
-    parser = argparse.ArgumentParser(
-        prog=command,
-        description=description,
-        epilog="runs:\n" + listed,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = argparse.ArgumentParser(prog=command)
     names = [one.name for one in runs]
-    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="only these")
-    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write all figures")
+    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
     return parser
 
 

@@ -51,10 +51,10 @@ def main() -> int:
 
 def arguments() -> argparse.Namespace:
     """Read the command line."""
-    parser = parser_of("ci/soak", "Run the nodes for long and trouble them meanwhile.", RUNS)
-    parser.add_argument("--minutes", type=float, default=10.0, help="of recording; 10 by default")
-    parser.add_argument("--times", type=int, default=0, help="kills (50), interrupts (100)")
-    parser.add_argument("--seed", type=int, default=1, help="of everything random; 1 by default")
+    parser = parser_of("ci/soak", RUNS)
+    parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--times", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.minutes <= 0.0 or options.times < 0:
         parser.error("--minutes and --times: more than 0")

@@ -33,9 +33,8 @@ def main() -> int:
 
 def arguments() -> argparse.Namespace:
     """Read the command line."""
-    description = "Make two hosts of this machine, and try the network between them."
-    parser = parser_of("ci/two-hosts", description, RUNS)
-    parser.add_argument("--outage", type=float, default=20.0, help="s; 20 by default")
+    parser = parser_of("ci/two-hosts", RUNS)
+    parser.add_argument("--outage", type=float, default=20.0)
     options = parser.parse_args()
     if options.outage <= 0.0:
         parser.error("--outage: more than 0")

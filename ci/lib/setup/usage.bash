@@ -1,6 +1,12 @@
 # The help of a command is the comment that it begins with.
 
-usage() { sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"; }
+# Set by a command with --only: the Python file that has the list of what it takes.
+choices=
+
+usage() {
+    sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
+    [ -z "$choices" ] || python3 "$(dirname "${BASH_SOURCE[0]}")/choices.py" "$choices"
+}
 
 # Show it and end, if it is asked for.
 help_if_asked() { # [ARGUMENT…]

@@ -1,5 +1,9 @@
 """Tests of which measurements ci/bench makes."""
 
+import pathlib
+import subprocess
+
+import machine
 from goals import GOALS
 from measurements import MEASUREMENTS, chosen
 
@@ -18,6 +22,13 @@ def test_what_few_need_is_measured_only_on_request():
     assert not any(name.startswith("bridge") for name in main)
     assert names(chosen(with_extra=True)) == everything
     assert names(chosen(only=["thousand", "live"])) == {"thousand", "live"}
+
+
+def test_help_lists_each_measurement():
+    bench = pathlib.Path(machine.__file__).parents[1] / "bench"
+    text = subprocess.check_output([str(bench), "--help"], universal_newlines=True)
+    lines = [f"  {one.name:14} {one.help}" + one.is_extra * ", with --all" for one in MEASUREMENTS]
+    assert text.splitlines()[-len(lines) :] == lines
 
 
 def test_each_goal_is_of_a_measurement_and_of_its_subjects():

@@ -84,12 +84,25 @@ def test_unknown_command_is_127(built: Workspace) -> None:
     assert "no-such-command" in result.stderr
 
 
-def test_help_is_the_header(built: Workspace) -> None:
-    result = built.run("--help")
-    assert result.returncode == 0
-    assert result.stdout.startswith("Usage: ci/exec")
-    assert "CI_EXEC_NO_INSTALL" in result.stdout
+@pytest.mark.parametrize(
+    "program, said",
+    [
+        ("exec", "CI_EXEC_NO_INSTALL=1  "),
+        ("bench", "  latency-1khz "),
+        ("soak", "  record "),
+        ("two-hosts", "  closed "),
+    ],
+)
+def test_help_is_the_header(workspace: Workspace, program: str, said: str) -> None:
+    log = workspace.pretend_packages("[run]\none\n", known="one\n")
+    workspace.program = program
+    result = workspace.run("--help")
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout.startswith(f"Usage: ci/{program}")
+    assert f"\n{said}" in result.stdout
     assert "set -e" not in result.stdout
+    # Nobody who reads it has anything installed or built.
+    assert log.read_text() == "" and not (workspace.root / "build").exists()
 
 
 def test_works_through_a_symbolic_link(built: Workspace, tmp_path: pathlib.Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
 from serial_link.board.ends import TcpEnd
-from serial_link.hardware.ports import PortLost, PortUnavailable
+from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 from serial_link.hardware.tcp_port import TcpPort
 
 
@@ -25,7 +25,7 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
     end.write(b"to the host")
     assert port.read(5.0) == b"to the host" and port.read(0.0) == b""
     end.unplug()
-    with pytest.raises(PortLost, match="has closed the connection"):
+    with pytest.raises(PortLost, match="the connection was closed"):
         port.read(5.0)
     port.release()
 
@@ -46,6 +46,22 @@ def test_a_board_that_connects_anew_replaces_the_one_before() -> None:
     assert port.read(5.0) == b"second"
     port.release()
     second.unplug()
+
+
+def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
+    number = free_port()
+    port, end = TcpPort("localhost", number), TcpEnd("localhost", number)
+    port.open(0.0)
+    end.plug()
+    assert port.open(5.0)
+    with pytest.raises(PortStuck, match="takes no more of a message for 0.5 s"):
+        port.write(bytes(3 * 10**7))  # more than the buffers of the system hold
+    with pytest.raises(PortLost):
+        port.write(b"what would be taken for the rest")
+    with pytest.raises(PortLost, match="the connection was closed"):
+        port.read(5.0)
+    port.release()
+    end.unplug()
 
 
 def test_it_listens_on_this_machine_alone_unless_told_otherwise() -> None:

@@ -1,5 +1,6 @@
 """A port that boards with Wi-Fi connect to."""
 
+import contextlib
 import select
 import socket
 from typing import Optional
@@ -60,11 +61,14 @@ class TcpPort:
         except (OSError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
         if not data:
-            raise PortLost(f"{self.name}: the board has closed the connection")
+            raise PortLost(f"{self.name}: the connection was closed")
         return data
 
     def write(self, data: bytes) -> None:
-        """Send bytes; see :class:`.Port`. What is sent in part cannot be gone on with."""
+        """Send bytes; see :class:`.Port`.
+
+        Where part of a message is sent, the connection ends: the next would be taken for the rest.
+        """
         board = self._connected()
         try:
             if not select.select([], [board], [], _WRITE_S)[1]:
@@ -72,6 +76,10 @@ class TcpPort:
             board.sendall(data)
         except PortStuck:
             raise
+        except socket.timeout:
+            with contextlib.suppress(OSError):  # it is gone already
+                board.shutdown(socket.SHUT_RDWR)  # which the thread that reads is told
+            raise PortStuck(f"{self.name} takes no more of a message for {_WRITE_S:g} s") from None
         except (OSError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
 

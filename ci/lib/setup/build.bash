@@ -81,8 +81,10 @@ build() {
     tell_ros
     if build_must_start_over "$read_by_it"; then
         say "building from scratch with catkin_make${packages:+: $packages}"
-        # What ci/ros2 has made there tells by itself whether it still fits.
-        find "$workspace/build" -mindepth 1 -maxdepth 1 ! -path "$state" ! -name 'ros2*' -exec rm -rf {} +
+        # What ci/ros2 has made there tells by itself whether it still fits; what ci/mutants has found,
+        # and works on, is not of this build. Its tool and the benchmark's peers hold paths: they go.
+        find "$workspace/build" -mindepth 1 -maxdepth 1 \
+            ! \( -path "$state" -o -name 'ros2*' -o -name wiring -o -name 'mutants*' \) -exec rm -rf {} +
         rm -rf "$workspace/devel"
     else
         say "building with catkin_make${packages:+: $packages}"

@@ -98,9 +98,15 @@ def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     out, _ = process.communicate(timeout=60)
     assert out == "" and process.returncode != 0
     workspace.fakes.clear()
+    kept = ["mutants", "mutants.lock", "ros2", "ros2.lock", "wiring"]
+    for name in [*kept, "benchmark", "tiny"]:
+        (workspace.root / "build" / name).mkdir()
+        (workspace.root / "build" / name / "earlier").touch()
     result = workspace.run("python3", "-c", "import tiny.msg")
     assert result.returncode == 0
     assert "from scratch" in result.stderr
+    earlier = (workspace.root / "build").glob("*/earlier")
+    assert sorted(path.parent.name for path in earlier) == kept
 
 
 def test_refuses_a_tree_of_catkin_build(workspace: Workspace) -> None:

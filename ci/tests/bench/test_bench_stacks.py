@@ -9,6 +9,7 @@ import latency
 import machine
 import pytest
 import record
+import robots
 import stacks
 import throughput
 import timing
@@ -88,6 +89,23 @@ def test_a_source_that_ends_is_told_of(bench, monkeypatch):
     )
     with pytest.raises(RuntimeError, match="source has ended: no luck"):
         throughput.zero_loss_rate(bench, stacks.OURS)
+
+
+def test_robots_are_alone_first_and_all_of_them_heard_then(bench, monkeypatch):
+    heard = []
+
+    def look(_pids, _seconds):
+        with bench.session.node() as node:
+            _, subscribed, _ = node.master("getSystemState")
+        heard.append(sorted(topic for topic, _ in subscribed if topic.startswith("/robot")))
+        return 1.0
+
+    monkeypatch.setattr(robots, "cpu_share", look)
+    monkeypatch.setattr(robots, "COUNT", 2)
+    topics = [f"/robot{number}/{topic}" for number in (1, 2) for topic in ("joint_states", "odom")]
+    commands = [f"/robot{number}/cmd_vel" for number in (1, 2)]
+    robots.measure(bench, robots.FLEET)
+    assert heard == [commands, sorted(commands + topics)]
 
 
 def test_a_pair_that_stands_still_sends_nothing(bench):

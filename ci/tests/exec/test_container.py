@@ -3,8 +3,10 @@
 Course 002-pkg-13.
 """
 
+import pathlib
 import re
 import subprocess
+import sys
 from typing import List
 
 import pytest
@@ -77,3 +79,21 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
     )
     assert result.returncode == 125
     assert said in result.stdout.decode()
+
+
+@pytest.mark.parametrize("name", ["course", "scope"])
+def test_somebody_elses_container_is_left_alone(tmp_path: pathlib.Path, name: str) -> None:
+    log, podman = tmp_path / "log", tmp_path / "podman"
+    podman.write_text(f'#!/bin/sh\necho "$*" >>"{log}"\n[ "$*" = "container inspect {name}" ]\n')
+    podman.chmod(0o755)
+    proof = str(CI / "lib" / "packages" / "container_proof.py")
+    done = subprocess.run(
+        [sys.executable, proof, str(podman), "podman-compose"],
+        input="podman run it\npodman exec it\npodman-compose up\npodman run other\n",
+        stderr=subprocess.PIPE,
+        universal_newlines=True,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert f"there is a container '{name}', which would be ended" in done.stderr
+    assert all(line.startswith("container inspect ") for line in log.read_text().splitlines())

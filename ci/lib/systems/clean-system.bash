@@ -38,7 +38,7 @@ copy_pip_settings() { # ROOT
 
 # Without users, and without apt's lists.
 bootstrap() { # SUITE ROOT
-    local packed=${CLEAN_ROOM_CACHE:-$room}/$1.tar
+    local packed=${CLEAN_ROOM_CACHE:-$room}/$1.tar new
     mkdir "$2" || return
     if [ -f "$packed" ]; then
         tar -C "$2" -xf "$packed" || return
@@ -49,7 +49,12 @@ bootstrap() { # SUITE ROOT
             end_of_log
             return 1
         }
-        tar -C "$2" -cf "$packed.new" . && mv "$packed.new" "$packed" || return
+        # Another run may be packing the same one.
+        new=$(mktemp "$packed.XXXXXX") || return
+        if ! { tar -C "$2" -cf "$new" . && mv "$new" "$packed"; }; then
+            rm -f "$new"
+            return 1
+        fi
     fi
     copy_apt_settings "$2" &&
         copy_pip_settings "$2" &&

@@ -1,11 +1,44 @@
 """The clean room runs README's commands as they are written, and ci/test suits each release."""
 
+import os
+import pathlib
 import subprocess
 
 import pytest
 from conftest import CI, Workspace
 
 INSIDE = CI / "lib" / "systems" / "clean-room-inside.bash"
+#: Two bootstraps, each of a Debian that has one file; nothing is mounted.
+BOOTSTRAPS = """
+set -euo pipefail
+me=test room=$1 mirror=none log=/dev/null CLEAN_ROOM_CACHE=$1/cache
+source "$0"
+copy_apt_settings() { :; }
+copy_pip_settings() { return 1; }
+debootstrap() { echo "made for ${3##*/}" >"$3/issue"; }
+tar() { # the first one is overtaken by another run, whole
+    case $#$FIRST in
+        5overtaken)
+            FIRST=
+            command tar -C "$2" -cf "$room/whole" .
+            exec 5>"$4"
+            head -c 1000 "$room/whole" >&5
+            bootstrap trixie "$room/other" || :
+            tail -c +1001 "$room/whole" >&5
+            ;;
+        5fails)
+            FIRST=
+            : >"$4"
+            return 1
+            ;;
+        *) command tar "$@" ;;
+    esac
+}
+for name in one two; do bootstrap trixie "$room/$name" || :; done
+ls "$CLEAN_ROOM_CACHE"
+command tar -tf "$CLEAN_ROOM_CACHE/trixie.tar"
+cat "$room/two/issue"
+"""
 
 
 def test_the_commands_are_those_of_readme() -> None:
@@ -57,3 +90,19 @@ def test_without_a_tier_all_run_that_the_release_has_tools_for(
     assert ("the tiers for a Debian are: " + tiers in result.stderr) == (release != "bookworm")
     assert workspace.run("docs").stdout == "docs\n"
     assert workspace.run("all").stdout == tiers + " ros2\n"
+
+
+@pytest.mark.parametrize("first, kept", [("overtaken", "one"), ("fails", "two")])
+def test_no_run_spoils_the_system_that_another_one_keeps(
+    tmp_path: pathlib.Path, first: str, kept: str
+) -> None:
+    (tmp_path / "cache").mkdir()
+    system = str(CI / "lib" / "systems" / "clean-system.bash")
+    done = subprocess.run(
+        ["bash", "-c", BOOTSTRAPS, system, str(tmp_path)],
+        env=dict(os.environ, FIRST=first),
+        stdout=subprocess.PIPE,
+        universal_newlines=True,
+        timeout=60,
+    )
+    assert done.stdout.splitlines() == ["trixie.tar", "./", "./issue", f"made for {kept}"]

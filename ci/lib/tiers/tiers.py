@@ -11,7 +11,8 @@ SOURCES = WORKSPACE / "src"
 CI = WORKSPACE / "ci"
 # Directories of ci/tests that are not part of the unit tier.
 TIERS_OF_THEIR_OWN = ("lint", "spaces")
-ROOT = len(WORKSPACE.parts)
+#: Folders in which nothing is anybody's own.
+GENERATED = ("_build", "__pycache__")
 
 
 def packages() -> List[pathlib.Path]:
@@ -24,7 +25,8 @@ def python_files() -> List[str]:
     files = []
     for place in ("ci", "docs", "src"):
         for path in sorted((WORKSPACE / place).rglob("*")):
-            generated = any(part.startswith(("_", ".")) for part in path.parent.parts[ROOT:])
+            parts = path.parent.relative_to(WORKSPACE).parts
+            generated = any(part in GENERATED or part.startswith(".") for part in parts)
             if path.is_file() and not generated:
                 if path.suffix == ".py" or (not path.suffix and runs_with("python", path)):
                     files.append(str(path))

@@ -8,6 +8,7 @@ import threading
 
 import pytest
 import run_tiers
+import tiers
 from steps import Runner, Step, StepResult
 
 PASSED = "<testcase name='a'/>"
@@ -182,3 +183,15 @@ def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     process.terminate()
     assert process.wait(60) == 130
     assert list(scratch.iterdir()) == []
+
+
+def test_lint_looks_at_every_python_file_that_is_not_generated(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    own = ["ci/lib/one.py", "docs/_ext/two.py", "docs/conf.py", "src/three/scripts/three"]
+    generated = ["docs/_build/html/four.py", "src/three/.hypothesis/five.py"]
+    for name in [*own, *generated, "src/three/LICENSE"]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("" if name.endswith("LICENSE") else "#!/usr/bin/env python3\n")
+    monkeypatch.setattr(tiers, "WORKSPACE", tmp_path)
+    assert tiers.python_files() == [str(tmp_path / name) for name in own]

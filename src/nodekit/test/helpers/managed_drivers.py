@@ -2,7 +2,8 @@
 """Managed nodes of one process that say what is called, by the names on the command line.
 
 Those called configuring and hanging hang when they are configured and shut down. One called
-quitting ends the process once it is active; one called ending, as it is configured.
+quitting ends the process once it is active; one called stuck does and hangs then; one called
+ending does as it is configured.
 """
 
 import sys
@@ -35,13 +36,13 @@ class Driver(ManagedNode):
             rospy.signal_shutdown("it ends")
 
     def on_activate(self, made: Maker) -> None:
-        if self.node.name == "/quitting":
+        if self.node.name in ("/quitting", "/stuck"):
             made.before_deactivate(lambda: self.say("stops"))
             made.every(1.0, lambda _: give_up("it cannot go on"))
 
     def on_shutdown(self) -> None:
         self.say(f"was {self.previous_state.label}")
-        if self.node.name == "/hanging":
+        if self.node.name in ("/hanging", "/stuck"):
             time.sleep(60.0)
         self.say(f"gets {len(self.client.call(GetLoggersRequest()).loggers) > 0}")
 

@@ -952,6 +952,17 @@ class Ends(unittest.TestCase):
         self.assertIn("active was unconfigured", process.lines)
         self.assertEqual(process.logged("ends without"), [])
 
+    def test_node_that_ends_its_process_in_a_callback_and_hangs_then_is_left_behind(self) -> None:
+        process = self.start("stuck", "active")
+        self.assertTrue(self.change("stuck", "configure"))
+        self.ask_and_forget("stuck", "activate")
+        self.assertEqual(process.wait(), 1)
+        for line in ("stuck was active", "active was unconfigured"):
+            self.assertIn(line, process.lines)
+        text = "/stuck ends without its shutdown: it is shuttingdown, and still busy after 2 s"
+        self.assertEqual(len(process.logged(text)), 1, process.error_lines)
+        self.assertEqual(len(process.logged("ends without")), 1)
+
     def test_node_that_ends_its_process_amid_a_transition_is_told_of(self) -> None:
         process = self.start("ending", "active")
         self.ask_and_forget("ending", "configure")

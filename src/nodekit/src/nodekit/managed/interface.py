@@ -145,24 +145,26 @@ _all: "weakref.WeakSet[Interface]" = weakref.WeakSet()
 
 def _end_all() -> None:
     """Have all that have started go through shutdown; leave behind those that do not come to it."""
-    ending, mine = {}, []
+    ending, lent = {}, []
     for managed in list(_all):
         if not managed.node.is_up:
             continue
-        if managed.node.default_group.is_mine:  # one of its callbacks ends the process
-            mine.append(managed)
-        else:
-            work = managed.lifecycle.shut_down
-            ending[managed] = threading.Thread(target=work, name="shutdown", daemon=True)
-            ending[managed].start()
+        work, group = managed.lifecycle.shut_down, managed.node.default_group
+        if group.is_mine:  # one of its callbacks ends the process
+            if managed.lifecycle.is_under_way:  # which is one of a transition: it cannot be left
+                _warn_of_busy(managed, 0.0)
+                continue
+            work = managed.lifecycle.shut_down_inside
+            lent.append(group)
+        ending[managed] = threading.Thread(target=work, name="shutdown", daemon=True)
+        ending[managed].start()
     deadline = time.monotonic() + END_WAIT_S
-    for managed in mine:
-        if not managed.lifecycle.shut_down_inside():
-            _warn_of_busy(managed, 0.0)
     for managed, thread in ending.items():
         thread.join(max(0.0, deadline - time.monotonic()))
         if thread.is_alive():
             _warn_of_busy(managed, END_WAIT_S)
+    for group in lent:
+        group.adopt()
 
 
 def _warn_of_busy(managed: Interface, waited: float) -> None:

@@ -60,6 +60,11 @@ class Lifecycle:
         self._gate = Gate()
         self._stages: List[Stage] = []
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether a callback of a transition is."""
+        return self.machine.state in self._callbacks
+
     def make(self, transition: Transition) -> bool:
         """Make a transition that the machine was claimed for; called in the node's group.
 
@@ -119,18 +124,15 @@ class Lifecycle:
                 self.make(transition)
             self.machine.release()
 
-    def shut_down_inside(self) -> bool:
-        """Go through shutdown at once, in a callback of the node that ends the process.
+    def shut_down_inside(self) -> None:
+        """Go through shutdown at once, in place of a thread whose callback ends the process.
 
-        Who has claimed the machine now is waiting for the group, or about to release it.
-
-        :returns: False where the callback is one of a transition, which cannot be left
+        That thread waits meanwhile, and is then to adopt the group again. Who has claimed the
+        machine now is waiting for the group, or about to release it.
         """
-        if self.machine.state in self._callbacks:
-            return False
+        self._node.default_group.adopt()
         with contextlib.suppress(NotAllowed):  # it is finalized
             self.make(requested(self.machine.state, "shutdown"))
-        return True
 
 
 def _outcome(result: Any) -> Outcome:

@@ -312,6 +312,21 @@ class Table(Managed):
     def latched(self) -> State:
         return rospy.wait_for_message(f"{self.space}/driver/state", State, TIMEOUT_S)
 
+    def test_what_waits_while_a_callback_ends_the_process_is_refused(self) -> None:
+        driver = self.driver("inactive")
+        replies: List[bool] = []
+        waiting = threading.Thread(target=lambda: replies.append(self.change("activate")))
+        group = driver.node.default_group
+        with self.assertLogs("rosout", "WARNING") as logged:
+            with group:
+                waiting.start()
+                wait_until(lambda: group._queue, lambda: "the request does not wait")
+                driver._managed.lifecycle.shut_down_inside()
+            waiting.join(TIMEOUT_S)
+        text = f"{driver.node.name}: activate comes too late: the node is finalized"
+        self.assertEqual(logged.output, [f"WARNING:rosout:{text}"])
+        self.assertEqual((replies, driver.called), ([False], ["on_shutdown"]))
+
     def test_one_transition_at_a_time_while_all_else_is_answered(self) -> None:
         may_end = threading.Event()
         self.addCleanup(may_end.set)

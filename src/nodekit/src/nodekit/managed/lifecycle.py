@@ -71,6 +71,10 @@ class Lifecycle:
         :param transition: one that is allowed
         :returns: whether the callback has succeeded
         """
+        if self.machine.state != transition.start:  # a callback was ending the process meanwhile
+            text = "%s: %s comes too late: the node is %s"
+            rospy.logwarn(text, self._node.name, transition.label, self.machine.state.label)
+            return False
         self.previous = transition.start
         self._advance(transition)
         outcomes: List[Outcome] = []

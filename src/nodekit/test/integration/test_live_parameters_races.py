@@ -7,6 +7,7 @@ import random
 import threading
 import time
 import unittest
+from functools import partial
 from typing import Any, Callable, Collection, List, Mapping, Optional
 from unittest import mock
 from xmlrpc.client import ServerProxy
@@ -15,7 +16,7 @@ import rospy
 from helpers.parameter_node import GaugeParameters
 
 from nodekit.master import MasterClient, MasterUnreachable, Reading
-from nodekit.parameter_server import followed_parameter, watcher
+from nodekit.parameter_server import followed_parameter, reconfigure, watcher
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
 from nodekit.parameter_server.watched_key import WatchedKey
@@ -333,6 +334,25 @@ class Races(unittest.TestCase):
         self.server.after_read = update
         self.user.set(self.level, 5.0)
         self.assert_ends_with(live, level=before)
+
+    @unittest.skipUnless(reconfigure.AVAILABLE, "dynamic_reconfigure is not installed")
+    def test_whole_configuration_leaves_alone_what_was_set_just_before(self) -> None:
+        live = self.start()
+        interface = reconfigure.ReconfigureInterface(
+            live, partial(rospy.Publisher, queue_size=1), rospy.Service
+        )
+        self.addCleanup(interface.close)
+        set_all = rospy.ServiceProxy(self.key + "/set_parameters", reconfigure.Reconfigure)
+
+        def change_title() -> None:
+            if self.user.get(self.level) == 5.0:
+                set_all(reconfigure.config_of({"level": live.values.level, "title": "new"}))
+            else:
+                self.server.after_read = change_title
+
+        self.server.after_read = change_title
+        self.user.set(self.level, 5.0)
+        self.assert_ends_with(live, level=5.0, title="new")
 
     # It ends with the last part, not with the limit.
     @mock.patch.object(watcher, "SETTLE_LIMIT_S", 2.0 * TIMEOUT_S)

@@ -20,6 +20,8 @@ from nodekit.parameters.declaration import (
     ParameterError,
     ParameterSet,
 )
+from nodekit.parameters.judging import on_wire
+from nodekit.parameters.kinds import is_same
 from nodekit.parameters.schema import help_of
 
 try:
@@ -90,9 +92,11 @@ class ReconfigureInterface:
         parts = (request.config.bools, request.config.ints, request.config.doubles)
         changes = {item.name: item.value for part in parts for item in part}
         changes.update((item.name, item.value) for item in request.config.strs)
-        declared = self._live.declaration.declared
+        held = on_wire(self._live.values)
+        # Some clients send all there is: what they leave as it is, others may have set just now.
+        news = {n: v for n, v in changes.items() if n in held and not is_same(v, held[n])}
         try:
-            self._live.change({name: changes[name] for name in changes if name in declared})
+            self._live.change(news)
         except ParameterError as error:
             rospy.logwarn("%s", error)
         except MasterUnreachable as error:

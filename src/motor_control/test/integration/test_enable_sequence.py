@@ -207,6 +207,8 @@ class EnableSequence(unittest.TestCase):
         set_point = self.start_set_point("_rate:=10000", "_offset:=2", "_stop_value:=0.25")
         self.assert_both_run()
         self.assertEqual(self.end(set_point, signal.SIGINT), 0)
+        # Until then there may be some left to read.
+        wait_until(lambda: self.inputs.publishers() == 0, lambda: "it is still connected")
         self.assertEqual(self.inputs.messages()[-1].data, 0.25)
         self.assertEqual([heard.data for heard in self.inputs.messages()].count(0.25), 1)
 

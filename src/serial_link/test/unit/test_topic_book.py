@@ -76,7 +76,7 @@ def test_what_a_good_round_leaves_out_is_gone_and_what_a_damaged_one_does_stays(
     book.mark_damaged()
     assert book.settle(2.0) is False
     assert names(book) == ["topic_125", "topic_126"]
-    book.begin(2.0, is_first=False)
+    book.begin(2.0)
     book.add(2.0, PUBLISHER, info(126))
     assert book.settle(3.0) is True
     assert names(book) == ["topic_126"]
@@ -109,7 +109,7 @@ def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() 
     assert book.takes(info(100, "new")) and not book.takes(info(100, "old"))
     book.mark_damaged()
     assert book.settle(2.5) is False and not book.has_all
-    book.begin(3.0, is_first=False)
+    book.begin(3.0)
     book.add(3.0, SUBSCRIBER, info(100, "new"))
     assert book.settle(3.5) is True and book.has_all
     assert names(book) == ["new"]
@@ -121,7 +121,7 @@ def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
     book.add(0.0, PUBLISHER, info(125, "motor_outqut"))
     book.mark_damaged()
     book.settle(1.0)
-    book.begin(1.0, is_first=False)
+    book.begin(1.0)
     book.add(1.0, PUBLISHER, info(125, "motor_output"))
     assert names(book) == ["motor_output"]
 
@@ -131,7 +131,7 @@ def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None
     book.mark_damaged()
     told = ["motor_outqut", "motor_output", "motor_output"]
     for time, (name, is_complete) in enumerate(zip(told, [False, False, True])):
-        book.begin(float(time), is_first=not time)
+        book.begin(float(time))
         book.add(float(time), PUBLISHER, info(125, name))
         assert book.settle(time + 0.5) is is_complete
         assert names(book) == [name]
@@ -144,11 +144,11 @@ def test_where_bytes_are_damaged_what_is_told_once_replaces_nothing() -> None:
     book = TopicBook()
     book.mark_damaged()
     for time, name in enumerate(["old", "old", "new", "new"]):
-        book.begin(float(time), is_first=False)
+        book.begin(float(time))
         book.add(float(time), PUBLISHER, info(125, name))
         assert book.settle(time + 0.5) is (time == 1)
         assert names(book) == ["new" if time == 3 else "old"]
-    book.begin(4.0, is_first=False)
+    book.begin(4.0)
     book.add(4.0, PUBLISHER, info(125, "new"))
     assert book.settle(4.5) is True
 
@@ -158,7 +158,7 @@ def test_rounds_that_never_agree_come_to_an_end() -> None:
     book.mark_damaged()
     is_complete: Optional[bool] = False
     while not is_complete:
-        book.begin(float(rounds), is_first=not rounds)
+        book.begin(float(rounds))
         book.add(float(rounds), PUBLISHER, info(125, f"topic_{rounds}"))
         is_complete = book.settle(rounds + 0.5)
         rounds += 1
@@ -171,12 +171,27 @@ def test_damaged_rounds_come_to_an_end() -> None:
     book.mark_damaged()
     while book.settle(float(rounds)) is False:
         rounds += 1
-        book.begin(float(rounds) - 0.5, is_first=False)
+        book.begin(float(rounds) - 0.5)
         book.mark_damaged()
     assert rounds == MOST_ROUNDS
     book.begin(100.0)
     book.mark_damaged()
     assert book.settle(101.0) is False
+
+
+def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
+    """As by a topic that is told wrong each time, and whose messages have the board asked anew."""
+    book, rounds = TopicBook(), 0
+    book.begin(0.0)
+    while not book.settle(float(rounds)) and rounds < 2 * MOST_ROUNDS:
+        book.begin(float(rounds))  # by a message whose id is not known
+        book.mark_damaged()
+        rounds += 1
+    assert rounds < MOST_ROUNDS
+    book.forget()
+    book.begin(100.0)
+    book.mark_damaged()
+    assert book.settle(101.0) is False  # a board that was started anew is asked as often again
 
 
 def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:

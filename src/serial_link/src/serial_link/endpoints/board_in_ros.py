@@ -35,7 +35,7 @@ from serial_link.negotiation.payloads import (
     Values,
     encode_values,
 )
-from serial_link.negotiation.topic_book import Endpoint
+from serial_link.negotiation.topic_book import SERVICES, Endpoint
 
 _LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 1.0, 1.0, 10.0
 _WORDS = {
@@ -160,7 +160,8 @@ class BoardInRos:
             one.adopt(endpoint)
             return one
         for other in set(self._open) - set(self._wanted):
-            if other[1] == endpoint.name and other[2] != endpoint.type:
+            is_like_it = (other[0] in SERVICES) == endpoint.is_service
+            if is_like_it and other[1] == endpoint.name and other[2] != endpoint.type:
                 self._close(other)  # the sketch before had another type there
         lifetime = self._maker.lifetime()
         try:

@@ -71,6 +71,7 @@ class SubscribedTopic:
         attributes = {name: getattr(data_class, name) for name in kept}
         self._raw = type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": []})
         self._ear = maker.lifetime()
+        self._is_replaced = False
         self._subscribe()
 
     def adopt(self, endpoint: Endpoint) -> None:
@@ -84,7 +85,10 @@ class SubscribedTopic:
     def enter(self) -> None:
         """Subscribe anew for a board that was started anew; the topic stays on the graph."""
         before, self._ear = self._ear, self._maker.lifetime()
+        # Meanwhile the new ear brings what is latched, and the one before all else.
+        self._is_replaced = True
         self._subscribe()
+        self._is_replaced = False  # first, so that in between a message comes twice, not never
         before.close()
 
     def fail(self, why: str) -> None:
@@ -96,7 +100,10 @@ class SubscribedTopic:
 
     def _on_message(self, ear: Maker, message: Any) -> None:
         payload, info = message._buff, self._info
-        if ear is not self._ear or not self._fits(payload):  # one ear replaces the other
+        is_latched = message._connection_header.get("latching") == "1"
+        is_new = ear is self._ear
+        is_due = is_new if is_latched else not (is_new and self._is_replaced)
+        if not is_due or not self._fits(payload):
             return
         baud = self._link.baud
         if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
@@ -107,7 +114,7 @@ class SubscribedTopic:
                 f"({baud} baud): it drops it",
                 "time",
             )
-        if message._connection_header.get("latching") == "1":
+        if is_latched:
             self._link.send_latched(info, payload)
         else:
             self._link.send(info, payload)

@@ -327,11 +327,11 @@ class BoardLink:
             self.inbox.put(topic_id, message)
         return contact.MESSAGE
 
-    def _carry_out(self, now: float, actions: List[str], is_first: bool = True) -> None:
+    def _carry_out(self, now: float, actions: List[str]) -> None:
         for action in actions:
             if action == contact.ASK:
                 self._tally.add(counts.ASKED)
-                self._book.begin(now, is_first)
+                self._book.begin(now)
                 self._outbox.keep(encode(payloads.PUBLISHER, b""))
                 if self._session.state == contact.ASKING and now - self._spoke_at > _NO_ANSWER_S:
                     self._outbox.keep(OLD_REQUEST)
@@ -350,7 +350,7 @@ class BoardLink:
         if is_complete is None or not self.is_in_step:
             return
         if not is_complete:
-            self._carry_out(now, [contact.ASK], is_first=False)
+            self._carry_out(now, [contact.ASK])
         longest = self._book.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
         self.inbox.keep(Topics(self._book.endpoints(), self._book.has_all))

@@ -18,7 +18,7 @@ MOST_ROUNDS = 20
 #: with more memory may have more.
 MOST_TOPICS = 250
 
-_SERVICES = (SERVICE_SERVER, SERVICE_CLIENT)
+SERVICES = (SERVICE_SERVER, SERVICE_CLIENT)
 
 
 class Endpoint(NamedTuple):
@@ -40,7 +40,7 @@ class Endpoint(NamedTuple):
     @property
     def is_service(self) -> bool:
         """Whether it is a service, none of whose messages may be lost."""
-        return self.kind in _SERVICES
+        return self.kind in SERVICES
 
 
 class TopicBook:
@@ -60,7 +60,8 @@ class TopicBook:
         #: What was told once, or otherwise the last time.
         self._doubted: Set[Tuple[int, int]] = set()
         self._ends_at: Optional[float] = None
-        self._is_damaged = self._is_noisy = False
+        self._is_damaged = self._is_noisy = self._is_complete = False
+        #: Since a round that was complete: damaged ones, and those that were broken off.
         self._rounds = 0
         #: Whether the board has told of all since it was started, in a round without any damage.
         self.has_all = False
@@ -69,19 +70,20 @@ class TopicBook:
         """Begin with a board that was started anew, perhaps with another sketch."""
         self._told, self.has_all = {}, False
         self._doubted.clear()
+        self._rounds, self._is_complete = 0, False
 
     @property
     def is_settled(self) -> bool:
         """Whether no round is under way."""
         return self._ends_at is None
 
-    def begin(self, now: float, is_first: bool = True) -> None:
+    def begin(self, now: float) -> None:
         """Begin a round, as the board was asked.
 
         :param now: the time, s
-        :param is_first: whether it is not the one before that is repeated
         """
-        self._rounds = 1 if is_first else self._rounds + 1
+        self._rounds = 1 if self._is_complete else self._rounds + 1
+        self._is_complete = False
         self._seen.clear()
         self._ends_at, self._is_damaged = now + SETTLED_S, False
 
@@ -121,13 +123,13 @@ class TopicBook:
         if self._ends_at is None or now < self._ends_at:
             return None
         self._ends_at = None
-        if self._is_damaged:
-            return self._rounds >= MOST_ROUNDS
-        if self._seen:
+        if self._seen and not self._is_damaged:
             self._told = {key: told for key, told in self._told.items() if key in self._seen}
             self._doubted &= self._seen
             self.has_all = True
-        return not (self._is_noisy and self._doubted) or self._rounds >= MOST_ROUNDS
+        is_good = not (self._is_damaged or self._is_noisy and self._doubted)
+        self._is_complete = is_good or self._rounds >= MOST_ROUNDS
+        return self._is_complete
 
     def incoming(self, topic_id: int) -> Optional[Endpoint]:
         """Return what a frame from the board is about, None if that is not known.
@@ -161,7 +163,7 @@ class TopicBook:
             return Endpoint(PUBLISHER, info.name, info.type, info, None)
         if told_by == SUBSCRIBER:
             return Endpoint(SUBSCRIBER, info.name, info.type, None, info)
-        if told_by in _SERVICES:
+        if told_by in SERVICES:
             for other, half in self._told.values():
                 is_other_half = other == told_by + SUBSCRIBER and half.name == info.name
                 if is_other_half and half.type == info.type:

@@ -305,6 +305,30 @@ class Modules(BrowserTest):
         self.assertEqual(states, ["connecting", "lost", "connecting", "connecting", "connected", 2])
         self.assertEqual((wait, closed), (10000, [True, True, False]))
 
+    def test_a_page_that_was_cut_off_waits_longer_as_its_link_may_be_slow(self) -> None:
+        code = """(() => {
+          const sockets = [], timers = [], waits = [];
+          const natives = { WebSocket, setTimeout };
+          globalThis.WebSocket = class {
+            constructor() { this.events = {}; sockets.push(this); }
+            addEventListener(name, listener) { this.events[name] = listener; }
+            close() {}
+          };
+          globalThis.setTimeout = (work, wait) => timers.push({ work, wait });
+          const connection = new module.Connection("ws://nowhere", () => {}, () => {});
+          for (let times = 0; times < 5; times += 1) {
+            connection.connect();
+            waits.push(timers.at(-1).wait);
+            connection.expectMore();
+            sockets.at(-1).events.message({ data: "1" });
+            timers.at(-1).work();
+          }
+          Object.assign(globalThis, natives);
+          return waits;
+        })()"""
+        waits = self.browser.call("base/connection.js", code)
+        self.assertEqual(waits, [10000, 20000, 40000, 60000, 60000])
+
     def test_typed_numbers(self) -> None:
         texts = ["1.5", " -2.25 ", "−3", "1e3", "", "fast", "1,000", "2,5"]
         answers = self.browser.call("base/numbers.js", "a[0].map(module.readNumber)", texts)

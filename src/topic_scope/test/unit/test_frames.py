@@ -66,6 +66,17 @@ def test_odometry_counts_where_nobody_publishes_transforms() -> None:
     assert frames.place("base").transform.position[0] == 7.0
 
 
+def test_where_one_topic_is_gone_another_that_has_told_of_a_frame_counts() -> None:
+    frames = Frames()
+    frames.set_transform("/tf_static", "map", "odom", turned(0.0, 1.0))
+    frames.set_transform("/tf", "map", "odom", turned(0.0, 2.0))
+    assert frames.place("odom").transform.position[0] == 2.0
+    frames.keep(["/tf_static"])
+    assert frames.place("odom").transform.position[0] == 1.0
+    frames.keep([])
+    assert not frames.knows("odom")
+
+
 def test_a_ring_of_frames_ends() -> None:
     frames = Frames()
     frames.set_transform("/tf", "a", "b", IDENTITY)

@@ -40,6 +40,7 @@ class Driving:
         self._wheels: Dict[str, Tuple[Page, Wheel]] = {}
         self._wanted: Dict[Page, str] = {}
         self._goals: Dict[str, rospy.Publisher] = {}
+        self._is_over = False
         node.before_end(self._stop_all)
 
     def on_state(self, state: GraphState) -> None:
@@ -90,6 +91,8 @@ class Driving:
             if former is not page:
                 former.put_once({"type": "error", "text": f"another page drives on {topic} now"})
             self._wheels[topic] = (page, made)
+            if self._is_over:  # that one was not there yet when all were closed
+                made.close()
             page.put(_steering(topic, made.datatype))
 
     def leave(self, page: Page) -> None:
@@ -116,6 +119,7 @@ class Driving:
 
     def _stop_all(self) -> None:
         # For good: pages go on sending commands to the thread of the web until the process ends.
+        self._is_over = True
         if any([one.close() for _, one in list(self._wheels.values())]):
             time.sleep(_LAST_S)
 

@@ -82,15 +82,21 @@ class Frames:
     """Knows where each frame was told to be last."""
 
     def __init__(self) -> None:
-        #: Of each frame the topic that told of it last, the frame that it is in, and where.
-        self._parents: Dict[str, Tuple[str, str, Transform]] = {}
+        #: Of each frame by topic, the latest last: the frame that it is in, and where.
+        self._parents: Dict[str, Dict[str, Tuple[str, Transform]]] = {}
+        #: Of each frame the topic that has told of it, the frame that it is in, and where.
         self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
 
     def keep(self, topics: Container[str]) -> None:
         """Forget what other topics have told."""
-        for told in (self._parents, self._guesses):
-            for child in [child for child, (source, *_) in told.items() if source not in topics]:
-                del told[child]
+        parents = {
+            child: {source: place for source, place in told.items() if source in topics}
+            for child, told in self._parents.items()
+        }
+        self._parents = {child: told for child, told in parents.items() if told}
+        self._guesses = {
+            child: guess for child, guess in self._guesses.items() if guess[0] in topics
+        }
 
     def set_transform(self, source: str, parent: str, child: str, transform: Transform) -> None:
         """Take note of what ``/tf`` tells.
@@ -99,7 +105,9 @@ class Frames:
         """
         child = bare(child)
         if len(self._parents) < _FRAMES or child in self._parents:
-            self._parents[child] = (source, bare(parent), transform)
+            told = self._parents.setdefault(child, {})
+            told.pop(source, None)
+            told[source] = (bare(parent), transform)
 
     def set_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
         """Take note of what an odometry says; it counts where ``/tf`` says nothing of the child.
@@ -120,7 +128,7 @@ class Frames:
         frame, transform = bare(frame), IDENTITY
         for _ in range(_DEPTH):
             if frame in self._parents:
-                _, frame, step = self._parents[frame]
+                frame, step = next(reversed(self._parents[frame].values()))
             elif frame in self._guesses:
                 _, frame, step = self._guesses[frame]
             else:

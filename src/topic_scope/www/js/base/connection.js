@@ -2,7 +2,10 @@
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
-const SILENT_MS = 10000; // a server says something at once, and then each second: one that does not is none
+// A server says something at once, and then each second: one that does not is none. On a slow link a large
+// message may take longer, so the page waits longer each time that it was cut off.
+const SILENT_MS = 10000;
+const LONGEST_SILENT_MS = 60000;
 
 /** Sends and receives objects; connects again after a loss, each time after a longer wait. */
 export class Connection {
@@ -18,6 +21,7 @@ export class Connection {
     this.onMessage = onMessage;
     this.onChange = onChange;
     this.wait = FIRST_WAIT_MS;
+    this.patience = SILENT_MS;
     this.socket = null;
     this.timer = null;
     this.expectsMore = false;
@@ -34,7 +38,7 @@ export class Connection {
     this.expectsMore = false;
     const expect = () => {
       clearTimeout(this.timer);
-      this.timer = setTimeout(() => this.giveUp(), SILENT_MS);
+      this.timer = setTimeout(() => this.giveUp(), this.patience);
     };
     expect();
     let isWelcome = false; // a server that has no place for this page closes without a message
@@ -64,6 +68,7 @@ export class Connection {
     const former = this.socket;
     this.socket = null;
     former.close();
+    if (this.expectsMore) this.patience = Math.min(2 * this.patience, LONGEST_SILENT_MS);
     this.retryLater("The scope does not answer");
   }
 

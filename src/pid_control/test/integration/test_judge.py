@@ -183,13 +183,14 @@ class Judge(unittest.TestCase):
                 env=self.environment(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
+                start_new_session=True,
             )
             self.addCleanup(judge.kill)
             wait_until(
                 lambda: any(program in one and str(JUDGE) not in one for one in self.processes()),
                 lambda: f"no {program} among {self.processes()}",
             )
-            judge.send_signal(signal.SIGINT)
+            os.killpg(judge.pid, signal.SIGINT)  # as a terminal does: to all in the foreground
             _, errors = judge.communicate(timeout=LONG_S)
             self.assertEqual((judge.returncode, errors.decode()), (130, ""))
             wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")

@@ -101,9 +101,13 @@ class Process:
 
 
 class Master:
-    """A master that can be killed and started again; its parameters go with it."""
+    """A master that can be killed and started again; its parameters go with it.
 
-    def __init__(self) -> None:
+    :param start_new_session: whether Ctrl-C in a terminal is kept from it
+    """
+
+    def __init__(self, start_new_session: bool = False) -> None:
+        self._start_new_session = start_new_session
         self._take_port()
         while self._pid_there() != self._popen.pid:  # another process has taken the port, too
             self.kill()
@@ -120,6 +124,7 @@ class Master:
             ["rosmaster", "--core", "-p", str(self._port)],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            start_new_session=self._start_new_session,
         )
         try:
             wait_until(self._pid_there, lambda: "no answer of the master")

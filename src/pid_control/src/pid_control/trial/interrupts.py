@@ -26,5 +26,5 @@ def interrupts_put_off() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-    for given in came:
-        signal.raise_signal(given)
+        for given in came:  # also after an exception, which may have come of them
+            signal.raise_signal(given)

@@ -26,7 +26,8 @@ class OwnMaster:
         self._master: Optional[Master] = None
         try:
             with interrupts_put_off():
-                self._master = master = Master()
+                # In a session of its own: Ctrl-C would end what is being waited for here.
+                self._master = master = Master(start_new_session=True)
         except BaseException:
             self.close()
             raise

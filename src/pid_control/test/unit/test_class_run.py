@@ -10,6 +10,24 @@ import pytest
 from pid_control.trial import class_run
 from pid_control.trial.class_run import packages_in, run_bounded
 
+#: Stands for a build: makes a workspace, and says something in the user's language.
+CATKIN_MAKE = """#!/bin/sh
+mkdir -p "$2/devel/lib/x" && touch "$2/devel/env.sh" "$2/devel/lib/x/program"
+echo "{says} ($LC_ALL)"
+exit {status}
+"""
+
+
+def build_with(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", says: str, status: int
+) -> str:
+    """Build a package by a catkin_make that does nothing but this; return the workspace."""
+    (tmp_path / "catkin_make").write_text(CATKIN_MAKE.format(says=says, status=status))
+    (tmp_path / "catkin_make").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    (tmp_path / "x").mkdir()
+    return class_run.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
+
 
 def found(folder: pathlib.Path) -> List[str]:
     return [os.path.relpath(package, str(folder)) for package in packages_in(str(folder))]
@@ -51,9 +69,23 @@ def test_the_first_error_of_a_build_is_told() -> None:
     assert class_run._what_is_wrong("") == ""
 
 
+def test_build_has_failed_where_its_status_says_so(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    with pytest.raises(class_run._Broken, match=r"it does not build: Fehler 2 \(C\)"):
+        build_with(tmp_path, monkeypatch, "Fehler 2", 1)
+
+
+def test_warning_that_quotes_an_error_is_none(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    workspace = build_with(tmp_path, monkeypatch, "warning: x = 1; // Error of the integral", 0)
+    assert os.path.isdir(workspace)
+
+
 def test_what_hangs_is_ended(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(class_run, "_BEYOND_S", 0.2)
     began = time.monotonic()
     command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]
-    assert run_bounded(command, 0.5, dict(os.environ)) == "begun\n"
+    assert run_bounded(command, 0.5, dict(os.environ))[0] == "begun\n"
     assert time.monotonic() - began < 20.0

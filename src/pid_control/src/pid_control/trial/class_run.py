@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from typing import Dict, List, Optional, Sequence
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from pid_control.judging.class_page import as_html
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
@@ -94,7 +94,7 @@ class ClassRun:
             paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
             environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)
             command = [sys.executable, os.path.abspath(sys.argv[0]), *options]
-            text = run_bounded(
+            text, _ = run_bounded(
                 [*command, found[0], *self._arguments],
                 self._time_limit + _BEYOND_S,
                 environment,
@@ -163,8 +163,9 @@ def build(package: str, scratch: str) -> str:
     workspace = os.path.join(scratch, "workspace")
     os.makedirs(os.path.join(workspace, "src"))
     os.symlink(package, os.path.join(workspace, "src", os.path.basename(package)))
-    text = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, dict(os.environ))
-    if not os.path.isfile(os.path.join(workspace, "devel", "env.sh")) or "Error " in text:
+    environment = dict(os.environ, LC_ALL="C")  # what is wrong is looked for in English
+    text, status = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, environment)
+    if status != 0:
         raise _Broken(f"it does not build: {_what_is_wrong(text)}")
     return workspace
 
@@ -176,13 +177,15 @@ def _what_is_wrong(text: str) -> str:
     return " ".join(lines[first : first + 2])[:300]
 
 
-def run_bounded(command: List[str], longest: float, environment: Dict[str, str]) -> str:
+def run_bounded(
+    command: List[str], longest: float, environment: Dict[str, str]
+) -> Tuple[str, int]:
     """Run a command to its end, or end it and what it started.
 
     :param command: program and arguments
     :param longest: how long it may take, s
     :param environment: its variables
-    :returns: what it wrote
+    :returns: what it wrote, and its exit status
     """
     process = subprocess.Popen(
         command,
@@ -208,4 +211,4 @@ def run_bounded(command: List[str], longest: float, environment: Dict[str, str])
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGINT)
             process.wait(_BEYOND_S)
-    return (output or b"").decode(errors="replace")
+    return (output or b"").decode(errors="replace"), process.returncode

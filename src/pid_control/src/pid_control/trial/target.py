@@ -87,7 +87,7 @@ def find_in(place: str, name: str) -> List[str]:
     found = [
         os.path.join(folder, name)
         for folder, folders, files in os.walk(place)
-        if name in files and not _hide(folders)
+        if not _hide(folders) and name in files
     ]
     return sorted(found, key=lambda path: (not os.access(path, os.X_OK), path))
 

@@ -177,9 +177,7 @@ def _what_is_wrong(text: str) -> str:
     return " ".join(lines[first : first + 2])[:300]
 
 
-def run_bounded(
-    command: List[str], longest: float, environment: Dict[str, str]
-) -> Tuple[str, int]:
+def run_bounded(command: List[str], longest: float, environment: Dict[str, str]) -> Tuple[str, int]:
     """Run a command to its end, or end it and what it started.
 
     :param command: program and arguments

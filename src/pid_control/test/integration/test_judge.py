@@ -145,7 +145,15 @@ class Judge(unittest.TestCase):
         wrong.write_text("steps: {overshot: 5}\n")
         not_executable = self.folder / "controller.py"
         not_executable.write_text("")
+        simulated = self.folder / "simulated.launch"
+        simulated.write_text(
+            """<launch>
+              <param name="/use_sim_time" value="true"/>
+              <node pkg="pid_control" type="controller.py" name="controller"/>
+            </launch>"""
+        )
         refused = {
+            f"{simulated} /controller: it sets /use_sim_time": ["--real-plant", simulated],
             f"{wrong}: steps: overshot: not measured there": ["--limits", wrong, "x"],
             "nowhere.yaml: No such file": ["--limits", "nowhere.yaml", "x"],
             "what? a package and a name in it, or a path": [],

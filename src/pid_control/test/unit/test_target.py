@@ -2,7 +2,7 @@
 
 import pathlib
 
-from pid_control.trial.target import find_in
+from pid_control.trial.target import find_in, find_target
 
 
 def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
@@ -11,3 +11,28 @@ def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
         (tmp_path / folder / "controller.py").write_text("")
     found = [str(tmp_path / "scripts" / "controller.py")]
     assert find_in(str(tmp_path), "controller.py") == found
+
+
+def test_parameters_of_other_nodes_are_apart(tmp_path: pathlib.Path) -> None:
+    launch = tmp_path / "loop.launch"
+    launch.write_text(
+        """<launch>
+          <param name="limit" value="1.0"/>
+          <node pkg="pid_control" type="system.py" name="loop">
+            <param name="system_param_K" value="2.0"/>
+          </node>
+          <group ns="loop">
+            <node pkg="pid_control" type="controller.py" name="controller">
+              <param name="kp" value="0.5"/>
+            </node>
+            <node pkg="pid_control" type="controller.py" name="controller2">
+              <param name="kp" value="0.7"/>
+            </node>
+          </group>
+        </launch>"""
+    )
+    target = find_target([str(launch)], "controller")
+    parameters = target.parameters.items()
+    assert parameters >= {"/limit": 1.0, "/loop/controller/kp": 0.5}.items()
+    assert not parameters & target.of_others.items()
+    assert target.of_others == {"/loop/system_param_K": 2.0, "/loop/controller2/kp": 0.7}

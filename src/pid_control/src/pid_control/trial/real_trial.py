@@ -45,7 +45,7 @@ class RealTrial:
         self.latest = 0.0
         self._controller: Optional[ControllerProcess] = None
         plant.before_shut_down(self._end_controller)
-        for key, value in target.parameters.items():
+        for key, value in target.parameters.items():  # not those of the plant that is judged with
             rospy.set_param(key, value)
 
     def run(self, scenario: Scenario) -> Record:

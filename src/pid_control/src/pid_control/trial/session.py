@@ -68,6 +68,9 @@ class Session:
         from pid_control.trial.real_trial import RealTrial
 
         wanted, left_out = self._for_real_plant()
+        if self._target.parameters.get("/use_sim_time"):
+            what = "it sets /use_sim_time, by which the plant would go too: leave that out"
+            raise CannotJudge(f"{self._target.name}: {what}")
         try:
             plant = RealPlant()
             try:

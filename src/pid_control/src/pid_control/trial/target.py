@@ -24,12 +24,14 @@ class Target(NamedTuple):
     :ivar command: the program and its arguments
     :ivar environment: all its variables
     :ivar parameters: what is to be on the parameter server, by global name
+    :ivar of_others: likewise, the private parameters of the other nodes of its launch file
     """
 
     name: str
     command: List[str]
     environment: Dict[str, str]
     parameters: Dict[str, Any]
+    of_others: Dict[str, Any]
 
 
 def find_target(
@@ -51,7 +53,7 @@ def find_target(
             raise TargetError(f"--node is for launch files: {path} is none")
         if not os.access(path, os.X_OK):
             raise TargetError(f"{path} is not executable: chmod +x {path}")
-        return Target(path, [path, *arguments], environment, {})
+        return Target(path, [path, *arguments], environment, {}, {})
     return _launched(path, arguments, node, environment)
 
 
@@ -141,8 +143,14 @@ def _launched(
     finally:
         os.environ.clear()
         os.environ.update(before)
-    parameters = {parameter.key: parameter.value for parameter in config.params.values()}
-    return Target(f"{path} {_name(node)}", command, variables, parameters)
+    own = _name(node) + "/"
+    others = tuple(_name(other) + "/" for other in config.nodes if other is not node)
+    parameters: Dict[str, Any] = {}
+    of_others: Dict[str, Any] = {}
+    for key, parameter in config.params.items():
+        is_others = key.startswith(others) and not key.startswith(own)
+        (of_others if is_others else parameters)[key] = parameter.value
+    return Target(f"{path} {_name(node)}", command, variables, parameters, of_others)
 
 
 def _name(node: Node) -> str:

@@ -55,7 +55,7 @@ class Trial:
         self._clock = _FIRST_CLOCK
         #: How late this process was at most where the machine's clock is gone by, s.
         self.latest = 0.0
-        for key, value in target.parameters.items():
+        for key, value in {**target.of_others, **target.parameters}.items():
             rospy.set_param(key, value)
         rospy.set_param("/use_sim_time", not real_time)
 

@@ -6,7 +6,7 @@ import xml.etree.ElementTree
 import pytest
 
 from pid_control.identification.response import Model
-from pid_control.law.pid import PI
+from pid_control.law.pid import PI, P
 from pid_control.tuning.closed_loop import as_picture, as_table, respond
 from pid_control.tuning.rules import LAMBDA, METHODS, SIMC, Gains, gains_of
 
@@ -32,11 +32,28 @@ def test_figures_of_a_loop_that_swings() -> None:
     assert response.settling_time > 2.0
 
 
-def test_weak_controller_never_gets_there() -> None:
-    response = respond(MODEL, Gains(SIMC, "", PI, 0.01, 0.001), PERIOD, -1.0, 1.0)
+def test_controller_without_an_integral_does_not_get_there() -> None:
+    response = respond(MODEL, Gains(SIMC, "", P, 0.01, 0.0), PERIOD, -1.0, 1.0)
     assert math.isinf(response.settling_time)
     assert math.isinf(response.rise_time)
-    assert "never" in as_table([response])
+    assert as_table([response]).endswith(" > 14.51")
+
+
+@pytest.mark.parametrize("wanted", [5.0, 50.0])
+def test_slow_loop_is_given_the_time_that_it_needs(wanted: float) -> None:
+    found = gains_of(MODEL, PERIOD, wanted)
+    for method in (SIMC, LAMBDA):
+        response = respond(MODEL, found[method], PERIOD, -10.0, 10.0)
+        # Within 2 % a first-order system is after ln 50 time constants.
+        assert response.settling_time == pytest.approx(wanted * math.log(50.0), rel=0.15)
+        assert response.rise_time == pytest.approx(wanted * math.log(9.0), rel=0.15)
+
+
+def test_plant_far_slower_than_its_controller_is_not_followed_for_ever() -> None:
+    slow = MODEL._replace(time_constant=1e5)
+    response = respond(slow, gains_of(slow, PERIOD)[LAMBDA], PERIOD, -1.0, 1.0)
+    assert response.times[-1] < 0.1 * slow.time_constant
+    assert as_table([response]).endswith(f" > {response.times[-1]:.4g}")
 
 
 def test_set_point_is_within_reach_and_inputs_within_limits() -> None:

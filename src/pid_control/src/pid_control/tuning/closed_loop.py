@@ -12,8 +12,8 @@ from pid_control.motor.delayed_plant import DelayedPlant
 from pid_control.tuning.rules import Gains
 
 #: The step goes to this share of what the plant can do, and takes so many time constants and dead
-#: times.
-_SHARE, _LONG = 0.5, 12.0
+#: times of the plant or, where that is slower, of the loop; but at most so many answers.
+_SHARE, _LONG, _MOST = 0.5, 12.0, 200_000
 #: How near the output has to stay to have settled, as a share of the step.
 _NEAR = 0.02
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
@@ -49,7 +49,7 @@ class Response(NamedTuple):
 
     @property
     def settling_time(self) -> float:
-        """From when on the output stays near the set point, s; infinite where it does not."""
+        """From when on the output stays near the set point, s; infinite where it does not yet."""
         off = [
             time
             for time, value in zip(self.times, self.outputs)
@@ -81,9 +81,11 @@ def respond(model: Model, gains: Gains, period: float, least: float, largest: fl
     settings = PidSettings(gains.mode, gains.kp, gains.ki, gains.kd, gains.filter_time)
     law = Pid(settings._replace(output_min=least, output_max=largest))
     set_point = math.copysign(_SHARE * min(abs(model.gain) * largest, model.limit), model.gain)
-    duration = _LONG * (model.time_constant + model.dead_time + period)
+    # A slow loop is about as slow as its integral, which alone would be 1 / (K ki).
+    loop = 1.0 / abs(model.gain * gains.ki) if gains.ki != 0.0 else 0.0
+    duration = _LONG * max(model.time_constant + model.dead_time + period, loop)
     response = Response(gains, [], [], [], set_point)
-    for number in range(math.ceil(duration / period)):
+    for number in range(min(math.ceil(duration / period), _MOST)):
         time = number * period
         speed = motor.output(time)
         given = law.update(set_point, speed, period if number else 0.0).output
@@ -114,7 +116,7 @@ def as_table(responses: List[Response]) -> str:
 
 def _settled(response: Response) -> str:
     time = response.settling_time
-    return f"{time:.3g}" if math.isfinite(time) else "never"
+    return f"{time:.3g}" if math.isfinite(time) else f"> {response.times[-1]:.4g}"
 
 
 def as_picture(responses: List[Response]) -> str:
@@ -122,8 +124,9 @@ def as_picture(responses: List[Response]) -> str:
 
     :param responses: of each method; at least one
     """
-    first = responses[0]
-    wanted = Curve("set point", _SET_POINT, first.times, [first.set_point] * len(first.times))
+    longest = max(responses, key=lambda response: len(response.times))
+    asked = [longest.set_point] * len(longest.times)
+    wanted = Curve("set point", _SET_POINT, longest.times, asked)
     outputs, inputs = [wanted], []
     for one, colour in zip(responses, _COLOURS):
         outputs.append(Curve(one.gains.method, colour, one.times, one.outputs))

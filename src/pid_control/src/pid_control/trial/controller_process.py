@@ -21,7 +21,8 @@ _PATIENCE_S = 2.0
 class ControllerProcess:
     """A controller that runs.
 
-    It has a process group of its own, so that Ctrl-C reaches the judge alone.
+    It has a process group of its own, so that Ctrl-C reaches the judge alone. To be made while
+    interrupts are put off, until there is somebody who ends it.
 
     :param target: what to start
     :param environment: variables to set, besides those of the target
@@ -33,19 +34,14 @@ class ControllerProcess:
         self.watch = ProcessWatch(mark)
         self._tail = b""
         self._written = 0
-        try:
-            with interrupts_put_off():
-                self._popen = subprocess.Popen(
-                    target.command,
-                    env={**target.environment, **environment, MARK: mark},
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.STDOUT,
-                    start_new_session=True,
-                )
-        except (KeyboardInterrupt, SystemExit):
-            self.watch.kill(_PATIENCE_S)
-            raise
+        self._popen = subprocess.Popen(
+            target.command,
+            env={**target.environment, **environment, MARK: mark},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -76,6 +72,7 @@ class ControllerProcess:
     def end(self) -> None:
         """End it, and all that it started; interrupts wait until that is done."""
         with interrupts_put_off():
+            self._popen.kill()  # which the watch does not know for a moment while it is started
             self.watch.kill(_PATIENCE_S)
             self._popen.wait()
             self._reader.join(_PATIENCE_S)

@@ -59,19 +59,22 @@ class RealTrial:
         """
         self._plant.wait_until_it_stands()
         before = self._plant.connections()
-        controller = ControllerProcess(self._target, {"ROS_MASTER_URI": get_master_uri()})
-        self._controller = controller
+        environment = {"ROS_MASTER_URI": get_master_uri()}
+        controller: Optional[ControllerProcess] = None
         try:
+            with interrupts_put_off():
+                controller = self._controller = ControllerProcess(self._target, environment)
             record = self._connect_and_run(scenario, controller, before)
             self._plant.check_node()  # a shut-down ends the controller, which is not to blame
             return record
         finally:
             try:
                 self._plant.stop()
-                controller.interrupt()
+                if controller is not None:
+                    controller.interrupt()
             finally:
                 with interrupts_put_off():
-                    controller.end()
+                    self._end_controller()
                     self._plant.stop()
 
     def _end_controller(self) -> None:

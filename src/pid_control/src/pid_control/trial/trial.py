@@ -11,6 +11,7 @@ from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.motor.status import NOT_TURNING
 from pid_control.trial.controller_process import ControllerProcess
+from pid_control.trial.interrupts import interrupts_put_off
 from pid_control.trial.outcome import OutOfTime, completed, fate_of
 from pid_control.trial.pace import Pace, RealPace, SteppedPace
 from pid_control.trial.stage import Stage
@@ -68,11 +69,14 @@ class Trial:
         """
         self._wait_until_alone()
         self._clock = _FIRST_CLOCK
-        controller = ControllerProcess(self._target, self._environment)
+        controller: Optional[ControllerProcess] = None
         try:
+            with interrupts_put_off():
+                controller = ControllerProcess(self._target, self._environment)
             return self._run(scenario, controller)
         finally:
-            controller.end()
+            if controller is not None:
+                controller.end()
 
     def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
         experiment = Experiment(scenario, self._clock)

@@ -1,16 +1,25 @@
 #!/usr/bin/env python3
 """The judge says of each gains that ``tune`` has found what it thinks of them."""
 
+import os
+import pathlib
+import signal
 import subprocess
 import sys
+import tempfile
 import unittest
+from typing import List
+
+import rospkg
 
 from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from pid_control.judging.scenarios import BY_NAME
 from pid_control.law.pid import PI
 from pid_control.trial.gains_trial import judge_gains
 from pid_control.tuning.rules import Gains
 
+TUNE = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts", "tune")
 GOOD = Gains("good", "a test", PI, 0.08, 1.5)
 WEAK = Gains("weak", "a test", PI, 0.001, 0.01)
 #: Judges in a process of its own: one becomes a node once.
@@ -20,6 +29,18 @@ from pid_control.tuning.rules import Gains
 for _, text in judge_gains([Gains("good", "a test", "PI", 0.08, 1.5)], time_limit=0.1):
     print(text)
 """
+
+
+def processes(folder: str) -> List[str]:
+    """Return the command lines of all processes whose temporary files go to a folder."""
+    found = []
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if f"TMPDIR={folder}".encode() in (process / "environ").read_bytes().split(b"\0"):
+                found.append((process / "cmdline").read_bytes().decode())
+        except OSError:
+            continue  # it has just ended
+    return found
 
 
 class GainsTrial(unittest.TestCase):
@@ -37,6 +58,29 @@ class GainsTrial(unittest.TestCase):
         said = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode()
         self.assertEqual(said.splitlines()[-1], "not judged: 0.1 s are over")
 
+    def test_tune_that_is_told_to_end_leaves_nothing_behind(self) -> None:
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+            with tempfile.TemporaryDirectory() as folder:
+                model = pathlib.Path(folder) / "model.yaml"
+                model.write_text("{system_param_K: 13.1, system_param_T: 0.1}")
+                tune = subprocess.Popen(
+                    [TUNE, str(model), "--judge"],
+                    env={**os.environ, "TMPDIR": folder},
+                    stderr=subprocess.PIPE,
+                )
+                self.addCleanup(tune.kill)
+                wait_until(
+                    lambda: any("controller.py" in line for line in processes(folder)),
+                    lambda: f"no controller.py among {processes(folder)}",
+                )
+                tune.send_signal(number)
+                _, errors = tune.communicate(timeout=TIMEOUT_S)
+                self.assertEqual((tune.returncode, errors.decode()), (128 + number, ""))
+                self.assertEqual(processes(folder), [])
+                self.assertEqual(os.listdir(folder), ["model.yaml"])
+
 
 if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     rosrun("pid_control", "gains_trial", GainsTrial)

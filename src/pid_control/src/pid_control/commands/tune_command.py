@@ -9,6 +9,7 @@ import rospy
 from pid_control.commands.arguments import number, svg_path, yaml_path
 from pid_control.files import write_file
 from pid_control.identification.model_file import ModelError, model_in
+from pid_control.trial.interrupts import exit_when_told_to
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
 
@@ -19,6 +20,7 @@ _WRONG = 2
 def main() -> None:
     """Print the gains by each method, and write those of one; end with 0 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
+    exit_when_told_to()
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it")
     try:

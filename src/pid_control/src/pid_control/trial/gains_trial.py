@@ -1,17 +1,14 @@
 """What the judge says of the reference controller with gains."""
 
-import os
 import time
 from typing import Iterator, List, Sequence, Tuple
 
-import rospkg
-
 from pid_control.judging.judgement import judge
-from pid_control.judging.limits import read_limits
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_sentences
 from pid_control.judging.scenarios import SCENARIOS, Scenario
 from pid_control.trial.outcome import OutOfTime
+from pid_control.trial.own_limits import own_limits
 from pid_control.trial.own_master import OwnMaster
 from pid_control.trial.target import find_target
 from pid_control.tuning.rules import Gains
@@ -32,9 +29,7 @@ def judge_gains(
     :param time_limit: how long the judgement of one may take, s
     :returns: each with what is wrong, and the verdict
     """
-    folder = rospkg.RosPack().get_path("pid_control")
-    with open(os.path.join(folder, "config", "judge_limits.yaml"), encoding="utf-8") as file:
-        limits = read_limits(file.read())
+    limits = own_limits()
     master = OwnMaster()
     try:
         # They import rospy, which goes by the master that it finds.

@@ -1,9 +1,22 @@
-"""Ctrl-C, SIGTERM and the end of the terminal, put off while processes start or end."""
+"""Ctrl-C, SIGTERM and the end of the terminal: they end a command, but not while processes start or
+end.
+"""
 
 import contextlib
 import signal
+import sys
 import threading
 from typing import Iterator, List
+
+
+def exit_when_told_to() -> None:
+    """Have SIGTERM and SIGHUP raise SystemExit, as Ctrl-C raises KeyboardInterrupt.
+
+    By default they end a process at once, and leave behind what it has started.
+    """
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # or nohup would be of no use
+            signal.signal(number, lambda given, _frame: sys.exit(128 + given))
 
 
 @contextlib.contextmanager

@@ -2,8 +2,6 @@
 
 import argparse
 import os
-import pathlib
-import signal
 import sys
 from typing import List, NoReturn, Optional, Sequence, Tuple
 
@@ -14,7 +12,9 @@ from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario
+from pid_control.trial.interrupts import exit_when_told_to
 from pid_control.trial.outcome import CannotJudge
+from pid_control.trial.own_limits import own_limits
 
 #: How long a judgement may take unless another time is given, s.
 _TIME_LIMIT_S = 120.0
@@ -37,9 +37,7 @@ def main() -> None:
     words, xml = _without_rostest(sys.argv[1:])
     del sys.argv[1:]  # the rest is for the controller, and rospy would go by it
     arguments = _parser().parse_args(words)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:  # or nohup would be of no use
-            signal.signal(number, lambda given, _frame: sys.exit(128 + given))
+    exit_when_told_to()
     try:
         limits = _limits(arguments.limits)
         for path in (arguments.picture, arguments.csv):
@@ -168,30 +166,15 @@ def _speed(text: str) -> float:
 
 def _limits(path: Optional[str]) -> Limits:
     """Return the limits of a file, or what is given without one."""
-    limits = read_limits(_text_of(_default_limits()))
+    limits = own_limits()
     if path is None:
         return limits
     try:
-        return merged(limits, read_limits(_text_of(path)))
+        with open(path, encoding="utf-8") as file:
+            return merged(limits, read_limits(file.read()))
     except (LimitsError, UnicodeDecodeError) as error:
         print(f"judge: {path}: {error}", file=sys.stderr)
         sys.exit(STATUS[NOT_JUDGED])
-
-
-def _default_limits() -> str:
-    """Return the file that belongs to this module, by its place in the source or the installation.
-
-    ROS_PACKAGE_PATH may have a package first that a student has called pid_control too.
-    """
-    above = pathlib.Path(__file__).resolve().parents
-    places = (above[3], above[3].parent.parent / "share" / "pid_control")
-    files = [place / "config" / "judge_limits.yaml" for place in places]
-    return str(next((file for file in files if file.is_file()), files[-1]))
-
-
-def _text_of(path: str) -> str:
-    with open(path, encoding="utf-8") as file:
-        return file.read()
 
 
 def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:

@@ -1,8 +1,10 @@
 """Sends the robot somewhere, and logs how far it is until it has arrived."""
 
+import math
 from typing import Optional
 
 import rospy
+from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo_msgs.msg import Progress
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest
@@ -11,6 +13,8 @@ from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, g
 _CONTROLLER = "proportional_controller"
 #: The phase of a goal to which there is no progress.
 _GIVEN_UP = "given_up"
+#: How long the controller may tell no progress before that is logged, s.
+_SILENCE_S = 3.0
 
 
 def _coordinate(unit: str, what: str) -> FloatParameter:
@@ -24,16 +28,27 @@ class RobotControlParameters(ParameterSet):
     y = _coordinate("m", "y of the goal")
     theta = _coordinate("rad", "heading at the goal")
 
+    def is_at(self, pose: PoseStamped) -> bool:
+        """Tell whether a pose is this goal.
+
+        :param pose: a goal, as the controller tells it
+        """
+        position, turn = pose.pose.position, pose.pose.orientation
+        angle = 2.0 * math.atan2(turn.z, turn.w) - self.theta
+        return (position.x, position.y) == (self.x, self.y) and math.cos(angle) > 1.0 - 1e-9
+
 
 class RobotControl:
-    """Calls the controller until it accepts the goal; ends on arrival, with status 0, or when the
-    controller gives the goal up, with status 1.
+    """Calls the controller until it accepts the goal; ends on arrival, with status 0.
+
+    With status 1 it ends where the controller gives the goal up, or somebody else sets another one.
 
     :ROS Services called:
         - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)
 
     :ROS Subscribers:
         - ``proportional_controller/progress`` (bot_controller_demo_msgs/Progress)
+        - ``proportional_controller/current_goal`` (geometry_msgs/PoseStamped)
 
     :ROS Parameters:
         - those of :class:`RobotControlParameters`, private and live
@@ -45,12 +60,18 @@ class RobotControl:
         self._progress = Progress()
         self._call: Optional[CallFuture] = None
         self._set_at: Optional[rospy.Time] = None
+        self._heard_at = rospy.Time()
+        node.subscribe(_CONTROLLER + "/current_goal", PoseStamped, self._on_goal)
         node.subscribe(_CONTROLLER + "/progress", Progress, self._on_progress)
         node.every(1.0, self._tick)
 
     def _tick(self, _elapsed: float) -> None:
         if self._set_at is not None:
-            rospy.loginfo("%s: %.2f m are left", self._progress.phase, self._progress.distance)
+            silence = (rospy.Time.now() - max(self._set_at, self._heard_at)).to_sec()
+            if silence > _SILENCE_S:
+                rospy.logwarn("the controller has told no progress for %.0f s", silence)
+            elif self._heard_at > self._set_at:
+                rospy.loginfo("%s: %.2f m are left", self._progress.phase, self._progress.distance)
         elif self._call is None:
             goal = self._parameters.values
             self._call = self._client.call_async(SetGoalRequest(goal.x, goal.y, goal.theta))
@@ -71,8 +92,15 @@ class RobotControl:
         rospy.loginfo("the robot goes to %s", answer.message)
         self._set_at = rospy.Time.now()
 
+    def _on_goal(self, goal: PoseStamped) -> None:
+        # A goal of before is told too, as the topic is latched.
+        is_new = self._set_at is not None and goal.header.stamp > self._set_at
+        if is_new and not self._parameters.values.is_at(goal):
+            where = goal.pose.position
+            give_up(f"the robot was sent elsewhere: to x {where.x:g} m, y {where.y:g} m")
+
     def _on_progress(self, progress: Progress) -> None:
-        self._progress = progress
+        self._progress, self._heard_at = progress, rospy.Time.now()
         # What was on its way when the goal was set is about the goal before.
         is_new = self._set_at is not None and progress.header.stamp > self._set_at
         if is_new and progress.phase == Progress.ARRIVED:

@@ -8,6 +8,7 @@ import rospy
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
+from bot_controller_demo_msgs.srv import SetGoal
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
@@ -39,6 +40,15 @@ class Bringup(unittest.TestCase):
         self.addCleanup(script.end)
         self.assertEqual(script.wait(), 1)
         self.assertTrue(script.logged("the robot makes no progress: ", " m are left"), script.lines)
+
+    def test_the_script_ends_with_a_status_where_somebody_sends_the_robot_elsewhere(self) -> None:
+        script = Process(SCRIPT, ["_x:=-3"])
+        self.addCleanup(script.end)
+        script.wait_for_log("the robot goes to x -3 m")
+        set_goal = rospy.ServiceProxy("/proportional_controller/set_goal", SetGoal)
+        self.assertTrue(set_goal(0.0, 0.0, 0.0).success)
+        self.assertEqual(script.wait(), 1)
+        self.assertTrue(script.logged("the robot was sent elsewhere: to x 0 m, y 0 m"))
 
     def test_what_it_sees_is_processed_as_it_is_configured(self) -> None:
         """Course 002-pkg-14."""

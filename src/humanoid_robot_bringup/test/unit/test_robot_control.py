@@ -1,12 +1,15 @@
-"""When robot_control.py takes the robot for one that has arrived."""
+"""When robot_control.py takes the robot for one that has arrived, and what it says on the way."""
 
+import math
 from types import SimpleNamespace
-from typing import Any, List
+from typing import Any, Dict, List
 
 import pytest
 import rospy
+from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo_msgs.msg import Progress
+from humanoid_robot_bringup import robot_control
 from humanoid_robot_bringup.robot_control import RobotControl, RobotControlParameters
 
 
@@ -15,8 +18,11 @@ class FakeNode:
 
     def __init__(self) -> None:
         self.values = RobotControlParameters()
-        self.hear: Any = None
+        self.callbacks: Dict[Any, Any] = {}
         self.tick: Any = None
+
+    def hear(self, message: Any) -> None:
+        self.callbacks[type(message)](message)
 
     def parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
         return self
@@ -25,7 +31,7 @@ class FakeNode:
         return self
 
     def subscribe(self, name: str, kind: Any, callback: Any) -> None:
-        self.hear = callback
+        self.callbacks[kind] = callback
 
     def every(self, rate: float, callback: Any) -> None:
         self.tick = callback
@@ -65,6 +71,60 @@ def test_only_news_of_the_goal_that_was_set_is_an_arrival(
     assert ended == []
     node.hear(progress(Progress.ARRIVED, 20.0))
     assert ended == ["arrived"]
+
+
+def goal(second: float, x: float = 0.0, theta: float = 0.0) -> PoseStamped:
+    """Return what the controller tells of the goal that it was given at a moment."""
+    told = PoseStamped()
+    told.header.stamp = rospy.Time.from_sec(second)
+    told.pose.position.x = x
+    told.pose.orientation.z, told.pose.orientation.w = math.sin(theta / 2.0), math.cos(theta / 2.0)
+    return told
+
+
+@pytest.mark.parametrize(
+    "told, is_over",
+    [
+        (goal(9.0, x=5.0), False),  # the one before
+        (goal(11.0, theta=2.0 * math.pi), False),  # ours, as it is told again in another frame
+        (goal(11.0, x=5.0), True),
+        (goal(11.0, theta=1.0), True),
+    ],
+)
+def test_robot_that_somebody_else_sends_elsewhere_is_given_up(
+    monkeypatch: "pytest.MonkeyPatch", told: PoseStamped, is_over: bool
+) -> None:
+    given_up: List[str] = []
+    monkeypatch.setattr(robot_control, "give_up", given_up.append)
+    monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(10))
+    node: Any = FakeNode()
+    RobotControl(node)
+    node.tick(0.0)
+    node.hear(told)
+    where = f"the robot was sent elsewhere: to x {told.pose.position.x:g} m, y 0 m"
+    assert given_up == [where] * is_over
+
+
+def test_distance_is_told_while_it_is_known(monkeypatch: "pytest.MonkeyPatch") -> None:
+    said: List[str] = []
+    for level in ("loginfo", "logwarn"):
+        monkeypatch.setattr(rospy, level, lambda text, *values: said.append(text % values))
+    node: Any = FakeNode()
+    RobotControl(node)
+
+    def tick_at(second: float) -> List[str]:
+        monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time.from_sec(second))
+        said.clear()
+        node.tick(0.0)
+        return list(said)
+
+    assert tick_at(10.0) == ["the robot goes to x 0 m"]
+    assert tick_at(11.0) == []
+    node.hear(progress(Progress.DRIVING, 11.0))
+    assert tick_at(13.0) == ["driving: 0.00 m are left"]
+    assert tick_at(16.0) == ["the controller has told no progress for 5 s"]
+    node.hear(progress(Progress.DRIVING, 16.0))
+    assert tick_at(17.0) == ["driving: 0.00 m are left"]
 
 
 class SlowNode(FakeNode):

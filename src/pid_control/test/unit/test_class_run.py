@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import sys
 import time
 from typing import List
 
@@ -18,13 +19,20 @@ exit {status}
 """
 
 
+def put_catkin_make(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", says: str, status: int
+) -> None:
+    """Have a catkin_make that does nothing but this found first."""
+    (tmp_path / "catkin_make").write_text(CATKIN_MAKE.format(says=says, status=status))
+    (tmp_path / "catkin_make").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+
+
 def build_with(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", says: str, status: int
 ) -> str:
     """Build a package by a catkin_make that does nothing but this; return the workspace."""
-    (tmp_path / "catkin_make").write_text(CATKIN_MAKE.format(says=says, status=status))
-    (tmp_path / "catkin_make").chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    put_catkin_make(tmp_path, monkeypatch, says, status)
     (tmp_path / "x").mkdir()
     return class_run.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
 
@@ -81,6 +89,22 @@ def test_warning_that_quotes_an_error_is_none(
 ) -> None:
     workspace = build_with(tmp_path, monkeypatch, "warning: x = 1; // Error of the integral", 0)
     assert os.path.isdir(workspace)
+
+
+def test_program_that_is_only_there_once_it_is_built_is_judged(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    put_catkin_make(tmp_path, monkeypatch, "built", 0)
+    package, judge = tmp_path / "class" / "x", tmp_path / "judge"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("")
+    (package / "CMakeLists.txt").write_text("add_executable(program program.cpp)\n")
+    judge.write_text("import sys; print('judged:', sys.argv[-1])")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    output = tmp_path / "out"
+    class_run.ClassRun(str(tmp_path / "class"), ["program"], [], str(output), 10.0).run()
+    said = (output / "x.txt").read_text()
+    assert said.startswith("judged: ") and said.endswith("/workspace/devel/lib/x/program\n")
 
 
 def test_what_hangs_is_ended(monkeypatch: "pytest.MonkeyPatch") -> None:

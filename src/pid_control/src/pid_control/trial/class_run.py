@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import glob
 import io
 import os
 import re
@@ -84,12 +85,14 @@ class ClassRun:
         self._files[name] = []
         try:
             found = find_in(package, self._name)
-            if not found:
-                raise _Broken(f"it has no {self._name}")
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
             if _needs_build(package):
-                options += ["--workspace", build(package, scratch)]
+                workspace = build(package, scratch)
+                options += ["--workspace", workspace]
+                found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
+            if not found:
+                raise _Broken(f"it has no {self._name}")
             environment = dict(os.environ, TMPDIR=scratch)
             paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
             environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)

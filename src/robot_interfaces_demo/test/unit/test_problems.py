@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nodekit import to_float32
 from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.modes import Mode, name_of
 from robot_interfaces_demo.monitoring.problems import LIMITS, Level, Problem, judge
@@ -21,7 +22,7 @@ NOTHING: FrozenSet[Problem] = frozenset()
 def found(
     mode: int = 0, readings: List[float] = FINE, before: FrozenSet[Problem] = NOTHING
 ) -> FrozenSet[Problem]:
-    return judge(mode, readings, before, SETTINGS)
+    return judge(mode, [to_float32(reading) for reading in readings], before, SETTINGS)
 
 
 def test_numbers_are_those_of_the_messages() -> None:
@@ -54,6 +55,14 @@ def test_numbers_are_those_of_the_messages() -> None:
 )
 def test_each_kind_is_found(mode: int, readings: List[float], expected: List[Problem]) -> None:
     assert found(mode, readings) == set(expected)
+
+
+@pytest.mark.parametrize("limit", [0.1, 0.7, 11.1, 12.3])
+def test_a_reading_that_a_message_rounds_from_its_limit_is_allowed(limit: float) -> None:
+    settings = FleetMonitorParameters(
+        battery_low=limit, temperature_high=limit, obstacle_near=limit
+    )
+    assert not judge(0, [to_float32(limit)] * 3, NOTHING, settings)
 
 
 def test_a_warning_ends_when_the_reading_has_come_back_by_the_hysteresis() -> None:

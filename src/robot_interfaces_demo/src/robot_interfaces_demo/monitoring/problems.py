@@ -4,6 +4,7 @@ import enum
 import math
 from typing import FrozenSet, Iterator, NamedTuple, Sequence
 
+from nodekit import to_float32
 from robot_interfaces_demo.modes import KNOWN, Mode
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
@@ -108,7 +109,7 @@ def _wrong(
             if problem in before:
                 yield problem
             continue
-        limit = getattr(settings, parameter)
+        limit = to_float32(getattr(settings, parameter))  # as readings are
         margin = abs(limit) * settings.hysteresis if problem in before else 0.0
         if sign * (reading - limit) > -margin:
             yield problem

@@ -20,7 +20,7 @@ ALL_WELL, SOMETHING_WRONG, NO_ANSWER = 0, 1, 2
 def main() -> None:
     """Print the table of a fleet_monitor; the exit status says whether all is well."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
-    node = rosgraph.names.make_global_ns(arguments.node).rstrip("/")
+    node = arguments.node
     try:
         master = MasterClient("/fleet_report")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
@@ -48,11 +48,22 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if there is no answer.",
     )
     parser.add_argument(
-        "node", metavar="NODE", nargs="?", default="fleet_monitor", help="its name (%(default)s)"
+        "node",
+        metavar="NODE",
+        nargs="?",
+        type=_global_name,
+        default="fleet_monitor",
+        help="its name (%(default)s)",
     )
     wait = "longest wait for the answer, s (%(default)g)"
     parser.add_argument("--timeout", metavar="S", type=_seconds, default=2.0, help=wait)
     return parser
+
+
+def _global_name(text: str) -> str:
+    if rosgraph.names.is_private(text):
+        raise argparse.ArgumentTypeError(f"{text!r}: must not be private: of which node?")
+    return str(rosgraph.names.make_global_ns(text)).rstrip("/")
 
 
 def _seconds(text: str) -> float:

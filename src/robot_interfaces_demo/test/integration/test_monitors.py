@@ -173,6 +173,9 @@ class Monitors(unittest.TestCase):
         nowhere = Process(
             os.path.join(SCRIPTS, "fleet_report"), [], {"ROS_MASTER_URI": "http://localhost:1/"}
         )
+        private = start("fleet_report", "~monitor")
+        self.assertEqual(private.wait(), 2)
+        self.assertIn("'~monitor': must not be private", private.error_lines[-1])
         self.assertEqual(wrong.wait(), 1)
         self.assertTrue(wrong.lines[0].startswith("robot"), wrong.lines)
         self.assertTrue(wrong.lines[-1].startswith("ERROR: "), wrong.lines)

@@ -230,6 +230,11 @@ class Nodes(unittest.TestCase):
         self.assertTrue(node.logged("Attempting recovery procedure..."))
         wait_until(lambda: "/robust_node" in rosnode.get_node_names(), lambda: "not there")
         self.assertEqual(node.logged("Shutting down"), [])
+        rospy.wait_for_service("/robust_node/describe", TIMEOUT_S)
+        described = rospy.ServiceProxy("/robust_node/describe", Trigger)().message
+        effects = {one["name"]: one["takes_effect"] for one in yaml.safe_load(described)}
+        own = ("failures", "attempts", "recovery_time")
+        self.assertEqual({effects[name] for name in own}, {"at the next start"})
         self.assert_ends_well(node)
         self.assertEqual(len(node.logged("Shutting down gracefully...")), 1)
 

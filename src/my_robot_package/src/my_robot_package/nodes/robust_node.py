@@ -14,8 +14,14 @@ class RobustNodeParameters(ParameterSet):
 
     failures = read_once(IntParameter(1, minimum=0, help="how often the sensors fail to start"))
     attempts = read_once(IntParameter(3, minimum=1, maximum=100, help="how often to try to start"))
-    recovery_time = FloatParameter(
-        0.5, minimum=0.0, maximum=3600.0, unit="s", help="time that the recovery procedure takes"
+    recovery_time = read_once(
+        FloatParameter(
+            0.5,
+            minimum=0.0,
+            maximum=3600.0,
+            unit="s",
+            help="time that the recovery procedure takes",
+        )
     )
 
 

@@ -194,6 +194,16 @@ def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
     assert book.settle(101.0) is False  # a board that was started anew is asked as often again
 
 
+def test_rounds_before_the_board_answers_do_not_count() -> None:
+    book = TopicBook()
+    for number in range(MOST_ROUNDS - 1):
+        book.begin(float(number), is_answering=False)
+        book.mark_damaged()
+    book.begin(100.0)
+    book.mark_damaged()
+    assert book.settle(101.0) is False
+
+
 def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:
     book = TopicBook()
     book.begin(0.0)

@@ -331,7 +331,7 @@ class BoardLink:
         for action in actions:
             if action == contact.ASK:
                 self._tally.add(counts.ASKED)
-                self._book.begin(now)
+                self._book.begin(now, self.is_in_step)
                 self._outbox.keep(encode(payloads.PUBLISHER, b""))
                 if self._session.state == contact.ASKING and now - self._spoke_at > _NO_ANSWER_S:
                     self._outbox.keep(OLD_REQUEST)

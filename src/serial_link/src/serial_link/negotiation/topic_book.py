@@ -77,12 +77,15 @@ class TopicBook:
         """Whether no round is under way."""
         return self._ends_at is None
 
-    def begin(self, now: float) -> None:
+    def begin(self, now: float, is_answering: bool = True) -> None:
         """Begin a round, as the board was asked.
 
         :param now: the time, s
+        :param is_answering: whether the board has answered since it was started; no round counts
+            before, however many a line of noise has damaged
         """
-        self._rounds = 1 if self._is_complete else self._rounds + 1
+        goes_on = is_answering and not self._is_complete
+        self._rounds = self._rounds + 1 if goes_on else 1
         self._is_complete = False
         self._seen.clear()
         self._ends_at, self._is_damaged = now + SETTLED_S, False

@@ -8,9 +8,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
-from typing import List
 
 import rospkg
+from left_behind import processes_of
 
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -29,18 +29,6 @@ from pid_control.tuning.rules import Gains
 for _, text in judge_gains([Gains("good", "a test", "PI", 0.08, 1.5)], time_limit=0.1):
     print(text)
 """
-
-
-def processes(folder: str) -> List[str]:
-    """Return the command lines of all processes whose temporary files go to a folder."""
-    found = []
-    for process in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            if f"TMPDIR={folder}".encode() in (process / "environ").read_bytes().split(b"\0"):
-                found.append((process / "cmdline").read_bytes().decode())
-        except OSError:
-            continue  # it has just ended
-    return found
 
 
 class GainsTrial(unittest.TestCase):
@@ -70,13 +58,13 @@ class GainsTrial(unittest.TestCase):
                 )
                 self.addCleanup(tune.kill)
                 wait_until(
-                    lambda: any("controller.py" in line for line in processes(folder)),
-                    lambda: f"no controller.py among {processes(folder)}",
+                    lambda: any("controller.py" in line for line in processes_of(folder)),
+                    lambda: f"no controller.py among {processes_of(folder)}",
                 )
                 tune.send_signal(number)
                 _, errors = tune.communicate(timeout=TIMEOUT_S)
                 self.assertEqual((tune.returncode, errors.decode()), (128 + number, ""))
-                self.assertEqual(processes(folder), [])
+                self.assertEqual(processes_of(folder), [])
                 self.assertEqual(os.listdir(folder), ["model.yaml"])
 
 

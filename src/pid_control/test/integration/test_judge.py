@@ -13,6 +13,7 @@ from typing import Dict, List
 from xml.etree import ElementTree
 
 import rospkg
+from left_behind import processes_of
 
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -51,15 +52,7 @@ class Judge(unittest.TestCase):
 
     def processes(self) -> List[str]:
         """Return all processes that the judge of this test has started and that still run."""
-        mark = f"TMPDIR={self.folder}".encode()
-        found = []
-        for process in pathlib.Path("/proc").glob("[0-9]*"):
-            try:
-                if mark in (process / "environ").read_bytes().split(b"\0"):
-                    found.append((process / "cmdline").read_bytes().decode())
-            except OSError:
-                continue  # it has just ended
-        return found
+        return processes_of(str(self.folder))
 
     def assert_judged(self, status: int, says: str, *words: object) -> str:
         """Judge, and compare the exit status and a line of what is said."""

@@ -8,7 +8,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence
 
 #: How many samples of the turns the interval of a median is made from.
 RESAMPLES = 1000
-#: How sure the interval is: the share of these samples whose median lies in it.
+#: How sure the interval is, given enough turns: the share of these samples whose median lies in it.
 CONFIDENCE = 0.95
 
 
@@ -144,6 +144,17 @@ def interval(values: Sequence[float]) -> Interval:
     )
     rest = (1.0 - CONFIDENCE) / 2.0
     return Interval(percentile(medians, rest), percentile(medians, 1.0 - rest))
+
+
+def confidence(turns: int) -> float:
+    """Return how sure an interval of some turns is.
+
+    Each turn is above the median as often as below: all of them are on one side of it in one case
+    of 2^(turns - 1). No interval of these turns is surer than from the least to the greatest.
+
+    :param turns: how many there were, at least one
+    """
+    return min(CONFIDENCE, 1.0 - 0.5 ** (turns - 1))
 
 
 def highest_passing(steps: Sequence[float], passes: Callable[[float], bool]) -> Optional[float]:

@@ -4,7 +4,7 @@ import json
 import pathlib
 from typing import Dict, List
 
-from analysis import interval
+from analysis import CONFIDENCE, Interval, confidence, interval
 from goals import GOALS, Goal, Outcome, number
 from machine import STOLEN
 from results import Results, table
@@ -51,13 +51,12 @@ def _row(goal: Goal, results: Results) -> List[str]:
         word = Outcome.NOT_MEASURABLE.value if disturbed else ""
         return [goal.what, goal.text, "not measured", "", "", "0", word]
     ratio = number(verdict.value) if verdict.is_ratio else ""
-    low, high = map(number, verdict.interval)
     return [
         goal.what,
         goal.text,
         verdict.figure,
         ratio,
-        f"{low} to {high}" if low != high else "",
+        _in_words(verdict.interval, verdict.turns),
         str(verdict.turns),
         verdict.outcome.value,
     ]
@@ -80,11 +79,20 @@ def pairs_table(results: Results) -> str:
 def _with_interval(results: Results, measurement: str, subject: str, figure: str) -> List[str]:
     if figure not in results.medians(measurement, subject):
         return ["", ""]
-    low, high = interval(results.values(measurement, subject, figure))
+    values = results.values(measurement, subject, figure)
     return [
         number(results.median(measurement, subject, figure)),
-        f"{number(low)} to {number(high)}" if low != high else "",
+        _in_words(interval(values), len(values)),
     ]
+
+
+def _in_words(where: Interval, turns: int) -> str:
+    """Return an interval, and how sure it is where that is less than the head of the table says."""
+    low, high = map(number, where)
+    if low == high:
+        return ""
+    sure = confidence(turns)
+    return f"{low} to {high}" + (f" ({100.0 * sure:.0f} %)" if sure < CONFIDENCE else "")
 
 
 def figures_table(results: Results) -> str:

@@ -142,6 +142,17 @@ def test_the_interval_is_as_sure_as_it_says():
     assert 0.90 * 200 <= hits
 
 
+@pytest.mark.parametrize("turns", [1, 2, 3, 6, 45])
+def test_few_turns_are_told_to_be_less_sure(turns):
+    draw = random.Random(3)
+    hits = 0
+    for _ in range(2000):
+        values = [draw.gauss(1.0, 0.1) for _ in range(turns)]
+        hits += min(values) <= 1.0 <= max(values)
+    assert analysis.confidence(turns) <= hits / 2000 + 0.03
+    assert analysis.confidence(turns) == (0.95 if turns >= 6 else 1.0 - 2.0 * 0.5**turns)
+
+
 @given(
     steps=st.lists(st.integers(1, 1000), unique=True, max_size=30).map(sorted),
     limit=st.integers(0, 1001),

@@ -103,6 +103,16 @@ def test_a_goal_is_reached_only_if_the_whole_interval_is(ratios, outcome):
     assert verdict.turns == 5 and verdict.is_settled is (outcome is not Outcome.UNCLEAR)
 
 
+def test_an_interval_of_few_turns_says_how_sure_it_is():
+    results = Results()
+    for repeat, p50 in enumerate([40.0, 50.0, 60.0]):
+        hops(results, repeat, basic_comms=p50, roscpp=100.0)
+    assert "| 0.4 to 0.6 (75 %) | 3 " in tables(results, ["latency-1khz"], {}, {})
+    for repeat in range(3, 6):
+        hops(results, repeat, basic_comms=50.0, roscpp=100.0)
+    assert "(" not in tables(results, ["latency-1khz"], {}, {})
+
+
 def test_too_few_turns_decide_nothing_and_beside_disturbed_ones_are_no_figure():
     results = Results()
     hops(results, 0, 1, basic_comms=50.0, roscpp=100.0)

@@ -5,7 +5,7 @@ import gc
 import math
 import subprocess
 import time
-from typing import Callable, Dict, List, Optional, Set
+from typing import Callable, Dict, Iterable, List, Optional, Set
 
 import machine
 from context import Bench, Figures
@@ -22,6 +22,9 @@ ROW_S = 45.0
 #: Turns of each of them that are taken all the same: of so few, the interval is nearly from the
 #: least to the greatest.
 LEAST_ROUNDS = 6
+#: Turns of each of them until all are started anew: what a process got at its start, such as where
+#: its memory lies, makes all its turns resemble each other.
+ROUNDS = 2
 
 #: What a measurement may fail of, without being the end of all others.
 FAULTS = (LookupError, OSError, RuntimeError, ValueError, subprocess.SubprocessError)
@@ -60,33 +63,50 @@ class Turns:
         for measurement in self._wanted:
             if measurement.stand_ready is not None:
                 self._take_standing(measurement)
-        self._take_afresh(math.inf if limit is None else began + limit)
+        afresh = [one for one in self._wanted if one.measure is not None]
+        end = math.inf if limit is None else began + limit
+        # Apart, as a repeat of all others is taken to be as long as their first one.
+        self._take_afresh([one for one in afresh if one.repeats == 1], end)
+        self._take_afresh([one for one in afresh if one.repeats > 1], end)
 
     def _take_standing(self, measurement: Measurement) -> None:
-        """Have all subjects up, of which one at a time goes on for a short turn."""
+        """Take turns of those that stand ready, who are started anew now and then."""
+        began, number = time.monotonic(), 0
+        wanted = self._subjects(measurement)
+        while wanted and number != self._most:
+            if number >= LEAST_ROUNDS and time.monotonic() - began > ROW_S:
+                break
+            until = number + ROUNDS if self._most is None else min(number + ROUNDS, self._most)
+            wanted = self._take_rounds(measurement, wanted, range(number, until))
+            number = until
+
+    def _take_rounds(
+        self, measurement: Measurement, subjects: List[str], numbers: Iterable[int]
+    ) -> List[str]:
+        """Have all subjects up, of which one at a time goes on for a short turn.
+
+        :param numbers: of the rounds that are taken
+        :returns: the subjects of which more turns would say more
+        """
         assert measurement.stand_ready is not None
+        ready: Dict[str, Callable[[], Figures]] = {}
         with contextlib.ExitStack() as stack:
-            ready: Dict[str, Callable[[], Figures]] = {}
-            for subject in self._subjects(measurement):
+            for subject in subjects:
                 self._say(f"{measurement.name}: starting {subject}")
                 try:
                     one = measurement.stand_ready(self._bench, subject)
                     ready[subject] = stack.enter_context(one)
                 except FAULTS as error:
                     self._fail(f"{measurement.name}, {subject}", error)
-            began, number = time.monotonic(), 0
-            while ready and number != self._most:
-                if number >= LEAST_ROUNDS and time.monotonic() - began > ROW_S:
-                    break
+            for number in numbers:
                 for subject in rotated(list(ready), number):
                     if not self._take(measurement.name, subject, number, ready[subject]):
                         del ready[subject]
-                number += 1
                 wanted = self._unsure(measurement, list(ready))
                 ready = {subject: ready[subject] for subject in ready if subject in wanted}
+        return list(ready)
 
-    def _take_afresh(self, end: float) -> None:
-        wanted = [one for one in self._wanted if one.measure is not None]
+    def _take_afresh(self, wanted: List[Measurement], end: float) -> None:
         latest = time.monotonic()
         for repeat in range(REPEATS if self._most is None else self._most):
             now = time.monotonic()

@@ -169,10 +169,11 @@ def test_a_node_of_ros2_has_its_own_in_ros1(
     }
 
     def listed() -> Dict[str, Set[str]]:
-        text = rosnode_info("/front/lidar")
+        lines = rosnode_info("/front/lidar")
         for topic, type_name in unpublished.items():
-            text = text.replace(f"{topic} [unknown type]", f"{topic} [{type_name}]")
-        found = sections(text)
+            known = f"{topic} [{type_name}]"
+            lines = [line.replace(f"{topic} [unknown type]", known) for line in lines]
+        found = sections(lines)
         return {heading: found.get(heading, set()) for heading in expected}
 
     wait_until(lambda: listed() == expected, lambda: str(listed()))

@@ -8,7 +8,16 @@ from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo_msgs.msg import Progress
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest
-from nodekit import CallError, CallFuture, FloatParameter, Node, ParameterSet, give_up, run
+from nodekit import (
+    CallCancelled,
+    CallError,
+    CallFuture,
+    FloatParameter,
+    Node,
+    ParameterSet,
+    give_up,
+    run,
+)
 
 _CONTROLLER = "proportional_controller"
 #: The phase of a goal to which there is no progress.
@@ -83,6 +92,8 @@ class RobotControl:
         self._call = None
         try:
             answer = call.result()
+        except CallCancelled:
+            return  # by the node's own end
         except CallError as error:
             rospy.logwarn("cannot send the robot: %s", error)
             return

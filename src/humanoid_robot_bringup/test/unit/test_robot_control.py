@@ -11,6 +11,7 @@ from geometry_msgs.msg import PoseStamped
 from bot_controller_demo_msgs.msg import Progress
 from humanoid_robot_bringup import robot_control
 from humanoid_robot_bringup.robot_control import RobotControl, RobotControlParameters
+from nodekit import CallCancelled, CallError
 
 
 class FakeNode:
@@ -71,6 +72,26 @@ def test_only_news_of_the_goal_that_was_set_is_an_arrival(
     assert ended == []
     node.hear(progress(Progress.ARRIVED, 20.0))
     assert ended == ["arrived"]
+
+
+@pytest.mark.parametrize(
+    "error, told",
+    [(CallCancelled("over"), []), (CallError("nobody"), ["cannot send the robot: nobody"])],
+)
+def test_a_call_that_fails_is_told_unless_by_the_nodes_own_end(
+    monkeypatch: "pytest.MonkeyPatch", error: CallError, told: List[str]
+) -> None:
+    warned: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warned.append(text % values))
+
+    def fail(_node: FakeNode) -> None:
+        raise error
+
+    monkeypatch.setattr(FakeNode, "result", fail)
+    node: Any = FakeNode()
+    RobotControl(node)
+    node.tick(0.0)
+    assert warned == told
 
 
 def goal(second: float, x: float = 0.0, theta: float = 0.0) -> PoseStamped:

@@ -4,6 +4,7 @@
 import math
 import os
 import signal
+import threading
 import unittest
 from typing import Any, Dict, List
 
@@ -17,7 +18,7 @@ from std_srvs.srv import Trigger
 
 from my_robot_package.nodes.add_two_ints_server import INT64_MAX, INT64_MIN
 from my_robot_package_interfaces.msg import RobotCommand
-from my_robot_package_interfaces.srv import AddTwoInts
+from my_robot_package_interfaces.srv import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
@@ -167,6 +168,24 @@ class Nodes(unittest.TestCase):
         wait_until(lambda: len(client.logged(said)) == 2, lambda: str(client.lines))
         self.assert_ends_well(client)
         service.shutdown()
+
+    def test_client_that_ends_during_its_calls_tells_of_no_failure(self) -> None:
+        called = threading.Semaphore(0)
+        is_over = threading.Event()
+        self.addCleanup(is_over.set)
+
+        def answer(_request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+            called.release()
+            is_over.wait(TIMEOUT_S)
+            return AddTwoIntsResponse()
+
+        service = rospy.Service("/silent", AddTwoInts, answer)
+        self.addCleanup(service.shutdown)
+        client = start("service_client_node", "add_two_ints:=silent", "__name:=leaving_client")
+        for _ in range(2):  # one that waits, and one that does not
+            self.assertTrue(called.acquire(timeout=TIMEOUT_S))
+        self.assert_ends_well(client)
+        self.assertEqual(client.logged("failed"), [])
 
     def test_sum_that_does_not_fit_is_refused_with_a_sentence(self) -> None:
         self.server("add_two_ints:=sum", "__name:=adder")

@@ -7,6 +7,7 @@ import rospy
 
 from my_robot_package_interfaces.srv import AddTwoInts, AddTwoIntsRequest
 from nodekit import (
+    CallCancelled,
     CallError,
     CallFuture,
     FloatParameter,
@@ -79,7 +80,7 @@ class ServiceClientNode:
         try:
             answer = self._client.call(AddTwoIntsRequest(a, b), self._parameters.values.timeout)
         except CallError as error:
-            rospy.logerr("Service call failed: %s", error)
+            _log_failure(error)
             return None
         _log_result("synchronous", answer.sum)
         return int(answer.sum)
@@ -97,7 +98,7 @@ class ServiceClientNode:
             timeout = self._parameters.values.timeout
             future = self._client.call_async(request, timeout)
         except CallError as error:
-            rospy.logerr("Service call failed: %s", error)
+            _log_failure(error)
             return None
         future.add_done_callback(self.response_callback)
         return future
@@ -107,11 +108,16 @@ class ServiceClientNode:
         try:
             _log_result("asynchronous", future.result().sum)
         except CallError as error:
-            rospy.logerr("Service call failed: %s", error)
+            _log_failure(error)
 
 
 def _log_result(how: str, total: int) -> None:
     rospy.loginfo("Result: %d (%s, %s)", total, how, threading.current_thread().name)
+
+
+def _log_failure(error: CallError) -> None:
+    if not isinstance(error, CallCancelled):  # by the node's own end
+        rospy.logerr("Service call failed: %s", error)
 
 
 def main() -> None:

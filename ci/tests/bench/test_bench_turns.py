@@ -129,6 +129,24 @@ def test_what_starts_afresh_is_measured_once_in_each_repeat(bench):
     assert order == ["x", "y", "z", "z", "y"]
 
 
+def test_what_is_measured_once_counts_for_no_repeat_of_the_others(bench, monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(turns.time, "monotonic", lambda: clock[0])
+
+    def lasting(seconds):
+        def measure(_bench, _subject):
+            clock[0] += seconds
+            return {"p50_us": 1.0}
+
+        return measure
+
+    once = Measurement("live", "", ["x"], lasting(100.0), repeats=1)
+    often = Measurement("rest", "", ["y"], lasting(10.0))
+    results = Results()
+    turns.Turns([often, once], bench, results, None, lambda _text: None).take_all(150.0)
+    assert results.turns("live", "x") == 1 and results.turns("rest", "y") == 5
+
+
 def test_what_is_slow_is_measured_until_there_is_one_turn(bench, monkeypatch):
     shares = iter([0.0, 0.5, 0.0, 0.0, 0.0])
     monkeypatch.setattr(machine.Steal, "share", lambda _self: next(shares))

@@ -51,6 +51,17 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
     assert list(rows([other], both)) == []
 
 
+def test_messages_that_nothing_tells_apart_have_a_row_each() -> None:
+    """Those of a bag that is laid over the graph have no receipt but their time."""
+    times = numpy.array([5.0, 5.0, 6.0])
+    columns = [
+        CsvColumn("/a", times, times, ["1", "2", "3"]),
+        CsvColumn("/a", times[1:], times[1:], ["8", "9"]),
+    ]
+    expected = ["5.0,5.0,1,8\n", "5.0,5.0,2,\n", "6.0,6.0,3,9\n"]
+    assert list(rows(columns, both)) == expected
+
+
 def test_where_a_line_ends_its_last_sample_stays() -> None:
     times = numpy.array([1.0, 2.0, 2.0, 9.0, 10.0])
     cells = ["0.5", "1.5", "nan", "2.5", "nan"]

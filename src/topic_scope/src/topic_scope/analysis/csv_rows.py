@@ -2,7 +2,7 @@
 
 import math
 from itertools import groupby
-from typing import Any, Callable, Iterator, List, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy
 
@@ -51,8 +51,24 @@ def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iter
     stamps = zip(*(part[order].tolist() for part in (times, received, topic_of)))
     in_order = zip(stamps, map(written.__getitem__, order.tolist()))
     for (time, came, _), group in groupby(in_order, key=lambda one: one[0]):
-        row: List[str] = [""] * len(columns)
-        for _, (index, cell) in group:
-            if cell != _NAN or not row[index]:  # a line that ends has it at its last sample's time
-                row[index] = cell
-        yield ",".join([stamp(time, came)] + row) + "\n"
+        first = stamp(time, came)
+        for row in _rows_of_one_time((cell for _, cell in group), len(columns)):
+            yield ",".join([first] + row) + "\n"
+
+
+def _rows_of_one_time(cells: Iterable[Tuple[int, str]], width: int) -> List[List[str]]:
+    """Return a row for each message of a topic that nothing tells apart from the others.
+
+    :param cells: which column each is of, and its text; those of a column in their order
+    :param width: number of columns
+    """
+    made: List[List[str]] = []
+    filled = [0] * width
+    for index, cell in cells:
+        if cell == _NAN and filled[index]:
+            continue  # a line that ends has it at its last sample's time
+        if filled[index] == len(made):
+            made.append([""] * width)
+        made[filled[index]][index] = cell
+        filled[index] += 1
+    return made

@@ -19,16 +19,23 @@ class Holder(NamedTuple):
 def holders_of(path: str) -> List[Holder]:
     """Return the other processes that have a file open, as far as this user may see them.
 
+    Files are compared, not their names: a process in a container, or with another /dev/pts, may
+    have another name for this one, or this name for another one.
+
     :param path: of the file; links are followed
     """
-    target, found = os.path.realpath(path), []
+    try:
+        target = os.stat(path)
+    except OSError:  # it was unplugged
+        return []
+    found = []
     for entry in os.listdir("/proc"):
         if entry.isdecimal() and int(entry) != os.getpid() and _has_open(entry, target):
             found.append(Holder(int(entry), _command(entry)))
     return found
 
 
-def _has_open(pid: str, target: str) -> bool:
+def _has_open(pid: str, target: os.stat_result) -> bool:
     folder = f"/proc/{pid}/fd"
     try:
         return any(_points_to(f"{folder}/{number}", target) for number in os.listdir(folder))
@@ -36,9 +43,9 @@ def _has_open(pid: str, target: str) -> bool:
         return False
 
 
-def _points_to(link: str, target: str) -> bool:
+def _points_to(link: str, target: os.stat_result) -> bool:
     try:
-        return os.readlink(link) == target
+        return os.path.samestat(os.stat(link), target)
     except OSError:
         return False
 

@@ -1,0 +1,48 @@
+"""Who has a file open, by whatever name."""
+
+import contextlib
+import os
+import pathlib
+import subprocess
+import sys
+from typing import Iterator
+
+from serial_link.hardware.holders import holders_of
+
+HOLD = "import sys; file = open(sys.argv[1]); print(flush=True); sys.stdin.read()"
+
+
+@contextlib.contextmanager
+def holder(path: pathlib.Path) -> Iterator[int]:
+    """Run a process that has a file open; gives its number."""
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None and process.stdout.readline()
+        yield process.pid
+        process.communicate(b"")
+
+
+def test_a_holder_is_found_whatever_it_calls_the_file(tmp_path: pathlib.Path) -> None:
+    board, other, link = (tmp_path / name for name in ("board", "other", "link"))
+    board.touch()
+    os.link(str(board), str(other))
+    link.symlink_to(other)
+    with holder(other) as pid:
+        for name in (board, other, link):
+            (found,) = holders_of(str(name))
+            assert found.pid == pid and str(found).startswith(f"process {pid} (")
+    assert holders_of(str(board)) == []
+
+
+def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Path) -> None:
+    board = tmp_path / "board"
+    board.touch()
+    with holder(board):
+        board.rename(tmp_path / "before")
+        board.touch()
+        assert holders_of(str(board)) == []
+
+
+def test_what_is_unplugged_has_no_holder(tmp_path: pathlib.Path) -> None:
+    assert holders_of(str(tmp_path / "board")) == []

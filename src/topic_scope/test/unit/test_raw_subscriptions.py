@@ -45,6 +45,20 @@ class Connection:
         self._topic.receive_callback(self.transport.receive_once(), self.transport)
 
 
+def test_steady_clock_is_right_where_it_was_interrupted_between_two_readings() -> None:
+    now = [1000.0]
+    interruptions = iter([0.3, 0.2])
+
+    def read() -> float:
+        """Return the time of the one clock; before the other is read, time may pass."""
+        before = now[0]
+        now[0] += next(interruptions, 0.0)
+        return before
+
+    with mock.patch("time.time", read), mock.patch("time.monotonic", lambda: now[0] - 900.0):
+        assert SteadyClock().now() == pytest.approx(now[0])
+
+
 @pytest.fixture
 def stack() -> Iterator[contextlib.ExitStack]:
     with contextlib.ExitStack() as stack:

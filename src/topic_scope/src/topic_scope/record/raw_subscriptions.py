@@ -16,13 +16,15 @@ from topic_scope.record.message_source import TICK_S, Batch
 WAITING = 32 * 1024 * 1024
 _WARN_EVERY_S = 10.0
 _REFUSED_EVERY_S = 60.0
+_READINGS = 5
 
 
 class SteadyClock:
     """Seconds since the epoch that never step, whatever is done to the clock of the machine."""
 
     def __init__(self) -> None:
-        self._offset = time.time() - time.monotonic()
+        # What comes between two readings makes the difference smaller, never larger.
+        self._offset = max(time.time() - time.monotonic() for _ in range(_READINGS))
 
     def now(self) -> float:
         """Return the time, s."""

@@ -40,6 +40,8 @@ class RealPlant(unittest.TestCase):
         # A student's, whose last input is any: nobody but the judge stops the motor.
         self.remappings = [f"{topic}:={self.space}{topic}" for topic in TOPICS]
         self.controller = [self.script_of("good_loop.py"), *self.remappings]
+        # Where a test fails, what it has started may be left; the judge ends before.
+        self.addCleanup(self.end_controllers)
 
     @staticmethod
     def script_of(name: str) -> str:
@@ -127,7 +129,6 @@ class RealPlant(unittest.TestCase):
             script.chmod(0o755)
             self.start_motor()
             judge = self.start("judge", "--real-plant", str(script), *self.remappings)
-            self.addCleanup(self.end_controllers)
             self.outputs.wait_for(lambda heard: heard.output > 4.0)
             self.wanted.forget()
             judge.popen.send_signal(signal.SIGINT)
@@ -139,6 +140,18 @@ class RealPlant(unittest.TestCase):
     def end_controllers(self) -> None:
         for controller in self.controllers():
             os.kill(controller, signal.SIGKILL)
+
+    def test_controller_has_its_parameters_beside_a_real_plant(self) -> None:
+        """Its launch file gives it no integral part."""
+        self.start_motor()
+        with tempfile.TemporaryDirectory() as folder:
+            gains = pathlib.Path(folder) / "gains.yaml"
+            gains.write_text("{kp: 0.05, ki: 0.0}\n")
+            words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
+            judge = self.start("judge", "--real-plant", "--only", "steps", *words)
+            self.assertEqual(judge.wait(), 1)
+        self.assertTrue(judge.logged("steps: steady error "), judge.logged())
+        self.assert_left_alone()
 
     def test_motor_that_falls_silent_is_given_up(self) -> None:
         motor = self.start_motor()

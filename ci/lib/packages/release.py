@@ -13,7 +13,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from typing import List, Tuple
+import time
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import Deque, List, Optional, TextIO, Tuple
 
 import debian_files
 import project
@@ -26,17 +29,19 @@ PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]
 ]
-TIERS = ("lint", "docs", "unit", "install", "catkin_build", "integration", "ros2")
-ROOMS = ("refusals", "by_hand", "workspace", "prefix", "package", "launch", "test", "ros2")
-CHECKS = [
-    *(["./ci/test", tier] for tier in TIERS),
-    *(
-        ["./ci/clean-room", "--only", part, suite]
-        for suite in debian_files.RELEASES
-        for part in ROOMS
-    ),
+#: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
+#: (Of the tiers only that which makes the pages is run here: the rooms run all.)
+ONE_BY_ONE = [
+    ["./ci/test", "docs"],
+    *(["./ci/clean-room", "--only", "ros2", suite] for suite in debian_files.RELEASES),
     *(["./ci/deb", suite] for suite in debian_files.RELEASES),
     ["./ci/container"],
+]
+#: Checks that have a network of their own, and can run beside any others: the longest first, but
+#: for that which is timed.
+ROOMS = ("launch", "test", "workspace", "package", "prefix", "by_hand", "refusals")
+BESIDE = [
+    ["./ci/clean-room", "--only", part, suite] for part in ROOMS for suite in debian_files.RELEASES
 ]
 #: Built by these, and what it is called in dist/VERSION.
 PRODUCTS = {f"dist/{suite}": suite for suite in debian_files.RELEASES}
@@ -170,6 +175,7 @@ class Attempt:
     def __init__(self, version: str, place: pathlib.Path) -> None:
         self._version, self._place = version, place
         self._journal = self._place / "passed"
+        self.logs = self._place / "logs"
         self._systems = self._place / "systems"
         self.tree = self._place / "workspace"
 
@@ -177,6 +183,7 @@ class Attempt:
         """Clone HEAD, and change the versions."""
         self.remove()
         self._systems.mkdir(parents=True)
+        self.logs.mkdir()
         said("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
         said("git", "checkout", "--quiet", "--detach", head(WORKSPACE), place=self.tree)
         bump(self.tree, self._version)
@@ -204,19 +211,23 @@ class Attempt:
             )
 
     def check(self) -> None:
-        """Run the checks that it has not passed yet.
+        """Run the checks that it has not passed yet, two at a time.
 
-        :raises Refused: one of them is not good
+        :raises Refused: one of them is not good; that which ran beside it has ended, too
         """
-        passed = self._journal.read_text("utf-8").splitlines()
-        for command in CHECKS:
-            line = " ".join(command)
-            if line in passed:
-                say(f"{line}: passed before")
-                continue
-            self._run(command)
-            with self._journal.open("a", encoding="utf-8") as journal:
-                journal.write(f"{line}\n")
+        one_by_one, beside = (self._left(checks) for checks in (ONE_BY_ONE, BESIDE))
+        with ThreadPoolExecutor(2) as pool:
+            lanes = [
+                pool.submit(self._take, one_by_one, beside),
+                pool.submit(self._take, beside),
+            ]
+            try:
+                for lane in as_completed(lanes):
+                    lane.result()
+            except (Refused, KeyboardInterrupt):
+                one_by_one.clear()
+                beside.clear()
+                raise
         for source in PRODUCTS:
             if not (self.tree / source).is_dir():
                 raise Refused(
@@ -227,14 +238,45 @@ class Attempt:
         """Leave nothing of it."""
         shutil.rmtree(str(self._place), ignore_errors=True)
 
-    def _run(self, command: List[str]) -> None:
+    def _left(self, checks: List[List[str]]) -> Deque[List[str]]:
+        passed = self._journal.read_text("utf-8").splitlines()
+        for command in checks:
+            if " ".join(command) in passed:
+                say(f"{' '.join(command)}: passed before")
+        return deque(command for command in checks if " ".join(command) not in passed)
+
+    def _take(self, *queues: Deque[List[str]]) -> None:
+        """Run what is in the queues, from which another thread may take as well."""
+        for queue in queues:
+            while True:
+                try:
+                    command = queue.popleft()
+                except IndexError:
+                    break
+                self._check(command)
+
+    def _check(self, command: List[str]) -> None:
         line = " ".join(command)
-        say(line)
+        name = "_".join(word.lstrip("./-") for word in command).replace("/", "_")
+        log = self.logs / f"{name}.log"
+        began = time.monotonic()
+        with log.open("w", encoding="utf-8") as output:
+            self._run(command, output)
+        with self._journal.open("a", encoding="utf-8") as journal:
+            journal.write(f"{line}\n")
+        say(f"{line}: passed after {time.monotonic() - began:.0f} s")
+
+    def _run(self, command: List[str], output: Optional[TextIO] = None) -> None:
+        line = " ".join(command)
+        see = f", see {output.name}" if output else ""
+        say(f"{line}{see}")
         # The session's own ROS workspace is another one.
         own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
         # Each system is bootstrapped once for all checks.
         own.setdefault("CLEAN_ROOM_CACHE", str(self._systems))
-        process = subprocess.Popen(command, cwd=str(self.tree), env=own)
+        process = subprocess.Popen(
+            command, cwd=str(self.tree), env=own, stdout=output, stderr=output and subprocess.STDOUT
+        )
         try:
             status = process.wait()
         except KeyboardInterrupt:
@@ -242,7 +284,7 @@ class Attempt:
             process.wait()
             raise
         if status != 0:
-            raise Refused(f"'{line}' ended with status {status}: nothing was released")
+            raise Refused(f"'{line}' ended with status {status}: nothing was released{see}")
 
 
 def kept_attempt(version: str) -> Attempt:
@@ -275,6 +317,7 @@ def release(version: str, resume: bool) -> None:
         shutil.copytree(
             str(attempt.tree / source), str(target / name), ignore=shutil.ignore_patterns("earlier")
         )
+    shutil.copytree(str(attempt.logs), str(target / "logs"))
     attempt.remove()
     say(f"{version} is tagged and in dist/{version}: push it with 'git push origin HEAD {version}'")
 
@@ -285,7 +328,7 @@ def show(version: str) -> None:
         attempt = Attempt(version, pathlib.Path(folder))
         attempt.begin()
         print(said("git", "diff", "--unified=0", place=attempt.tree))
-    for command in PREPARE + CHECKS:
+    for command in PREPARE + ONE_BY_ONE + BESIDE:
         print("would run", *command)
 
 

@@ -48,6 +48,7 @@ class RestartedMaster(ParameterCase):
         self.assertEqual(node.values, {**DEFAULTS, "level": 5.0, "title": "kept", "marks": []})
         self.assertEqual(node.changes, changes)
         node.wait_for_log("INFO", "the master answers again")
+        node.wait_for_log("WARN", "the master was restarted")
         self.assertEqual(len(node.logged("the master was restarted")), 1)
         self.assertEqual(len(node.logged("the master does not answer")), 1)
         wait_until(lambda: "/gauge/describe" in self.server.services(), self.server.services)
@@ -71,6 +72,7 @@ class RestartedMaster(ParameterCase):
         node.popen.send_signal(signal.SIGCONT)
         self.assert_truth(node, self.server)
         self.assertEqual(node.values, {**DEFAULTS, "level": 6.0, "title": "kept"})
+        node.wait_for_log("WARN", "/gauge/count: refused -1")
         self.assertEqual(len(node.logged("WARN", "/gauge/count: refused -1")), 1)
 
     def test_master_that_refuses_every_registration_was_not_restarted(self) -> None:

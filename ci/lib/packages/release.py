@@ -29,17 +29,20 @@ PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
     + ["src/basic_comms/test/integration/dumped_parameters.test"]
 ]
-#: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
-#: (Of the tiers only that which makes the pages is run here: the rooms run all.)
-ONE_BY_ONE = [
+#: Checks that nothing runs beside: what is timed. (Of the tiers only that which makes the pages is
+#: run here: the rooms run all.)
+ALONE = [
     ["./ci/test", "docs"],
+    *(["./ci/clean-room", "--only", "launch", suite] for suite in debian_files.RELEASES),
+]
+#: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
+ONE_BY_ONE = [
     *(["./ci/clean-room", "--only", "ros2", suite] for suite in debian_files.RELEASES),
     *(["./ci/deb", suite] for suite in debian_files.RELEASES),
     ["./ci/container"],
 ]
-#: Checks that have a network of their own, and can run beside any others: the longest first, but
-#: for that which is timed.
-ROOMS = ("launch", "test", "workspace", "package", "prefix", "by_hand", "refusals")
+#: Checks that have a network of their own, and can run beside any others: the longest first.
+ROOMS = ("test", "workspace", "package", "prefix", "by_hand", "refusals")
 BESIDE = [
     ["./ci/clean-room", "--only", part, suite] for part in ROOMS for suite in debian_files.RELEASES
 ]
@@ -211,11 +214,12 @@ class Attempt:
             )
 
     def check(self) -> None:
-        """Run the checks that it has not passed yet, two at a time.
+        """Run the checks that it has not passed yet, two at a time where they allow it.
 
         :raises Refused: one of them is not good; that which ran beside it has ended, too
         """
-        one_by_one, beside = (self._left(checks) for checks in (ONE_BY_ONE, BESIDE))
+        alone, one_by_one, beside = map(self._left, (ALONE, ONE_BY_ONE, BESIDE))
+        self._take(alone)
         with ThreadPoolExecutor(2) as pool:
             lanes = [
                 pool.submit(self._take, one_by_one, beside),
@@ -328,7 +332,7 @@ def show(version: str) -> None:
         attempt = Attempt(version, pathlib.Path(folder))
         attempt.begin()
         print(said("git", "diff", "--unified=0", place=attempt.tree))
-    for command in PREPARE + ONE_BY_ONE + BESIDE:
+    for command in PREPARE + ALONE + ONE_BY_ONE + BESIDE:
         print("would run", *command)
 
 

@@ -133,6 +133,9 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     runs = [line.partition(" ")[::2] for line in copy.journal.read_text().splitlines()]
     assert runs[0][0] == "exec" and sorted(name for name, _ in runs[1:]) == RUNS
     assert all(rest.endswith(": Release 1.2.0") for _, rest in runs[1:])
+    # What is timed runs before anything runs beside it.
+    timed = [rest.partition(":")[0] for _, rest in runs[2 : 2 + len(SUITES)]]
+    assert timed == [f"--only launch {suite}" for suite in SUITES]
     # The pages, and each suite with all parts.
     assert [rest.partition(":")[0] for name, rest in runs if name == "test"] == ["docs"]
     (named,) = re.findall(r"^all=(.*)$", (CI / "clean-room").read_text("utf-8"), re.MULTILINE)

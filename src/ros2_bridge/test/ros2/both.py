@@ -13,6 +13,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from nodekit import Subscription
 from nodekit.testing.processes import Master, Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from ros2_bridge.types.types import Types
@@ -73,10 +74,17 @@ class Both:
         return answer
 
     def hear1(self, topic: str, kind: str) -> "Ear":
-        """Subscribe to a topic in ROS 1."""
-        raw = self.types.message(kind).raw
+        """Subscribe to a topic in ROS 1.
+
+        Not by rospy's own subscriber: on a busy machine that connects twice to a publisher of
+        which it is told twice, and hears all of it twice.
+        """
         ear = Ear()
-        ear.end = rospy.Subscriber(topic, raw, ear.heard.append, tcp_nodelay=True).unregister
+        raw = self.types.message(kind).raw
+        subscription = Subscription(topic, raw, lambda messages, _: ear.heard.extend(messages))
+        subscription.open()
+        subscription.receive_latched()
+        ear.end = subscription.close
         return ear
 
     def hear2(self, topic: str, cls: Any, latched: bool = False, depth: int = 1000) -> "Ear":

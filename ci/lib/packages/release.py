@@ -10,6 +10,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -216,10 +217,12 @@ class Attempt:
     def check(self) -> None:
         """Run the checks that it has not passed yet, two at a time where they allow it.
 
-        :raises Refused: one of them is not good; that which ran beside it has ended, too
+        A bad one ends none of the others: what is to be mended is known after one run.
+
+        :raises Refused: some of them are not good; the text names them
         """
         alone, one_by_one, beside = map(self._left, (ALONE, ONE_BY_ONE, BESIDE))
-        self._take(alone)
+        bad = self._take(alone)
         with ThreadPoolExecutor(2) as pool:
             lanes = [
                 pool.submit(self._take, one_by_one, beside),
@@ -227,16 +230,16 @@ class Attempt:
             ]
             try:
                 for lane in as_completed(lanes):
-                    lane.result()
-            except (Refused, KeyboardInterrupt):
+                    bad += lane.result()
+            except KeyboardInterrupt:
                 one_by_one.clear()
                 beside.clear()
                 raise
+        if bad:
+            raise Refused("\n".join(bad))
         for source in PRODUCTS:
             if not (self.tree / source).is_dir():
-                raise Refused(
-                    f"{source} was not built, which needs Debian 12: nothing was released"
-                )
+                raise Refused(f"{source} was not built, which needs Debian 12")
 
     def remove(self) -> None:
         """Leave nothing of it."""
@@ -249,15 +252,24 @@ class Attempt:
                 say(f"{' '.join(command)}: passed before")
         return deque(command for command in checks if " ".join(command) not in passed)
 
-    def _take(self, *queues: Deque[List[str]]) -> None:
-        """Run what is in the queues, from which another thread may take as well."""
+    def _take(self, *queues: Deque[List[str]]) -> List[str]:
+        """Run what is in the queues, from which another thread may take as well.
+
+        :returns: what was not good
+        """
+        bad = []
         for queue in queues:
             while True:
                 try:
                     command = queue.popleft()
                 except IndexError:
                     break
-                self._check(command)
+                try:
+                    self._check(command)
+                except Refused as error:
+                    say(str(error))
+                    bad.append(str(error))
+        return bad
 
     def _check(self, command: List[str]) -> None:
         line = " ".join(command)
@@ -287,8 +299,10 @@ class Attempt:
             # The terminal has told it as well: it cleans up before it ends.
             process.wait()
             raise
+        if status in (-signal.SIGINT, 128 + signal.SIGINT):
+            raise KeyboardInterrupt  # which reached it before us
         if status != 0:
-            raise Refused(f"'{line}' ended with status {status}: nothing was released{see}")
+            raise Refused(f"'{line}' ended with status {status}{see}")
 
 
 def kept_attempt(version: str) -> Attempt:
@@ -365,6 +379,7 @@ def main(arguments: List[str]) -> int:
         release(options.version, options.resume)
     except Refused as reason:
         say(str(reason))
+        say("nothing was released")
         return 1
     except KeyboardInterrupt:
         say("interrupted: with --resume, what was good is not run again")

@@ -13,10 +13,17 @@ HOLD = "import sys; file = open(sys.argv[1]); print(flush=True); sys.stdin.read(
 
 
 @contextlib.contextmanager
-def holder(path: pathlib.Path) -> Iterator[int]:
-    """Run a process that has a file open; gives its number."""
+def holder(path: pathlib.Path, *words: str) -> Iterator[int]:
+    """Run a process that has a file open; gives its number.
+
+    :param words: what Python gets: the program, and what follows the file's name
+    """
+    program, *more = words or (HOLD,)
+    option = [] if program.endswith(".py") else ["-c"]
     with subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, *option, program, str(path), *more],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
     ) as process:
         assert process.stdout is not None and process.stdout.readline()
         yield process.pid
@@ -46,3 +53,18 @@ def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Pa
 
 def test_what_is_unplugged_has_no_holder(tmp_path: pathlib.Path) -> None:
     assert holders_of(str(tmp_path / "board")) == []
+
+
+def test_a_long_command_is_told_without_its_folders(tmp_path: pathlib.Path) -> None:
+    board = tmp_path / "board"
+    board.touch()
+    script = tmp_path / ("folder" * 15) / "monitor.py"
+    script.parent.mkdir()
+    script.write_text(HOLD)
+    python = pathlib.Path(sys.executable).name
+    with holder(board, str(script)):
+        assert holders_of(str(board))[0].command == f"{python} monitor.py board"
+    with holder(board, str(script), 80 * "a"):
+        told = holders_of(str(board))[0].command
+        assert told.startswith(f"{python} monitor.py board aaa")
+        assert told.endswith("aaa...") and len(told) == 80

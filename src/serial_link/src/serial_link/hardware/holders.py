@@ -52,8 +52,11 @@ def _points_to(link: str, target: os.stat_result) -> bool:
 
 def _command(pid: str) -> str:
     try:
-        with open(f"/proc/{pid}/cmdline", "rb") as words:
-            text = words.read().replace(b"\0", b" ").decode("utf-8", "replace").strip()
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            words = file.read().decode("utf-8", "replace").strip("\0").split("\0")
     except OSError:
-        text = "ended just now"
+        return "ended just now"
+    text = " ".join(words)
+    if len(text) > _LONGEST:  # the folders tell least
+        text = " ".join(os.path.basename(word) for word in words)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

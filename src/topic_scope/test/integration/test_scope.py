@@ -98,7 +98,8 @@ class Signals(ScopeTest):
             bins.setdefault(math.floor(moment / page.width), []).append(float(text))
         for index, values in bins.items():
             self.assertEqual(page.bins[field][index], [min(values), max(values)])
-        self.assertEqual(page.values(field).count(PEAK), 1)
+        # On a busy machine the peak may be alone in its bin, both the least and the greatest there.
+        self.assertEqual(sum(PEAK in pair for pair in page.bins[field].values()), 1)
 
     def test_a_late_page_gets_the_history(self) -> None:
         first = self.page("/late/data")

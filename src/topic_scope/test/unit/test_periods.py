@@ -56,6 +56,8 @@ def test_a_square_wave_has_its_frequency() -> None:
 
 
 @given(st.integers(0, 390), st.integers(20, 300), st.floats(0.5, 2.0))
+@example(297, 300, 0.5)  # one rise before the gap, one behind it
+@example(305, 264, 0.5113)  # a rise that begins before the gap
 def test_periods_that_are_broken_by_a_gap_do_not_count(
     begin: int, length: int, hertz: float
 ) -> None:

@@ -72,14 +72,9 @@ def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
     firsts = after_gaps(times, longest)  # of the pieces without a gap, but for the very first
-    crossings = _crossings(times, values)
-    after = numpy.minimum(numpy.searchsorted(times, crossings[0], "right"), len(times) - 1)
-    piece_of = numpy.searchsorted(firsts, after, "right")
-    is_whole = piece_of == numpy.searchsorted(firsts, after - 1, "right")
-    crossings[2] *= times[after] - times[after - 1]
-    crossings, piece_of = crossings[:, is_whole], piece_of[is_whole]  # none is within a gap
+    crossings, piece_of = _crossings(times, values, firsts)
     some = _some(len(times))
-    best, noise = TOO_SHORT if crossings.shape[1] < 2 else NO_PERIOD, 1.0
+    best, noise = TOO_SHORT, 1.0
     for count in range(1, _MOST_CROSSINGS + 1):
         every = slice(None, None, count)
         period = _period(crossings[:, every], piece_of[every])
@@ -137,20 +132,24 @@ def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _C
     return _Comparison(noise, limit, _MIXED / count, cycles_seen)
 
 
-def _crossings(times: numpy.ndarray, values: numpy.ndarray) -> numpy.ndarray:
+def _crossings(
+    times: numpy.ndarray, values: numpy.ndarray, firsts: numpy.ndarray
+) -> Tuple[numpy.ndarray, numpy.ndarray]:
     """Return where a trace crosses its mean upwards, or downwards, as :func:`.rises` does.
 
-    The last row is how much of the whole range the step from one sample to the next is.
+    The last row is how much of the doubt is from an edge, s.
     """
     low, high = values.min(), values.max()
     band = HYSTERESIS * (high - low)
     # Short pulses leave a mean that is close to where they come from on one side only.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
-    found = rises(times, values, level, band)
-    if found.shape[1] < 2:  # of two periods, one may begin too close to an end to be seen
-        found = rises(times, -values, -level, band)
+    for sign in (1.0, -1.0):
+        found, piece_of = rises(times, sign * values, sign * level, band, firsts)
+        if (piece_of[:-1] == piece_of[1:]).any():
+            break
+        # Of two periods in a piece, one may begin too close to an end of it to be seen.
     found[2] /= high - low
-    return found
+    return found, piece_of
 
 
 def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Figure:

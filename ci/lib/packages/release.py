@@ -36,17 +36,17 @@ ALONE = [
     ["./ci/test", "docs"],
     *(["./ci/clean-room", "--only", "launch", suite] for suite in debian_files.RELEASES),
 ]
+#: What is newest changes most, and is bad most often: that is known early.
+NEWEST_FIRST = list(reversed(debian_files.RELEASES))
 #: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
 ONE_BY_ONE = [
-    *(["./ci/clean-room", "--only", "ros2", suite] for suite in debian_files.RELEASES),
-    *(["./ci/deb", suite] for suite in debian_files.RELEASES),
     ["./ci/container"],
+    *(["./ci/deb", suite] for suite in NEWEST_FIRST),
+    *(["./ci/clean-room", "--only", "ros2", suite] for suite in NEWEST_FIRST),
 ]
 #: Checks that have a network of their own, and can run beside any others: the longest first.
 ROOMS = ("test", "workspace", "package", "prefix", "by_hand", "refusals")
-BESIDE = [
-    ["./ci/clean-room", "--only", part, suite] for part in ROOMS for suite in debian_files.RELEASES
-]
+BESIDE = [["./ci/clean-room", "--only", part, suite] for part in ROOMS for suite in NEWEST_FIRST]
 #: Built by these, and what it is called in dist/VERSION.
 PRODUCTS = {f"dist/{suite}": suite for suite in debian_files.RELEASES}
 PRODUCTS["docs/_build/html"] = "docs"

@@ -16,6 +16,7 @@ from bot_controller_demo_msgs.srv import SetGoal
 from lifecycle_msgs.msg import State
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
@@ -119,11 +120,8 @@ class ManagedRobot(unittest.TestCase):
             self.act("second")
             with self.subTest("stopped"):
                 simulator = run.processes()[SIMULATOR].pid
-                os.kill(simulator, signal.SIGSTOP)
-                try:
+                with hanging(simulator):
                     self.wait_until_it_is_down()
-                finally:
-                    os.kill(simulator, signal.SIGCONT)
                 self.wait_until_it_drives()
                 self.assertEqual(run.processes()[SIMULATOR].pid, simulator)
             with self.subTest("paused"):

@@ -3,7 +3,6 @@
 
 import math
 import os
-import signal
 import unittest
 from typing import Any, List
 
@@ -32,7 +31,7 @@ from nodekit import Names, Node
 from nodekit.testing.changing import change as change_parameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
-from nodekit.testing.processes import Process
+from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
@@ -314,8 +313,7 @@ class Robots(unittest.TestCase):
         self.set_goal(5.0, 0.0, 0.0)
         self.until(lambda: self.odometry().twist.twist.linear.x > 0.0, "it stays")
         simulator = self.graph.pid("/lab/diff_drive")
-        os.kill(simulator, signal.SIGSTOP)
-        try:
+        with hanging(simulator):
             before, silent = self.clock.now, (ODOM, PROGRESS)
             self.until(lambda: self.commands()[-1] == (0.0, 0.0), "it drives on", 60.0, *silent)
             stopped = self.clock.heard(CMD_VEL)[-1].header.stamp.to_sec()
@@ -331,8 +329,6 @@ class Robots(unittest.TestCase):
             for _ in range(6):
                 self.clock.step(*silent)
             self.assertNotEqual(self.phase(), "arrived")
-        finally:
-            os.kill(simulator, signal.SIGCONT)
         self.until(lambda: self.commands()[-1].linear > 0.0, "it stays", 10.0, *silent)
         self.logged("receiving odometry")
 

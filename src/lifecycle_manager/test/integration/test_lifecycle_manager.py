@@ -3,7 +3,6 @@
 
 import itertools
 import os
-import signal
 import threading
 import time
 import unittest
@@ -26,7 +25,7 @@ from nodekit import (
     init_node,
 )
 from nodekit.testing.hearing import Ear
-from nodekit.testing.processes import Process, Server, is_stopped
+from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest, ManageNodesResponse
@@ -377,10 +376,6 @@ class Elsewhere(Managing):
 
         wait_until(lambda: found() == expected, lambda: f"{found()}, not {expected}")
 
-    def stop(self, process: Process) -> None:
-        process.popen.send_signal(signal.SIGSTOP)
-        wait_until(lambda: is_stopped(process.popen.pid), lambda: "it goes on")
-
     def test_losses(self) -> None:
         """A system survives kill -9 and a stop of any node, and of its manager."""
         self.set_parameters(autostart=True)
@@ -399,21 +394,19 @@ class Elsewhere(Managing):
         self.set_parameters(heartbeat_timeout=0.8)
         manager.wait_for_log("heartbeat_timeout", "0.8")
         self.assertEqual(len(manager.logged("all are active")), 2)  # once each time
-        self.stop(nodes["c"])
-        self.wait_until_told("c is lost: no heartbeat for 0.8 s")
-        self.set_parameters()
-        nodes["c"].popen.send_signal(signal.SIGCONT)
+        with hanging(nodes["c"].popen.pid):
+            self.wait_until_told("c is lost: no heartbeat for 0.8 s")
+            self.set_parameters()
         self.wait_until_active()
         self.wait_for_lines(c=["deactivate", "activate"])
         # The manager itself, stopped: another one is refused all the same.
         lines = {name: list(nodes[name].lines) for name in ABC}
-        self.stop(manager)
-        self.set_parameters("second")
-        second = self.start(MANAGER, "second")
-        self.assertEqual(second.wait(), 1)
-        text = f"must be nodes that have no other manager ({self.space}/a is managed by"
-        self.assertTrue(second.logged(text, f"{self.space}/manager)"), second.logged())
-        manager.popen.send_signal(signal.SIGCONT)
+        with hanging(manager.popen.pid):
+            self.set_parameters("second")
+            second = self.start(MANAGER, "second")
+            self.assertEqual(second.wait(), 1)
+            text = f"must be nodes that have no other manager ({self.space}/a is managed by"
+            self.assertTrue(second.logged(text, f"{self.space}/manager)"), second.logged())
         self.wait_until_active()
         # Killed: another one, of another name, may take over, and interrupts nothing.
         manager.end()

@@ -3,7 +3,6 @@
 
 import itertools
 import os
-import signal
 import socket
 import time
 import unittest
@@ -27,7 +26,7 @@ from nodekit.node.clients import MOST_CALLS
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.process.run import init_node
-from nodekit.testing.processes import Process, is_stopped
+from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -169,12 +168,10 @@ class Clients(unittest.TestCase):
         again = self.server()
         quick = self.node.client("echo", SetBool)
         self.assertTrue(quick.call(SetBoolRequest(True)).success)
-        again.popen.send_signal(signal.SIGSTOP)
-        wait_until(lambda: is_stopped(again.popen.pid), lambda: "it goes on")
-        with self.assertRaises(CallTimeout):
-            quick.call(SetBoolRequest(True), timeout=0.3)
-        self.assertFalse(quick.wait_for_service(0.3))
-        again.popen.send_signal(signal.SIGCONT)
+        with hanging(again.popen.pid):
+            with self.assertRaises(CallTimeout):
+                quick.call(SetBoolRequest(True), timeout=0.3)
+            self.assertFalse(quick.wait_for_service(0.3))
         self.assertTrue(quick.call(SetBoolRequest(True), TIMEOUT_S).success)
 
     def connections(self, server: Process) -> int:

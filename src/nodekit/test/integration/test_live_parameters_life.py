@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Start, end and name of a node with live parameters, and peers that hang."""
 
+import contextlib
 import itertools
 import os
 import signal
@@ -17,7 +18,7 @@ from rosgraph.network import write_ros_handshake_header
 from rospy.core import parse_rosrpc_uri
 
 from nodekit.parameters.declaration import to_wire
-from nodekit.testing.processes import Process, Server
+from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -174,18 +175,18 @@ class Life(ParameterCase):
         hung = [Spy("/unhindered", "/blocked") for _ in range(3)]
         for spy in hung:
             self.addCleanup(spy.end)
-            spy.popen.send_signal(signal.SIGSTOP)
-        self.server.set("/blocked", 1)
-        for level in (5, 6, 7):
-            self.server.set("/unhindered/level", level)
-            node.wait_for(level=float(level))
-        self.server.set("/unhindered/level", -1)
-        self.server.wait_for("/unhindered/level", 7.0)
-        # Or what is still held back could be a good value that the one put back has hit.
-        self.server.set("/unhindered/level", 8)
-        node.wait_for(level=8.0)
-        for spy in hung:
-            spy.popen.send_signal(signal.SIGCONT)
+        with contextlib.ExitStack() as waits:
+            for spy in hung:
+                waits.enter_context(hanging(spy.popen.pid))
+            self.server.set("/blocked", 1)
+            for level in (5, 6, 7):
+                self.server.set("/unhindered/level", level)
+                node.wait_for(level=float(level))
+            self.server.set("/unhindered/level", -1)
+            self.server.wait_for("/unhindered/level", 7.0)
+            # Or what is still held back could be a good value that the one put back has hit.
+            self.server.set("/unhindered/level", 8)
+            node.wait_for(level=8.0)
         # All that was held back arrives before this.
         self.server.set("/unhindered/title", "late")
         node.wait_for(title="late")

@@ -12,7 +12,7 @@ from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
 
 from nodekit.parameters.declaration import to_wire
-from nodekit.testing.processes import Master, Server
+from nodekit.testing.processes import Master, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.slow_master import SlowMaster
 from nodekit.testing.waiting import wait_until
@@ -64,12 +64,11 @@ class RestartedMaster(ParameterCase):
         node = self.start()
         self.server.set("/gauge", {**DEFAULTS, "level": 5, "title": "kept"})
         node.wait_for(level=5.0, title="kept")
-        node.popen.send_signal(signal.SIGSTOP)
-        self.master.kill()
-        self.master.start()
-        self.server = Server(self.master.uri)
-        self.server.set("/gauge", {"level": 6, "count": -1})
-        node.popen.send_signal(signal.SIGCONT)
+        with hanging(node.popen.pid):
+            self.master.kill()
+            self.master.start()
+            self.server = Server(self.master.uri)
+            self.server.set("/gauge", {"level": 6, "count": -1})
         self.assert_truth(node, self.server)
         self.assertEqual(node.values, {**DEFAULTS, "level": 6.0, "title": "kept"})
         node.wait_for_log("WARN", "/gauge/count: refused -1")

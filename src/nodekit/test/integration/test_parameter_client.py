@@ -2,7 +2,6 @@
 """ParameterClient against a node, and against those that do not answer."""
 
 import os
-import signal
 import time
 
 import rospy
@@ -21,7 +20,7 @@ from nodekit import (
     to_wire,
 )
 from nodekit.testing.changing import change
-from nodekit.testing.processes import Process, Server
+from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -118,9 +117,7 @@ class Silence(ParameterCase):
     def test_node_that_is_stopped_does_not_answer_a_change(self) -> None:
         node = self.start_node("/client/stopped")
         rospy.wait_for_service("/client/stopped/change", 30.0)
-        node.popen.send_signal(signal.SIGSTOP)
-        self.addCleanup(node.popen.send_signal, signal.SIGCONT)
-        with self.assertRaises(CallTimeout):
+        with hanging(node.popen.pid), self.assertRaises(CallTimeout):
             ParameterClient("/client/stopped", timeout=0.5).change({"count": 4})
 
     def test_node_that_vanishes_between(self) -> None:

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """The services ~describe and ~change, and the commands that call them."""
 
-import signal
 import subprocess
 from typing import Any, Tuple
 
@@ -21,7 +20,7 @@ from nodekit.parameters.declaration import (
     rule,
     to_wire,
 )
-from nodekit.testing.processes import Server
+from nodekit.testing.processes import Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters, SetParametersRequest
@@ -190,26 +189,23 @@ class ParameterServices(ParameterCase):
                 self.assertIn(node.name + "\n", done.stdout)
 
     def test_node_that_hangs_keeps_no_other_from_being_described(self) -> None:
-        self.node.popen.send_signal(signal.SIGSTOP)
-        self.addCleanup(self.node.popen.send_signal, signal.SIGCONT)
-        # The last line says how long it has waited; a busy machine takes more to start.
-        done = subprocess.run(
-            ["rosrun", "nodekit", "describe", LAB],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            universal_newlines=True,
-            timeout=30.0,
-        )
-        self.assertEqual(done.returncode, 1)
-        lines, name = done.stdout.splitlines(), self.node.name
-        self.assertEqual(lines[0], self.nodes[1].name, "the other has to wait for the first")
-        self.assertEqual(
-            lines[-1], f"describe: {name} does not answer: {name}/describe: no answer within 2 s"
-        )
-        hung = command("change", self.node.name, "level", "2")
-        self.assertEqual(hung.returncode, 1)
-        self.assertIn("does not answer", hung.stderr)
-        self.node.popen.send_signal(signal.SIGCONT)
+        with hanging(self.node.popen.pid):
+            # The last line says how long it has waited; a busy machine takes more to start.
+            done = subprocess.run(
+                ["rosrun", "nodekit", "describe", LAB],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                universal_newlines=True,
+                timeout=30.0,
+            )
+            self.assertEqual(done.returncode, 1)
+            lines, name = done.stdout.splitlines(), self.node.name
+            self.assertEqual(lines[0], self.nodes[1].name, "the other has to wait for the first")
+            silent = f"describe: {name} does not answer: {name}/describe: no answer within 2 s"
+            self.assertEqual(lines[-1], silent)
+            hung = command("change", self.node.name, "level", "2")
+            self.assertEqual(hung.returncode, 1)
+            self.assertIn("does not answer", hung.stderr)
         wait_until(lambda: self.change("{}")[0], lambda: "the node does not come back")
 
 

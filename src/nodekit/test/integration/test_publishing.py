@@ -22,6 +22,7 @@ from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import publishers
+from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -114,6 +115,10 @@ class PublishingTest(unittest.TestCase):
             if pause > 0:
                 time.sleep(pause)
 
+    def publish_until_stalled(self, publisher, name):
+        """Publish until a subscriber that hangs holds no more."""
+        self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
+
     def wait_for(self, node, condition, what):
         """Wait until the record of a subscriber is as expected.
 
@@ -144,16 +149,15 @@ class PublishingTest(unittest.TestCase):
         _, good = self.subscriber(publisher)
         name, stopped = self.subscriber(publisher)
         self.publish(publisher, 200)
-        stopped.process.send_signal(signal.SIGSTOP)
-        self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
-        self.assertTrue(self.statistics_of(publisher, name).stalled)
-        held = memory()
-        self.publish(publisher, 1000)
-        grown = memory() - held
-        self.assertLess(grown, 8_000_000, "16 MB were published meanwhile")
-        lost = self.statistics_of(publisher, name).lost
-        self.assertGreaterEqual(lost, 900)
-        stopped.process.send_signal(signal.SIGCONT)
+        with hanging(stopped.process.pid):
+            self.publish_until_stalled(publisher, name)
+            self.assertTrue(self.statistics_of(publisher, name).stalled)
+            held = memory()
+            self.publish(publisher, 1000)
+            grown = memory() - held
+            self.assertLess(grown, 8_000_000, "16 MB were published meanwhile")
+            lost = self.statistics_of(publisher, name).lost
+            self.assertGreaterEqual(lost, 900)
         wait_until(
             lambda: not self.statistics_of(publisher, name).stalled, lambda: "it is still stalled"
         )
@@ -173,12 +177,11 @@ class PublishingTest(unittest.TestCase):
     def test_last_message_arrives_though_nothing_follows_it(self):
         publisher = self.publisher()
         _, node = self.subscriber(publisher)
-        node.process.send_signal(signal.SIGSTOP)
-        size = 20_000_000
-        publisher.publish(String(numbered("a", 1, size)))
-        publisher.publish(String(numbered("a", 2, SIZE)))
-        publisher.publish(String(numbered("a", 3, SIZE)))
-        node.process.send_signal(signal.SIGCONT)
+        with hanging(node.process.pid):
+            size = 20_000_000
+            publisher.publish(String(numbered("a", 1, size)))
+            publisher.publish(String(numbered("a", 2, SIZE)))
+            publisher.publish(String(numbered("a", 3, SIZE)))
         record = self.wait_for(node, self.last(3), "the last message has arrived")
         self.assertEqual((record["numbers"]["a"], record["torn"]), ([1, 3], 0))
 
@@ -212,10 +215,10 @@ class PublishingTest(unittest.TestCase):
         _, good = self.subscriber(publisher)
         _, killed = self.subscriber(publisher)
         name, stopped = self.subscriber(publisher)
-        stopped.process.send_signal(signal.SIGSTOP)
-        self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
-        for node in (killed, stopped):
-            node.process.kill()
+        with hanging(stopped.process.pid):
+            self.publish_until_stalled(publisher, name)
+            for node in (killed, stopped):
+                node.process.kill()
         self.publish(publisher, 20_000, until=lambda: len(publisher.statistics()) == 1)
         record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
         self.assertEqual(record["numbers"]["a"], list(range(self.count)))

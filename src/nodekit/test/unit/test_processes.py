@@ -1,10 +1,13 @@
 """Processes that tests start."""
 
 import contextlib
+import subprocess
+import sys
 
 import pytest
 
 from nodekit.testing import processes
+from nodekit.testing.waiting import TIMEOUT_S
 
 
 def test_two_masters_share_no_port(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -18,3 +21,34 @@ def test_two_masters_share_no_port(monkeypatch: "pytest.MonkeyPatch") -> None:
             ends.callback(master.kill)
             uris.append(master.uri)
     assert uris == [f"http://localhost:{port}/" for port in (first, second)]
+
+
+#: Prints a line and then works in ten threads until its input ends.
+BUSY = """
+import sys, threading
+
+def work():
+    while True:
+        sum(range(1000))
+
+for _ in range(10):
+    threading.Thread(target=work, daemon=True).start()
+print("ready", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_process_hangs_with_all_its_threads_and_goes_on() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", BUSY], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as busy:
+        assert busy.stdin is not None and busy.stdout is not None
+        assert busy.stdout.readline() == b"ready\n"
+        for _ in range(20):
+            with contextlib.suppress(ZeroDivisionError), processes.hanging(busy.pid):
+                assert processes.is_stopped(busy.pid)
+                raise ZeroDivisionError  # a test that fails leaves it no less
+            assert not processes.is_stopped(busy.pid)
+        with processes.hanging(busy.pid):
+            busy.kill()
+            assert busy.wait(TIMEOUT_S) < 0

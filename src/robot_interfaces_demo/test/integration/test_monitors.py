@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
-from nodekit.testing.processes import Process, is_stopped
+from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from robot_custom_interfaces.msg import RobotStatus
@@ -187,11 +187,9 @@ class Monitors(unittest.TestCase):
         self.assertIn("fleet_report: no master at ", nowhere.error_lines[0])
 
     def test_monitor_that_hangs_does_not_hold_up_the_command(self) -> None:
-        self.monitor.popen.send_signal(signal.SIGSTOP)
-        self.addCleanup(self.monitor.popen.send_signal, signal.SIGCONT)
-        wait_until(lambda: is_stopped(self.monitor.popen.pid), lambda: "it goes on")
-        command = start("fleet_report", MONITOR, "--timeout", "0.5")
-        self.assertEqual(command.wait(), 2)
+        with hanging(self.monitor.popen.pid):
+            command = start("fleet_report", MONITOR, "--timeout", "0.5")
+            self.assertEqual(command.wait(), 2)
         self.assertIn("does not answer", command.error_lines[0])
 
     def test_both_in_one_process(self) -> None:

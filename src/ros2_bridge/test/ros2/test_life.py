@@ -22,6 +22,7 @@ from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
 from test_topics import publisher1
 
+from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.nodes import NodesInRos1
@@ -47,11 +48,9 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             assert second.logged("/ros2_bridge already connects this master and this domain")
-        first.popen.send_signal(signal.SIGSTOP)  # and does not answer
-        with both.Bridge("__name:=another") as second:
+        with hanging(first.popen.pid), both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             assert second.logged("another one on this machine already connects")
-        first.popen.send_signal(signal.SIGCONT)
         ros.call1(marker, "std_srvs/Trigger", b"")
         began = time.monotonic()
         assert first.interrupt() == 0

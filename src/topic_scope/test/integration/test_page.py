@@ -5,9 +5,7 @@ import csv
 import io
 import json
 import math
-import os
 import re
-import signal
 import socket
 import subprocess
 import threading
@@ -31,7 +29,7 @@ from std_msgs.msg import Float64
 from wire.client import Client
 
 from basic_comms.msg import signal_msg
-from nodekit.testing.processes import free_port
+from nodekit.testing.processes import free_port, hanging
 from nodekit.testing.running import rosrun
 
 
@@ -888,11 +886,9 @@ class Page(PageTest):
 
     def test_notices_that_nothing_comes_any_more_and_comes_back(self) -> None:
         self.expected_errors = ["WebSocket connection"]
-        os.kill(self.scope.pid, signal.SIGSTOP)  # as where a link is cut: nobody closes it
-        self.addCleanup(os.kill, self.scope.pid, signal.SIGCONT)
-        self.wait_banner("The scope does not answer. Trying again in 1 s.")
-        self.assertNotEqual(self.browser.text("#link"), "connected")
-        os.kill(self.scope.pid, signal.SIGCONT)
+        with hanging(self.scope.pid):  # as where a link is cut: nobody closes it
+            self.wait_banner("The scope does not answer. Trying again in 1 s.")
+            self.assertNotEqual(self.browser.text("#link"), "connected")
         self.browser.wait_connected()
         self.wait_banner("")
         self.wait_moving()

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 import threading
-from typing import IO, Any, Dict, List, Optional, Sequence
+from typing import IO, Any, Dict, Iterator, List, Optional, Sequence
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -160,9 +160,26 @@ def is_stopped(pid: int) -> bool:
     """
     states = []
     for thread in os.listdir(f"/proc/{pid}/task"):
-        with open(f"/proc/{pid}/task/{thread}/stat") as stat:
-            states.append(stat.read().rpartition(")")[2].split()[0])
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
+            with open(f"/proc/{pid}/task/{thread}/stat") as stat:
+                states.append(stat.read().rpartition(")")[2].split()[0])
     return set(states) == {"T"}
+
+
+@contextlib.contextmanager
+def hanging(pid: int) -> Iterator[None]:
+    """Have a process hang for a while, which it does at once, however busy the machine is.
+
+    :param pid: its process id
+    """
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        # Until the thread that takes the signal has had its turn, the others go on.
+        wait_until(lambda: is_stopped(pid), lambda: f"process {pid} goes on")
+        yield
+    finally:
+        with contextlib.suppress(ProcessLookupError):  # it was killed meanwhile
+            os.kill(pid, signal.SIGCONT)
 
 
 class Server:

@@ -4,7 +4,6 @@ import contextlib
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import time
 from typing import Dict, Iterator, List, Optional
@@ -14,6 +13,8 @@ from observers import wait_until
 from peers import HERE, SCRIPTS
 from steps import end_leftovers
 from tcpros import Node
+
+from nodekit.testing.processes import free_port
 
 #: how long a node works on after it has registered, s
 SETTLED = 1.5
@@ -52,9 +53,7 @@ class Session:
 
     def __init__(self, directory: pathlib.Path) -> None:
         self.directory = directory
-        with socket.socket() as probe:
-            probe.bind(("localhost", 0))
-            self._port = probe.getsockname()[1]
+        self._port = free_port()
         self.master_uri = f"http://localhost:{self._port}"
         self.environment = dict(
             os.environ,

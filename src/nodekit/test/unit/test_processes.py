@@ -1,6 +1,8 @@
 """Processes that tests start."""
 
 import contextlib
+import pathlib
+import socket
 import subprocess
 import sys
 
@@ -8,6 +10,20 @@ import pytest
 
 from nodekit.testing import processes
 from nodekit.testing.waiting import TIMEOUT_S
+
+
+def test_free_port_stays_free_where_others_take_any(monkeypatch: "pytest.MonkeyPatch") -> None:
+    bounds = pathlib.Path("/proc/sys/net/ipv4/ip_local_port_range").read_text()
+    first_given = int(bounds.split()[0])
+    if first_given < 32_768:
+        pytest.skip(f"this machine has been told to give any port from {first_given}")
+    assert max(processes.free_ports(100)) < first_given
+    first, second, third = processes.free_ports(3)
+    with socket.socket() as taken:
+        taken.bind(("localhost", first))
+        found = iter((first, second, second, third))
+        monkeypatch.setattr(processes._random, "choice", lambda _ports: next(found))
+        assert processes.free_ports(2) == [second, third]
 
 
 def test_two_masters_share_no_port(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -1,7 +1,9 @@
 """Processes that a test starts and ends, a master among them, and a client of the master."""
 
 import contextlib
+import errno
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -14,17 +16,29 @@ import rosgraph
 
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
+#: Ports that Linux gives to nobody who does not name them (its ip_local_port_range begins behind):
+#: one of another test's nodes could have any other before it is made use of.
+_PORTS = range(10_000, 32_768)
+#: Tests seed the module's own, all alike.
+_random = random.SystemRandom()
+
 
 def free_ports(count: int) -> List[int]:
     """Return different TCP ports of localhost that nothing listens on.
 
     :param count: how many
     """
+    ports: List[int] = []
     with contextlib.ExitStack() as probes:
-        sockets = [probes.enter_context(socket.socket()) for _ in range(count)]
-        for probe in sockets:
-            probe.bind(("localhost", 0))
-        ports = [int(probe.getsockname()[1]) for probe in sockets]
+        while len(ports) < count:
+            probe, port = probes.enter_context(socket.socket()), _random.choice(_PORTS)
+            try:
+                probe.bind(("localhost", port))
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise
+            else:
+                ports.append(port)
     return ports
 
 

@@ -34,6 +34,8 @@ _OF_RCLPY = ("use_sim_time", "start_type_description_service")
 #: Services that come last: of each node, and of the generator.
 _LAST = ("describe_parameters", "set_parameters_atomically")
 _OFFERED = ("reset", "enable", *_LAST)
+#: What every node publishes.
+_OF_ALL = ("/rosout", "/parameter_events")
 #: Nodes of the tests themselves.
 OF_TESTS = ("/tests", "/ros2_tests")
 _KINDS = ("", "Boolean", "Integer", "Double", "String")
@@ -105,27 +107,32 @@ class Answers:
         ]
 
     def wait_for_nodes(self) -> None:
-        """Wait until all nodes are there, with all that the generator has."""
-        wanted = {"/signal", "/rosout", *(f"{GENERATOR}/{name}" for name in ("status", *_OFFERED))}
+        """Wait until all nodes are there, with all that is asked for."""
+        own = {GENERATOR: ("status", *_OFFERED), ROBOT: _LAST}
+        wanted = {of: {*_OF_ALL, *(f"{of}/{name}" for name in names)} for of, names in own.items()}
+        wanted[GENERATOR].add("/signal")
         states = f"{MANAGED}/get_available_transitions"
 
         def missing() -> Set[str]:
-            found = {name for name, _ in self.node.get_service_names_and_types()}
-            early = {states, *(f"{ROBOT}/{name}" for name in _LAST)}
-            if not early <= found:
-                return early - found
+            if states not in {name for name, _ in self.node.get_service_names_and_types()}:
+                return {states}
             if not self._actions.is_there():
                 return {ACTION}
-            with contextlib.suppress(Exception):  # rclpy's own, where there is no such node yet
-                for ask in (
-                    self.node.get_publisher_names_and_types_by_node,
-                    self.node.get_service_names_and_types_by_node,
-                ):
-                    found.update(name for name, _ in ask(GENERATOR[1:], "/"))
-                return wanted - found
-            return wanted
+            # What there is may be known before the node that it is of.
+            return set().union(*(names - self._made_by(of) for of, names in wanted.items()))
 
         wait_until(lambda: not missing(), lambda: f"{missing()} of {self._nodes()}")
+
+    def _made_by(self, node: str) -> Set[str]:
+        """Return the topics and services that are known to be of a node."""
+        found: Set[str] = set()
+        with contextlib.suppress(Exception):  # rclpy's own, where there is no such node yet
+            for ask in (
+                self.node.get_publisher_names_and_types_by_node,
+                self.node.get_service_names_and_types_by_node,
+            ):
+                found.update(name for name, _ in ask(node[1:], "/"))
+        return found
 
     def _nodes(self) -> List[str]:
         names = self.node.get_node_names_and_namespaces()

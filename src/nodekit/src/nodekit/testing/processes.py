@@ -17,8 +17,9 @@ import rosgraph
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: Ports that Linux gives to nobody who does not name them (its ip_local_port_range begins behind):
-#: one of another test's nodes could have any other before it is made use of.
-_PORTS = range(10_000, 32_768)
+#: one of another test's nodes could have any other before it is made use of. They begin behind
+#: those of ROS itself: 11311, a master's, and 11411, where rosserial listens for boards.
+_PORTS = range(12_000, 32_768)
 #: Tests seed the module's own, all alike.
 _random = random.SystemRandom()
 

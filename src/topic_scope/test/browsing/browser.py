@@ -109,6 +109,16 @@ class Browser:
         found: WebElement = wait_until(seen, lambda: f"no {selector} on the page")
         return found
 
+    def downloaded(self, name: str) -> Path:
+        """Wait until a file that the page offers is saved, and return it."""
+        path = self.downloads / name
+        # The browser takes the name by an empty file, which the whole one then replaces.
+        wait_until(
+            lambda: path.exists() and path.stat().st_size > 0,
+            lambda: list(self.downloads.glob("*")),
+        )
+        return path
+
     def text(self, selector: str) -> str:
         """Return the text of all elements that a selector finds, as it is shown at one moment."""
         return str(self.run(_TEXT, selector))

@@ -145,8 +145,7 @@ class Page(PageTest):
         self.browser.keys("s")
         self.browser.wait_for("#setup-save").click()
         self.browser.keys(Keys.ESCAPE)
-        path = self.browser.downloads / "scope_setup.json"
-        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
+        path = self.browser.downloaded("scope_setup.json")
         self.assertEqual(json.loads(path.read_text()), setup)
         # A part that makes no sense is named, and all stays as it is.
         self.load({**setup, "window": -1})
@@ -750,8 +749,7 @@ class Page(PageTest):
     def saved(self, ratio: float = 2.0) -> Picture:
         """Have the page save a picture, and return it."""
         self.browser.find("#png").click()
-        path = self.browser.downloads / "scope.png"
-        wait_until(path.exists, lambda: list(self.browser.downloads.glob("*")))
+        path = self.browser.downloaded("scope.png")
         try:
             return Picture(path, ratio)
         finally:

@@ -176,6 +176,15 @@ class Page(PageTest):
         self.browser.open(cut)
         self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
 
+    def test_an_address_is_taken_though_the_page_writes_its_own_over_it(self) -> None:
+        setup = quote(json.dumps({"window": 2}))
+        self.browser.run(
+            "location.hash = arguments[0]; history.replaceState(null, '', location.pathname)", setup
+        )
+        wait_until(
+            lambda: self.browser.value("#window") == "2", lambda: self.browser.value("#window")
+        )
+
     def address(self) -> str:
         """Return the address of the page as people read it."""
         return unquote(self.browser.driver.current_url)

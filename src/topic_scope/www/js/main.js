@@ -146,5 +146,5 @@ document.addEventListener("change", ({ target }) => {
   const problem = target.inputMode === "decimal" ? ambiguity(target.value) : "";
   if (problem) notify(problem);
 }, true);
-setup.restoreAddress();
+setup.restoreAddress(location.hash);
 connection.connect();

@@ -98,12 +98,16 @@ export class Setup {
     byId("setup-save").addEventListener("click", () => this.save());
     byId("setup-load").addEventListener("change", (event) => this.load(event.target));
     // An address that is pasted where the page is open loads nothing: it differs at its end alone.
-    window.addEventListener("hashchange", () => this.restoreAddress());
+    // By then, keepSoon may have written over it.
+    window.addEventListener("hashchange", ({ newURL }) => this.restoreAddress(new URL(newURL).hash));
   }
 
-  /** Show what the address says. */
-  restoreAddress() {
-    let text = location.hash.slice(1);
+  /**
+   * Show what an address says.
+   * @param {string} hash its part from "#" on
+   */
+  restoreAddress(hash) {
+    let text = hash.slice(1);
     try {
       text = decodeURIComponent(text);
     } catch (error) { /* it was cut off, so it is not JSON either */ }

@@ -36,12 +36,11 @@ class IdentifyMotor(unittest.TestCase):
         graph.wait_until_heard("/system", "/motor_output", rospy.get_name())
         self.motor = ServerProxy(rosgraph.Master("/test").lookupNode("/system"))
 
-    def received(self) -> int:
-        """Return how many inputs the motor has got."""
-        subscriptions = self.motor.getBusStats("/test")[2][1]
-        return sum(
-            link[2] for name, links in subscriptions if name == "/motor_input" for link in links
-        )
+    @staticmethod
+    def received(node: ServerProxy, topic: str) -> int:
+        """Return how many messages of a topic a node has got."""
+        subscriptions = node.getBusStats("/test")[2][1]
+        return sum(link[2] for name, links in subscriptions if name == topic for link in links)
 
     def step(self) -> None:
         """Move the clock, and wait until the motor has published."""
@@ -57,18 +56,25 @@ class IdentifyMotor(unittest.TestCase):
         graph.wait_until_heard("/identify", "/motor_input", rospy.get_name())
         graph.wait_until_heard("/identify", "/motor_input", "/system")
         graph.wait_until_heard("/system", "/motor_output", "/identify")
+        identify = ServerProxy(rosgraph.Master("/test").lookupNode("/identify"))
+        while not self.inputs.count():  # it begins when it hears the motor: the clock waits for it
+            heard = self.received(identify, "/motor_output")
+            self.step()
+            wait_until(
+                lambda: self.received(identify, "/motor_output") > heard,
+                lambda: f"{heard} outputs heard at {self.time}: {command.logged()}",
+            )
         while command.popen.poll() is None:
             sent = self.inputs.count()
             self.step()
-            if not sent:
-                continue  # it begins when it hears the motor
             wait_until(
                 lambda: self.inputs.count() > sent or command.popen.poll() is not None,
                 lambda: f"no input at {self.time}: {command.logged()}",
             )
             wait_until(
-                lambda: self.received() >= self.inputs.count() or command.popen.poll() is not None,
-                lambda: f"{self.inputs.count()} inputs, of which the motor has {self.received()}",
+                lambda: self.received(self.motor, "/motor_input") >= self.inputs.count()
+                or command.popen.poll() is not None,
+                lambda: f"the motor has not got all of {self.inputs.count()} inputs",
             )
 
     def test_running_motor_tells_what_it_is_like(self) -> None:

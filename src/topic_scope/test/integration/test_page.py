@@ -375,7 +375,8 @@ class Page(PageTest):
         # Of the exact curve the mean height within each column of pixels.
         at = start + (columns[:, None] + (numpy.arange(20) + 0.5) / 20) / width * (end - start)
         exact = (0.5 - numpy.interp(at, *rows.T).mean(axis=1) / 6.0) * height
-        there = (at[:, 0] > rows[0, 0]) & (at[:, -1] < rows[-1, 0])
+        # Not where the curve begins and ends: there is ink in a part of the column alone.
+        there = (at[:, 0] > rows[1, 0]) & (at[:, -1] < rows[-2, 0])
         self.assertGreater(there.sum(), 500)
         beside = abs(drawn - exact)[there]
         self.assertLess(float(beside.max()), 1.5, beside.tolist())

@@ -57,11 +57,13 @@ class IdentifyMotor(unittest.TestCase):
         graph.wait_until_heard("/identify", "/motor_input", "/system")
         graph.wait_until_heard("/system", "/motor_output", "/identify")
         identify = ServerProxy(rosgraph.Master("/test").lookupNode("/identify"))
-        while not self.inputs.count():  # it begins when it hears the motor: the clock waits for it
+        # It begins when it hears the motor: the clock waits for it.
+        while not self.inputs.count() and command.popen.poll() is None:
             heard = self.received(identify, "/motor_output")
             self.step()
             wait_until(
-                lambda: self.received(identify, "/motor_output") > heard,
+                lambda: command.popen.poll() is not None
+                or self.received(identify, "/motor_output") > heard,
                 lambda: f"{heard} outputs heard at {self.time}: {command.logged()}",
             )
         while command.popen.poll() is None:

@@ -49,13 +49,16 @@ class Loop(unittest.TestCase):
             node.send_signal(number)
         return node.wait(TIMEOUT_S)
 
-    def start_all(self, **gains: Any) -> Dict[str, "subprocess.Popen[bytes]"]:
-        """Start the loop with a constant set point, and wait until the motor does that."""
+    def start_all(self, timeout: float = TIMEOUT_S) -> Dict[str, "subprocess.Popen[bytes]"]:
+        """Start the loop with a constant set point, and wait until the motor does that.
+
+        :param timeout: the controller's; on a busy machine the motor falls silent for a while
+        """
         constant = dict(waveform="constant", amplitude=0.0, offset=4.0, rate=100.0)
         nodes = {
             "system": self.start("system"),
             "set_point_generator": self.start("set_point_generator", **constant),
-            "controller": self.start("controller", **gains),
+            "controller": self.start("controller", timeout=timeout),
         }
         self.wait_for_speed(4.0)
         return nodes
@@ -78,7 +81,10 @@ class Loop(unittest.TestCase):
         """Wait until the motor stands, with 0 the last input."""
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
-        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+        wait_until(
+            lambda: self.inputs.messages()[-1].input == 0.0,
+            lambda: f"the last input is {self.inputs.messages()[-1]}",
+        )
 
     def test_motor_without_a_controller_goes_to_its_greatest_speed(self) -> None:
         """Course 003-pid-1."""
@@ -129,7 +135,11 @@ class Loop(unittest.TestCase):
         change(self.space + "/set_point_generator", offset=-6.0)
         self.wait_for_speed(-6.0)
         answered = {message.time for message in self.inputs.messages()[-50:]}
-        self.assertLessEqual(answered, {message.time for message in self.outputs.messages()})
+        # An answer may be heard here before the output that it answers.
+        wait_until(
+            lambda: answered <= {message.time for message in self.outputs.messages()},
+            lambda: f"these are no times of outputs: {answered}",
+        )
 
     def test_gains_change_without_a_jump(self) -> None:
         self.start_all()
@@ -143,6 +153,7 @@ class Loop(unittest.TestCase):
         total = heard.proportional + heard.integral + heard.derivative + heard.feed_forward
         self.assertAlmostEqual(total, heard.unlimited, delta=1e-12)
         self.assertAlmostEqual(heard.output, heard.unlimited, delta=1e-12)
+        self.inputs.wait_for(lambda message: message.time >= heard.time)
         # The integral has taken up the old gain's share: with 0.08 the error would be that large.
         worst = max(abs(message.input - before) for message in self.inputs.messages())
         self.assertLess(worst, 0.01)
@@ -213,7 +224,7 @@ class Loop(unittest.TestCase):
         heard.close()
 
     def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
-        nodes = self.start_all()
+        nodes = self.start_all(timeout=0.5)
         self.end(nodes["system"], signal.SIGKILL)
         self.wait_for_line("nothing for 0.5 s: the input is 0")
         self.inputs.wait_for(lambda heard: heard.input == 0.0)
@@ -225,18 +236,18 @@ class Loop(unittest.TestCase):
         self.assertAlmostEqual(self.inputs.messages()[0].input, 4.0 * 0.08, delta=1e-6)
 
     def test_motor_that_is_started_anew_gets_the_input_of_before(self) -> None:
-        nodes = self.start_all(timeout=TIMEOUT_S)
+        nodes = self.start_all()
         self.end(nodes["system"], signal.SIGKILL)
         wait_until(lambda: self.outputs.publishers() == 0, lambda: "the motor is still there")
-        before = self.inputs.messages()[-1]
-        self.inputs.forget()
         self.outputs.forget()
         self.start("system")
         self.wait_for_line("the motor was started anew")
         self.wait_for_speed(4.0)
-        first = self.inputs.messages()[0]
+        inputs = self.inputs.messages()
         # dt is 0 at the first output, whose time is before that of the last motor.
-        self.assertLess(first.time, before.time)
+        before, first = next(
+            (last, first) for last, first in zip(inputs, inputs[1:]) if first.time < last.time
+        )
         self.assertAlmostEqual(first.input, before.input, delta=1e-6)
 
     def test_from_manual_to_automatic_the_input_does_not_jump(self) -> None:
@@ -246,9 +257,10 @@ class Loop(unittest.TestCase):
         for mode in ("PI", "manual", "PID"):
             self.inputs.forget()
             change(self.space + "/controller", mode=mode)
-            wait_until(lambda: self.inputs.count() > 5, lambda: "no inputs")
+            enough = self.inputs.count() + 50
+            wait_until(lambda: self.inputs.count() > enough, lambda: "no inputs")
             # A jump would be the proportional term's, 0.1; an integral needs time for that.
-            inputs = [0.4, *(message.input for message in self.inputs.messages()[:5])]
+            inputs = [0.4, *(message.input for message in self.inputs.messages())]
             steps = [abs(after - one) for one, after in zip(inputs, inputs[1:])]
             self.assertLess(max(steps), 0.05, (mode, inputs))
             if mode != "manual":

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """A node with callbacks that wait: for an answer, and asleep in an executor's thread."""
 
+import threading
 import time
 
+import rospy
 from std_srvs.srv import Trigger, TriggerRequest
 
 from nodekit import CallError, MultiThreadedExecutor, Node, run
@@ -13,6 +15,8 @@ class Waiting:
         MultiThreadedExecutor(3).add_node(node)
         self.client = node.client("slow", Trigger)
         self.asked = False
+        self.told = threading.Event()
+        rospy.on_shutdown(lambda: self.told.wait(30.0))  # once its calls are cancelled
         node.every(1.0, self.ask, group=node.group())
         node.every(1.0, lambda elapsed: time.sleep(600.0), group=node.group())
 
@@ -27,6 +31,7 @@ class Waiting:
                 answer()
             except CallError as error:
                 print(error, flush=True)
+        self.told.set()
 
 
 if __name__ == "__main__":

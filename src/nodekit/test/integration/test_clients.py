@@ -7,6 +7,7 @@ import socket
 import time
 import unittest
 from typing import Any, List
+from unittest import mock
 
 import rosgraph
 import rospy
@@ -110,6 +111,18 @@ class Clients(unittest.TestCase):
             future.result()
         wait_until(lambda: told == [future], lambda: str(told))
         self.assertEqual(client.under_way, set())
+
+    def test_hanging_master_costs_the_time_out_too(self) -> None:
+        client = self.node.client("slow", Trigger)
+        with socket.socket() as silent:
+            silent.bind(("localhost", 0))
+            silent.listen(1)
+            uri = f"http://localhost:{silent.getsockname()[1]}"
+            with mock.patch.dict(os.environ, ROS_MASTER_URI=uri):
+                future = client.call_async(TriggerRequest(), 0.3)
+                wait_until(future.done, lambda: "not done")
+        with self.assertRaisesRegex(CallTimeout, f"{self.space}/slow: no answer within 0.3 s"):
+            future.result()
 
     def test_cancelled_call_says_so_and_hangs_up(self) -> None:
         self.server()

@@ -111,9 +111,10 @@ class _Server:
             return call.run(self._address(call.left()), header, request)
         except CallFailed as error:
             raise CallError(f"{self.name} replied with an error: {error}") from None
-        except socket.timeout:
-            raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
         except (OSError, MasterUnreachable) as error:
+            # The master, too, may be what has taken all the time.
+            if isinstance(error, socket.timeout) or time.monotonic() >= call.deadline:
+                raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
             raise CallError(f"{self.name} cannot be called: {error}") from None
 
     def _address(self, timeout: float) -> Tuple[str, int]:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Run a node that has one of each: it answers what it hears, and says farewell."""
 
+import time
 from typing import Any
 
 from std_msgs.msg import String
@@ -26,7 +27,12 @@ class Echo:
         node.subscribe("out", String, lambda message: self.ticks.publish("own " + message.data))
         node.service("~ask", Trigger, lambda _: TriggerResponse(True, self.gain))
         node.every(50.0, lambda *_: self.ticks.publish("tick"))
-        node.before_end(lambda: self.out.publish("farewell"))
+        node.before_end(self.take_leave)
+
+    def take_leave(self) -> None:
+        """Say the last word, and wait: a thread of rospy's sends it."""
+        self.out.publish("farewell")
+        time.sleep(1.0)
 
     @property
     def gain(self) -> str:

@@ -13,6 +13,7 @@ import rospy
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
 from nodekit import Maker, ManagedNode, Node, give_up, host
+from nodekit.managed import interface
 
 
 class Driver(ManagedNode):
@@ -26,7 +27,7 @@ class Driver(ManagedNode):
         sys.stdout.flush()
 
     def notice_end(self) -> None:
-        self.say(f"ends with {len(self.client.call(GetLoggersRequest(), 1.0).loggers) > 0}")
+        self.say(f"ends with {len(self.client.call(GetLoggersRequest(), 30.0).loggers) > 0}")
 
     def on_configure(self, made: Maker) -> None:
         self.say("configures")
@@ -48,5 +49,6 @@ class Driver(ManagedNode):
 
 
 if __name__ == "__main__":
+    interface.END_WAIT_S = 5.0  # a busy machine may need more than it has as a rule
     names = [name for name in sys.argv[1:] if ":=" not in name]
     host("drivers", [(name, "/", Driver) for name in names])

@@ -22,6 +22,7 @@ from nodekit import (
     rule,
     run,
 )
+from nodekit.parameters import reconciler
 from nodekit.parameters.kinds import to_wire
 
 
@@ -84,4 +85,6 @@ class Gauge:
 
 
 if __name__ == "__main__":
+    # A busy machine may set values that belong together further apart than nodes wait as a rule.
+    reconciler.HALF_DONE_S = 2.0
     run("gauge", Gauge)

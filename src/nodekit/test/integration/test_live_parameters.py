@@ -246,6 +246,7 @@ class LiveParameters(ParameterCase):
         self.node.wait_for(count=4)
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 4})
+        wait_until(lambda: self.new_log("WARN"), lambda: "there is no warning")
         (warning,) = self.new_log("WARN")
         self.assertIn(f"{GAUGE}/low, {GAUGE}/high: refused 20, 15", warning)
         self.assertIn("low <= high", warning)
@@ -267,7 +268,7 @@ class LiveParameters(ParameterCase):
 
     def test_listener_that_fails_harms_nobody(self) -> None:
         self.node.send(broken=True)
-        self.server.set(GAUGE + "/level", 5)
+        self.node.send(set_param={"~level": 5})  # which it reads after that
         self.node.wait_for_log("ERROR", "a listener failed")
         self.assert_one_change(level=5.0)
         self.node.send(broken=False)

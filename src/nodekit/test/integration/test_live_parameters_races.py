@@ -216,9 +216,11 @@ class Races(unittest.TestCase):
             self.setUp()
             live = self.make()
             self.user.set(self.key + "/low", 20.0)
-            open_all([live])
-            self.user.set(f"{self.key}/{key}", value)
-            self.assert_ends_with(live, **{key: value, **expected})
+            longest = 10.0 if expected else reconciler.HALF_DONE_S
+            with mock.patch.object(reconciler, "HALF_DONE_S", longest):
+                open_all([live])
+                self.user.set(f"{self.key}/{key}", value)
+                self.assert_ends_with(live, **{key: value, **expected})
             self.assertEqual(len(self.warnings.texts), 0 if expected else 1)
 
     def test_good_value_that_comes_and_is_replaced_during_the_opening(self) -> None:
@@ -371,7 +373,8 @@ class Races(unittest.TestCase):
         self.server.after_read = go_on
         self.user.set(self.level, 5.0)
         self.assert_ends_with(live, level=5.0, title="last")
-        # Of the other two, the end makes one go up and one go down.
+        # Of the other two, the end makes one go up and one go down. It is told once it is in force.
+        wait_until(lambda: len(levels) >= 3, lambda: str(levels))
         self.assertEqual(len(levels), 3)
 
     @mock.patch.object(reconciler, "HALF_DONE_S", 10.0)

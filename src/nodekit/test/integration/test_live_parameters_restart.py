@@ -58,7 +58,7 @@ class RestartedMaster(ParameterCase):
         self.server.delete("/gauge/title")
         node.wait_for(title="gauge")
         self.assertEqual(node.interrupt(), 0)
-        self.assertFalse(self.server.knows("/gauge"))
+        wait_until(lambda: not self.server.knows("/gauge"), lambda: "it is still registered")
 
     def test_what_the_new_master_has_been_told_already_counts(self) -> None:
         node = self.start()
@@ -93,8 +93,10 @@ class RestartedMaster(ParameterCase):
         node = self.start()
         self.server.set("/gauge/level", 5)
         node.wait_for(level=5.0)
-        self.master.kill()
-        with login_page(urllib.parse.urlsplit(self.master.uri).port):
+        with contextlib.ExitStack() as page:
+            with hanging(node.popen.pid):  # or it finds nobody first, and tells that alone
+                self.master.kill()
+                page.enter_context(login_page(urllib.parse.urlsplit(self.master.uri).port))
             node.wait_for_log("WARN", "the master does not answer", "not XML-RPC")
         self.master.start()
         self.server = Server(self.master.uri)

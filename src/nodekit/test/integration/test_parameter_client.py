@@ -22,7 +22,7 @@ from nodekit import (
 from nodekit.testing.changing import change
 from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 GAUGE = "/client/gauge"
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
@@ -42,7 +42,7 @@ class WithANode(ParameterCase):
         cls.node.end()
 
     def setUp(self) -> None:
-        self.client = ParameterClient(GAUGE + "/")
+        self.client = ParameterClient(GAUGE + "/", timeout=TIMEOUT_S)
         self.client.change(DEFAULTS)
 
     def test_describes_all_in_the_order_of_declaration(self) -> None:
@@ -112,7 +112,7 @@ class Silence(ParameterCase):
         began = time.monotonic()
         with self.assertRaisesRegex(CallTimeout, "no answer within 0.5 s"):
             ParameterClient("/client/slow", timeout=0.5).describe()
-        self.assertLess(time.monotonic() - began, 2.0)
+        self.assertLess(time.monotonic() - began, 15.0)  # the server sleeps for a minute
 
     def test_node_that_is_stopped_does_not_answer_a_change(self) -> None:
         node = self.start_node("/client/stopped")
@@ -123,7 +123,7 @@ class Silence(ParameterCase):
     def test_node_that_vanishes_between(self) -> None:
         node = self.start_node("/client/gone")
         rospy.wait_for_service("/client/gone/change", 30.0)
-        client = ParameterClient("/client/gone")
+        client = ParameterClient("/client/gone", timeout=TIMEOUT_S)
         self.assertEqual(client.get(), DEFAULTS)
         node.popen.kill()
         node.popen.wait()

@@ -43,13 +43,17 @@ class PathParameters(ParameterSet):
 
 
 def command(*words: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command of nodekit."""
-    return subprocess.run(
-        ["rosrun", "nodekit", *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        universal_newlines=True,
-    )
+    """Run a command of nodekit, and again where a busy machine does not answer it in time."""
+    for _ in range(3):
+        done = subprocess.run(
+            ["rosrun", "nodekit", *words],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        if "no answer within" not in done.stderr:
+            break
+    return done
 
 
 class ParameterServices(ParameterCase):

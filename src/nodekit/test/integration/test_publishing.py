@@ -25,6 +25,7 @@ from nodekit.rospy_internals import publishers
 from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
+from nodekit.transport import delivery
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 
@@ -77,6 +78,10 @@ class PublishingTest(unittest.TestCase):
     def setUp(self):
         self.topic = rospy.resolve_name("~" + self.id().rsplit(".", 1)[-1])
         self.count = 0
+        # A busy machine may hold up a subscriber that is to miss nothing.
+        patience = mock.patch.object(delivery, "PATIENCE_S", 2.0)
+        patience.start()
+        self.addCleanup(patience.stop)
 
     def publisher(self, **kwds):
         """Make an open publisher of strings on the test's own topic.
@@ -161,6 +166,8 @@ class PublishingTest(unittest.TestCase):
         wait_until(
             lambda: not self.statistics_of(publisher, name).stalled, lambda: "it is still stalled"
         )
+        # Until it has taken what it was given while it hung, it is not waited for.
+        self.wait_for(stopped, self.last(self.count - 1), "the stopped one has caught up")
         back_at = self.count
         self.publish(publisher, 200)
         record = self.wait_for(good, self.last(self.count - 1), "all has arrived")
@@ -252,8 +259,13 @@ class PublishingTest(unittest.TestCase):
             thread.start()
         for thread in threads:
             thread.join(TIME_OUT)
+
+        def is_all_accounted_for() -> bool:
+            (statistics,) = publisher.statistics()
+            return bool(statistics.sent + statistics.lost == 1000)
+
+        wait_until(is_all_accounted_for, lambda: str(publisher.statistics()))
         (statistics,) = publisher.statistics()
-        self.assertEqual(statistics.sent + statistics.lost, 1000)
         record = self.wait_for(
             node,
             lambda record: sum(map(len, record["numbers"].values())) == 1000 - statistics.lost,

@@ -18,7 +18,7 @@ from nodekit import call_service
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: What is called otherwise in the made-up version: all that nodekit must not take for granted.
 RENAMED = {
@@ -84,7 +84,7 @@ class UnknownRospy(unittest.TestCase):
 
     def answer(self) -> str:
         """Return the gain that its service tells."""
-        return str(call_service("/echo/ask", Trigger).result().message)
+        return str(call_service("/echo/ask", Trigger, timeout=TIMEOUT_S).result().message)
 
     def test_it_is_slower_and_says_so_once_and_never_wrong(self) -> None:
         server, ticks = Server(), self.ear("/ticks")
@@ -104,7 +104,7 @@ class UnknownRospy(unittest.TestCase):
         late.wait_for(lambda message: message.data == "then 2.5")
         self.assertEqual(self.node.interrupt(), 0)
         late.wait_for(lambda message: message.data == "farewell")
-        self.assertFalse(server.knows("/echo"), "it has taken its registrations back")
+        wait_until(lambda: not server.knows("/echo"), lambda: "it is still registered")
         for what in SAID:
             self.assertEqual(len(self.node.logged("unsupported rospy version", what)), 1, what)
         self.assertEqual(len(self.node.logged("unsupported rospy version")), len(SAID))

@@ -21,8 +21,8 @@ from topic_scope.robots.wheel import Wheel
 _GOAL = PoseStamped._type
 #: Longest wait until whoever takes goals has connected, s.
 _CONNECTING_S = 3.0
-#: Time in which a zero leaves when the scope ends, s.
-_LAST_S = 0.1
+#: Time in which a zero leaves when the scope ends, s; a busy machine needs some.
+_LAST_S = 0.5
 
 
 class Driving:

@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 
 from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -91,6 +92,7 @@ class Description(unittest.TestCase):
     def test_reconfigure_refuses_what_rosparam_refuses(self) -> None:
         client = Client("/generator", timeout=30.0)
         log = Ear("/rosout", Log)
+        Graph().wait_until_heard("/generator", "/rosout", rospy.get_name())
         before = rospy.get_param("/generator")
         for name, bad in (("duty", math.nan), ("duty", 1.0), ("waveform", "triangel")):
             after = client.update_configuration({name: bad})

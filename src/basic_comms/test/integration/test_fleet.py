@@ -83,6 +83,7 @@ class FleetOfThree(unittest.TestCase):
 
     def test_lines_of_the_log_do_not_carry_the_names_of_all_topics(self) -> None:
         log = Ear("/rosout", Log)
+        self.graph.wait_until_heard("/fleet", "/rosout", rospy.get_name())
         self.graph.set_parameter("/Robot3/process/offset", 0.25)
         line = log.wait_for(lambda heard: heard.msg == "/Robot3/process/offset: 0 -> 0.25")
         self.assertEqual((line.name, line.topics), ("/fleet", []))

@@ -14,6 +14,7 @@ from basic_comms.msg import signal_msg
 from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import Launched, launched
 from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S
 
 #: A launch file with every node of the package; see there for its args.
 EVERY_NODE = str(Path(__file__).resolve().parents[1] / "helpers" / "every_node.launch")
@@ -35,6 +36,10 @@ class Respawn(unittest.TestCase):
         cls.launch = running.__enter__()
         cls.addClassCleanup(running.__exit__, None, None, None)
         cls.launch.wait_until_up()
+        # What the graph is compared with later is to be the whole of it.
+        for node in ("talker", "process", "signal_generator", "fleet", "Group2/process"):
+            rospy.wait_for_service(f"/{node}/describe", TIMEOUT_S)  # registered last
+        cls.launch.graph.wait_for_subscribers("/chatter", "/listener")
 
     def stream(self, topic: str) -> Stream:
         """Count what is heard on a topic from now on."""

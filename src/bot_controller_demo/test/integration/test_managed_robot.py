@@ -30,6 +30,8 @@ A_SECOND = 30
 
 class ManagedRobot(unittest.TestCase):
     def setUp(self) -> None:
+        # A busy machine may hold the simulator up for longer than the manager waits as a rule.
+        rospy.set_param("/manager/heartbeat_timeout", 3.0)
         self.state = self.ear(CONTROLLER + "/state", State)
         self.odometry = self.ear("/odom", Odometry)
         self.commands = self.ear("/cmd_vel", Twist)

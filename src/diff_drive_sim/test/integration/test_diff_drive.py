@@ -417,8 +417,8 @@ class DiffDrive(unittest.TestCase):
         boxes = rospy.get_param("/diff_drive/boxes")
         rospy.set_param("/diff_drive/boxes", boxes[:1])
         worlds.wait_for(lambda heard: len(heard.markers) == 3)
-        rospy.set_param("/diff_drive/boxes", boxes)
         worlds.forget()
+        rospy.set_param("/diff_drive/boxes", boxes)
         worlds.wait_for(lambda heard: len(heard.markers) == 5)
         worlds.close()
 

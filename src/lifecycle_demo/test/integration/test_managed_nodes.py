@@ -136,6 +136,11 @@ class ManagedNodes(unittest.TestCase):
         for ear in self.ears.values():
             ear.forget()
         self.change_all("cleanup")
+        wait_until(
+            lambda: not any(ear.publishers() for ear in self.ears.values()),
+            lambda: "a node that is cleaned up is still connected",
+        )
+        self.assert_silent()
         self.check_unconfigured()
         Server().set(f"{SPACE}/signal_generator/amplitude", 5.0)
         self.assertTrue(self.change("signal_generator", "configure"))

@@ -109,6 +109,7 @@ class EnableSequence(unittest.TestCase):
         self.assertEqual(self.speeds.messages(), [])
         self.start_set_point()
         self.assert_both_run()
+        self.wait_for_state("enabled")
         self.assertEqual([heard.data for heard in self.states.messages()], ["waiting", "enabled"])
 
     def test_disabling_stops_both_until_somebody_enables(self) -> None:

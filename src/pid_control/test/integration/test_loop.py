@@ -77,6 +77,10 @@ class Loop(unittest.TestCase):
             lambda line: text in line.msg and line.name.startswith(self.space + "/")
         )
 
+    def wait_for_its_end(self, ear: Ear) -> None:
+        """Wait until all is heard that a node has said which has ended."""
+        wait_until(lambda: ear.publishers() == 0, lambda: f"{ear.messages()[-1:]} is not the end")
+
     def assert_stands(self) -> None:
         """Wait until the motor stands, with 0 the last input."""
         self.outputs.forget()
@@ -103,6 +107,7 @@ class Loop(unittest.TestCase):
         self.assertEqual(times, sorted(times))
         self.assertLess(abs(times[1] - times[0] - 0.001), 1e-6)
         self.assertEqual(self.end(motor), 0)
+        self.wait_for_its_end(self.outputs)
         last = self.outputs.messages()[-1]
         self.assertEqual((last.output, last.status), (0.0, "Motor Not Turning"))
 
@@ -114,6 +119,7 @@ class Loop(unittest.TestCase):
         publisher.publish(7.0, 0.0)
         self.outputs.wait_for(lambda heard: heard.status == "Motor Max Speed")
         self.assertEqual(self.end(motor), 0)
+        self.wait_for_its_end(self.outputs)
         self.assertEqual(self.outputs.messages()[-1].status, "Motor Not Turning")
 
     def test_dead_zone_and_what_is_not_finite(self) -> None:
@@ -208,6 +214,7 @@ class Loop(unittest.TestCase):
             self.assert_stands()
         self.inputs.forget()
         self.assertEqual(self.end(controller), 0)
+        self.wait_for_its_end(self.inputs)
         self.assertEqual(self.inputs.messages(), [])
 
     def test_managed_set_point_takes_leave_when_it_is_deactivated(self) -> None:
@@ -227,18 +234,22 @@ class Loop(unittest.TestCase):
         nodes = self.start_all(timeout=0.5)
         self.end(nodes["system"], signal.SIGKILL)
         self.wait_for_line("nothing for 0.5 s: the input is 0")
-        self.inputs.wait_for(lambda heard: heard.input == 0.0)
-        self.inputs.forget()
+        wait_until(
+            lambda: self.inputs.messages()[-1].input == 0.0,
+            lambda: f"the last input is {self.inputs.messages()[-1]}",
+        )
         self.outputs.forget()
         self.start("system")
         self.wait_for_speed(4.0)
+        inputs = [message.input for message in self.inputs.messages()]
+        last_zero = max(index for index, value in enumerate(inputs) if value == 0.0)
         # The integral of before is gone: the first answer is the proportional term's.
-        self.assertAlmostEqual(self.inputs.messages()[0].input, 4.0 * 0.08, delta=1e-6)
+        self.assertAlmostEqual(inputs[last_zero + 1], 4.0 * 0.08, delta=1e-6)
 
     def test_motor_that_is_started_anew_gets_the_input_of_before(self) -> None:
         nodes = self.start_all()
         self.end(nodes["system"], signal.SIGKILL)
-        wait_until(lambda: self.outputs.publishers() == 0, lambda: "the motor is still there")
+        self.wait_for_its_end(self.outputs)
         self.outputs.forget()
         self.start("system")
         self.wait_for_line("the motor was started anew")
@@ -308,6 +319,7 @@ class Loop(unittest.TestCase):
         node = self.start("set_point_generator", rate=1e4, offset=3.0, stop_value=-1.0)
         heard.wait_for(lambda message: message.time > 0.5)
         self.assertEqual(self.end(node), 0)
+        self.wait_for_its_end(heard)
         times = [message.time for message in heard.messages()]
         self.assertEqual(times, sorted(times))
         self.assertEqual(heard.messages()[-1].setPoint, -1.0)

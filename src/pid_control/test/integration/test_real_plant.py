@@ -16,6 +16,7 @@ from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process, free_port
 from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
 from pid_control.msg import motor_input, motor_output, set_point
 
 PACKAGE = rospkg.RosPack().get_path("pid_control")
@@ -87,12 +88,22 @@ class RealPlant(unittest.TestCase):
         self.assertEqual(self.controllers(), [])
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
-        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+        self.wait_for_last_input()
+
+    def wait_for_last_input(self) -> None:
+        """Wait until the last input is 0."""
+        wait_until(
+            lambda: self.inputs.messages()[-1].input == 0.0,
+            lambda: f"the last input is {self.inputs.messages()[-1]}",
+        )
 
     def assert_left_alone(self) -> None:
         """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
         self.assert_stopped()
-        self.assertEqual(self.wanted.messages()[-1].setPoint, 0.0)
+        wait_until(
+            lambda: self.wanted.messages()[-1].setPoint == 0.0,
+            lambda: f"the last set point is {self.wanted.messages()[-1]}",
+        )
         publishers = dict(rosgraph.Master("/test").getSystemState()[0])
         for topic in ("/motor_input", "/set_point"):
             self.assertNotIn(self.space + topic, publishers)
@@ -148,7 +159,11 @@ class RealPlant(unittest.TestCase):
             gains = pathlib.Path(folder) / "gains.yaml"
             gains.write_text("{kp: 0.05, ki: 0.0}\n")
             words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
-            judge = self.start("judge", "--real-plant", "--only", "steps", *words)
+            for _ in range(3):
+                judge = self.start("judge", "--real-plant", "--only", "steps", *words)
+                judge.wait()
+                if not judge.logged("this machine is too busy"):
+                    break
             self.assertEqual(judge.wait(), 1)
         self.assertTrue(judge.logged("steps: steady error "), judge.logged())
         self.assert_left_alone()
@@ -160,7 +175,7 @@ class RealPlant(unittest.TestCase):
         motor.end()
         self.assertEqual(judge.wait(), 125)
         self.assertTrue(judge.logged("the plant is silent: nothing on", "motor_output for 0.8 s"))
-        self.assertEqual(self.inputs.messages()[-1].input, 0.0)
+        self.wait_for_last_input()
 
     def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
         plant = ("--real-plant", *self.controller)

@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
@@ -68,7 +69,9 @@ class AnySketch(BoardRig):
             "strange is refused: no_such_msgs/Thing is not known here: is no_such_msgs built"
         )
         node.wait_for_log("stranger is refused: std_msgs/NoSuchThing is not known here")
-        wait_until(lambda: said.publishers(), lambda: "nobody publishes")
+        Graph().wait_until_heard(
+            self.space + "/serial_node", self.space + "/said", rospy.get_name()
+        )
         self.do(lambda device: device.publish("strange", b"x"))
         self.do(lambda device: device.publish("said", encode(String("good"))))
         # Its sums hold, but it is no text: 200 bytes are said to follow.
@@ -122,7 +125,9 @@ class AnySketch(BoardRig):
         rospy.set_param(self.space + "/serial_node/gains", [1, 2.5])
         rospy.set_param(self.space + "/name", "robot")
         rospy.set_param(self.space + "/serial_node/tree", {"a": 1})
-        node = self.start()
+        node, name = self.start(), self.space + "/serial_node"
+        wait_until(lambda: Graph().initialised(name), lambda: f"{name} does not start")
+        Graph().wait_until_heard(name, "/rosout", rospy.get_name())
         for name in ("~gains", "name", "~baud", "~tree", "~missing"):
             self.do(lambda device, name=name: device.ask_parameter(name))  # type: ignore[misc]
         self.do(lambda device: device.log(ERROR, "it is hot"))

@@ -18,14 +18,16 @@ from std_msgs.msg import Bool, UInt16
 from std_srvs.srv import Trigger
 
 from nodekit.testing.changing import change
+from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Master, Process, free_port
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
-#: How soon the board's messages come again, s, and what a busy machine may take on top.
-BACK_S, BUSY_S = 1.0, 2.0
+#: How soon the board's messages come again, s, and what a busy machine may take on top: together
+#: less than the 11 s after which a board notices by itself that nobody is there.
+BACK_S, BUSY_S = 1.0, 6.0
 
 
 class Rig(unittest.TestCase):
@@ -150,14 +152,20 @@ class SerialNode(Rig):
         words = ["--real-plant", "--full-speed", "26", "--only", "ramp"]
         controller = os.path.join(package, "launch", "pid_real.launch")
         judge = os.path.join(package, "scripts", "judge")
-        node = Process(judge, [*words, controller], {"ROS_NAMESPACE": self.space})
-        self.addCleanup(node.end)
-        node.popen.wait(4 * TIMEOUT_S)  # it has a limit of its own
+        for _ in range(3):
+            node = Process(judge, [*words, controller], {"ROS_NAMESPACE": self.space})
+            self.addCleanup(node.end)
+            node.popen.wait(4 * TIMEOUT_S)  # it has a limit of its own
+            if not node.logged("the plant is silent"):  # as a board is on a busy machine
+                break
         said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
         self.assertTrue(node.logged(said.get(node.wait(), "?")), node.logged())
         # The ramp goes to 9 rad/s of 13, and this motor is twice as fast.
         self.assertGreater(max(heard.output for heard in self.outputs.messages()), 14.0)
-        self.assertEqual(inputs.messages()[-1].input, 0.0)
+        wait_until(
+            lambda: inputs.messages()[-1].input == 0.0,
+            lambda: f"the last input is {inputs.messages()[-1]}",
+        )
         self.outputs.forget()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
@@ -176,9 +184,10 @@ class SerialNode(Rig):
         lamp = rospy.Publisher(self.space + "/led", Bool, queue_size=1, latch=True)
         log = Ear("/rosout", Log)
         lamp.publish(True)
-        self.start_both(baud=19200, rate=20.0)
+        link = self.start_both(baud=19200, rate=20.0)
         name = self.space + "/serial_node/board"
-        log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
+        link.wait_for_log(f"{name}: led on")
+        Graph().wait_until_heard(self.space + "/serial_node", "/rosout", rospy.get_name())
         reset = rospy.ServiceProxy(self.space + "/simulated_board/reset", Trigger)
         for _ in range(2):
             log.forget()

@@ -51,7 +51,7 @@ class MaskLive(unittest.TestCase):
 
     def test_the_status_says_whether_it_keeps_within(self) -> None:
         type(self).error = 0.05
-        inside = self.judge("--value", "0.1", "--seconds", "4")
+        inside = self.judge("--value", "0.1", "--seconds", "8")
         self.assertEqual(inside.returncode, 0, inside)
         self.assertRegex(inside.stdout, r"mask: \d{2,} samples inside, 0 outside")
         with tempfile.TemporaryDirectory() as folder:

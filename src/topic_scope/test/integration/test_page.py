@@ -107,11 +107,11 @@ class Page(PageTest):
     def test_measures_the_traces(self) -> None:
         wait_until(
             lambda: abs(self.cell(SIGNAL, "frequency") - 1.0) < 1e-4
-            and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0,
+            and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0
+            and abs(self.cell(SIGNAL, "max") - 2.0) < 0.05
+            and abs(self.cell(PROCESSED, "min")) < 0.05,
             lambda: self.browser.text("#legend"),
         )
-        self.assertAlmostEqual(self.cell(SIGNAL, "max"), 2.0, delta=0.05)
-        self.assertAlmostEqual(self.cell(PROCESSED, "min"), 0.0, delta=0.05)
 
     def test_the_address_says_what_is_shown_and_so_does_a_file(self) -> None:
         self.browser.choose("#window", "2")
@@ -156,7 +156,7 @@ class Page(PageTest):
         self.shows_the_setup()
         self.browser.driver.get("about:blank")
         self.browser.open(self.scope.url)
-        self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
+        self.assertTrue(self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']"))
         self.load(setup)
         self.shows_the_setup()
         # Pasted where the page is open, an address loads nothing. One that was cut off is told of.
@@ -174,7 +174,7 @@ class Page(PageTest):
             self.shows_the_setup()
         self.browser.driver.get("about:blank")
         self.browser.open(cut)
-        self.assertTrue(self.browser.find(f"#legend tr[data-field='{PROCESSED}']"))
+        self.assertTrue(self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']"))
 
     def test_an_address_is_taken_though_the_page_writes_its_own_over_it(self) -> None:
         setup = quote(json.dumps({"window": 2}))
@@ -363,6 +363,16 @@ class Page(PageTest):
         wait_until(lambda: len(self.samples()) > 600, lambda: len(self.samples()))
         self.browser.find("#run").click()
         self.wait_still()
+        seen: List[Any] = []
+
+        def is_drawn() -> bool:  # what comes late is drawn within a second
+            seen.append(self.beside_the_curve())
+            return float(seen[-1].max()) < 1.5
+
+        wait_until(is_drawn, lambda: seen[-1].tolist())
+
+    def beside_the_curve(self) -> Any:
+        """Return by how much what is drawn is beside the curve through the samples, in pixels."""
         rows = numpy.array([(time, float(row[0])) for time, row in self.samples()])
         query = parse_qs(urlparse(str(self.browser.find("#csv").get_property("href"))).query)
         start, end = (float(query[name][0]) for name in ("start", "end"))
@@ -377,9 +387,12 @@ class Page(PageTest):
         exact = (0.5 - numpy.interp(at, *rows.T).mean(axis=1) / 6.0) * height
         # Not where the curve begins and ends: there is ink in a part of the column alone.
         there = (at[:, 0] > rows[1, 0]) & (at[:, -1] < rows[-2, 0])
+        # Nor where the line ends and begins anew, as a busy machine has left samples out.
+        (gaps,) = numpy.nonzero(numpy.diff(rows[:, 0]) > 0.05)
+        for gap in gaps:
+            there &= (at[:, -1] < rows[gap, 0]) | (at[:, 0] > rows[gap + 1, 0])
         self.assertGreater(there.sum(), 500)
-        beside = abs(drawn - exact)[there]
-        self.assertLess(float(beside.max()), 1.5, beside.tolist())
+        return abs(drawn - exact)[there]
 
     def test_csv_is_what_a_bag_has(self) -> None:
         self.browser.choose("#window", "2")
@@ -395,10 +408,10 @@ class Page(PageTest):
                         count[0] += 1
 
                 subscriber = rospy.Subscriber("/signal", signal_msg, record)
-                wait_until(lambda: count[0] > 300, lambda: f"{count[0]} messages")
+                wait_until(lambda: count[0] > 500, lambda: f"{count[0]} messages")
                 self.browser.keys(Keys.SPACE)
                 shown = self.samples()
-                more = count[0] + 20  # what the page has shown is in the bag by then
+                more = count[0] + 200  # what the page has shown is in the bag by then
                 wait_until(lambda: count[0] > more, lambda: f"{count[0]} messages")
                 subscriber.unregister()
                 with lock:
@@ -406,7 +419,7 @@ class Page(PageTest):
             with rosbag.Bag(str(path)) as bag:
                 recorded = [repr(message.signal_y) for _, message, _ in bag.read_messages()]
         values = [row[0] for _, row in shown if row[0]]
-        self.assertGreater(len(values), 150)
+        self.assertGreater(len(values), 50)
         # Periods are alike but for rounding: the first value may be there several times.
         starts = [index for index, value in enumerate(recorded) if value == values[0]]
         self.assertIn(values, [recorded[start : start + len(values)] for start in starts])
@@ -429,7 +442,7 @@ class Page(PageTest):
         query = str(self.browser.find("#csv").get_property("href"))
         start = float(query.partition("start=")[2].partition("&")[0])
         self.assertAlmostEqual(crossing, start + 0.5, delta=1e-3)
-        self.browser.keys(Keys.SPACE)
+        self.browser.find("#run").click()  # not by a key: the link to the file has the focus
         self.assertIn(self.browser.text("#trigger-state"), ("armed", "triggered"))
         wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold again")
 
@@ -480,8 +493,12 @@ class Page(PageTest):
         )
         ActionChains(self.browser.driver).drag_and_drop_by_offset(stage, 100, 0).perform()
         self.assertEqual(self.browser.text("#run"), "Run")
-        ActionChains(self.browser.driver).double_click(stage).perform()
-        self.assertEqual(float(self.browser.value("#window")), 5.0)
+
+        def is_as_it_was() -> bool:  # two clicks are no double click where they are too far apart
+            ActionChains(self.browser.driver).double_click(stage).perform()
+            return float(self.browser.value("#window")) == 5.0
+
+        wait_until(is_as_it_was, lambda: self.browser.value("#window"))
 
     def touch(self, kind: str, *points: Tuple[float, float]) -> None:
         """Put fingers somewhere."""
@@ -522,6 +539,10 @@ class Page(PageTest):
             lambda: self.browser.run("return document.querySelector('.traces').scrollWidth"),
         )
         self.browser.resize(844, 390)
+        wait_until(
+            lambda: self.browser.find("#plot").size["width"] > 600,
+            lambda: self.browser.find("#plot").size,
+        )
         self.touch("touchStart", (400, 200))
         self.touch("touchStart", (400, 200), (500, 200))
         for apart in range(110, 210, 20):

@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 from wire.client import Client
 from wire.scope_test import ScopeTest
 
+from nodekit.testing.changing import change
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -105,8 +106,10 @@ class Controls(ScopeTest):
     def test_lists_that_must_have_one_length_are_changed_one_after_the_other(self) -> None:
         page = self.panelled()
         names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
+        # All at once: one by one, they would be of different lengths for a while.
+        before = {name: rospy.get_param(f"{NODE}/{name}") for name in names}
+        self.addCleanup(change, NODE, **before)
         for name in names:
-            self.restore(name)
             self.set(page, name, "[1.0, 2.0, 3.0]")
             if name != names[-1]:
                 page.wait_for("refused", lambda told: told["name"] == name)

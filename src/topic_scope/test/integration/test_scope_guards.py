@@ -11,12 +11,12 @@ import urllib.parse
 from typing import Any, Dict
 
 import rospy
-from std_msgs.msg import Float32
+from geometry_msgs.msg import Point, PointStamped
+from std_msgs.msg import Float32, Header
 from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
 
-from basic_comms.msg import signal_msg
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -131,18 +131,23 @@ class Guards(ScopeTest):
         return not page.is_closed
 
     def test_what_stands_still_on_a_page_is_kept_longer_than_the_history(self) -> None:
-        field = "/pinned/signal_y"
+        field = "/pinned/point/x@stamp"
         page = self.page(field)
-        publisher = self.publisher("/pinned", signal_msg, page)
+        publisher = self.publisher("/pinned", PointStamped, page)
+        now = time.time()
+
+        def publish(after: float) -> None:
+            stamp = rospy.Time.from_sec(now + after)
+            publisher.publish(PointStamped(Header(stamp=stamp), Point(x=after)))
+
         for index in range(20):
-            publisher.publish(signal_msg(time_x=0.01 * index, signal_y=float(index)))
+            publish(0.01 * index)
         wait_until(lambda: self.rows(field) == 20, lambda: self.rows(field))
-        now = page.messages("frame")[-1]["now"]
         page.send("view", window=2.0, width=100, end=now + 1.0)
         page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.02)
-        # By their own clock a minute passes: the history is one of three seconds.
-        publisher.publish(signal_msg(time_x=60.0, signal_y=99.0))
-        publisher.publish(signal_msg(time_x=60.1, signal_y=99.0))
+        # By their stamps a minute passes: the history is one of three seconds.
+        publish(60.0)
+        publish(60.1)
         wait_until(lambda: self.rows(field, now + 30.0) == 2, lambda: self.rows(field))
         self.assertEqual(self.rows(field), 22, "twenty that are shown, two that are new")
         page.send("view", window=2.0, width=100, end=None)

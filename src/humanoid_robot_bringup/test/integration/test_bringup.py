@@ -22,7 +22,7 @@ class Bringup(unittest.TestCase):
     def test_robot_is_sent_and_the_script_ends_when_it_is_there(self) -> None:
         """Course 002-pkg-16."""
         odometry = Ear("/odom", Odometry)
-        script = Process(SCRIPT, ["_x:=0.3"])
+        script = Process(SCRIPT, ["_x:=0.3", "_y:=0"])
         self.addCleanup(script.end)
         self.assertEqual(script.wait(), 0)
         self.assertTrue(script.logged("the robot goes to x 0.3 m, y 0 m, theta 0 rad"))
@@ -36,13 +36,13 @@ class Bringup(unittest.TestCase):
         graph.set_parameter("/base/walls", [[-1.0, 1.0, 2.0, 1.0]])
         graph.set_parameter("/proportional_controller/no_progress_timeout", 1.0)
         self.addCleanup(graph.set_parameter, "/proportional_controller/no_progress_timeout", 10.0)
-        script = Process(SCRIPT, ["_y:=1.5"])
+        script = Process(SCRIPT, ["_x:=0", "_y:=1.5"])
         self.addCleanup(script.end)
         self.assertEqual(script.wait(), 1)
         self.assertTrue(script.logged("the robot makes no progress: ", " m are left"), script.lines)
 
     def test_the_script_ends_with_a_status_where_somebody_sends_the_robot_elsewhere(self) -> None:
-        script = Process(SCRIPT, ["_x:=-3"])
+        script = Process(SCRIPT, ["_x:=-3", "_y:=0"])
         self.addCleanup(script.end)
         script.wait_for_log("the robot goes to x -3 m")
         set_goal = rospy.ServiceProxy("/proportional_controller/set_goal", SetGoal)

@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
+from nodekit.messaging.publisher import Publisher
 from nodekit.testing.graph import Graph
 from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Master, Process, Server
@@ -113,11 +114,15 @@ class AnySketch(BoardRig):
         self.assertLess(len(heard), 1500)
         self.assertEqual(heard, sorted(heard))
         stream.unregister()
-        latched = self.publisher(latch=True)
+        # Not rospy's, which has a publisher latch only after the master knows it: the node could
+        # have connected by then, and would not know.
+        latched = Publisher(self.space + "/told", String, latch=True)
+        self.addCleanup(latched.close)
+        latched.open()
         wait_until(latched.get_num_connections, lambda: "the board does not listen")
         texts = [f"latched {number}" for number in range(40)]
         for text in texts:
-            latched.publish(text)
+            latched.publish(String(text))
         self.wait_until_told(*texts)
 
     def test_parameters_and_a_log_of_its_own(self) -> None:

@@ -59,6 +59,8 @@ class ParametersToRos2:
         self._made, self._other, self._parameters = made, other, parameters
         self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
+        #: Held while one reads and publishes: who has read before must not publish after.
+        self._turn = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
         self._server: Dict[str, Any] = {}
         self._is_known = self._is_reading = self._again = False
@@ -190,18 +192,18 @@ class ParametersToRos2:
 
         :returns: the values in force
         """
-        try:
-            read = self._parameters.read()
-        except Unreadable:
-            return {}  # it has just ended, or does so
-        now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
-        with self._lock:
+        with self._turn:
+            try:
+                read = self._parameters.read()
+            except Unreadable:
+                return {}  # it has just ended, or does so
+            now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
             parts = changes(self._known, now)
             is_first, self._known, self._is_known = not self._is_known, now, True
-        if any(parts) and not is_first:
-            stamp = self._clock.now().to_msg()
-            self._publish(messages.event(self._other, stamp, *parts))
-        return {name: one.value for name, one in read.items()}
+            if any(parts) and not is_first:
+                stamp = self._clock.now().to_msg()
+                self._publish(messages.event(self._other, stamp, *parts))
+            return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:
         """End it."""

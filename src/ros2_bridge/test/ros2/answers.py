@@ -189,8 +189,8 @@ class Answers:
 
     def _rate(self) -> List[str]:
         heard = self._hear(SignalMsg, "/signal", 21)
-        times = [one[0] for one in heard]
-        # The median: on a busy machine the first ones may come late.
+        times = [message.time_x for _, message in heard]
+        # By their own times, and the median: a busy machine holds some up, or leaves them out.
         usual = statistics.median(late - early for early, late in zip(times, times[1:]))
         return [f"average rate: {1.0 / usual:.0f}"]
 

@@ -47,7 +47,8 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         ros.call1(marker, "std_srvs/Trigger", b"")
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
-            assert second.logged("/ros2_bridge already connects this master and this domain")
+            # By name, where it answers in a second.
+            assert second.logged("already connects this master and this domain")
         with hanging(first.popen.pid), both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             assert second.logged("another one on this machine already connects")
@@ -104,18 +105,16 @@ def test_killed_and_started_again(ros: both.Both) -> None:
     out = ros.node.create_publisher(Float32, "/again", 10)
     ear = ros.hear1("/again", "std_msgs/Float32")
     for number in range(3):
-        heard = len(ear.heard)
 
         def hears() -> bool:
             # ROS 2 notices only after 20 s that who was killed does not listen any more.
             out.publish(Float32(data=float(number)))
-            return len(ear.heard) > heard
+            return any(one._buff == struct.pack("<f", number) for one in list(ear.heard))
 
         with both.Bridge() as bridge:
             wait_until(hears, lambda: "nothing comes through")
             bridge.popen.send_signal(signal.SIGKILL)
             bridge.wait()
-        assert ear.heard[-1]._buff == struct.pack("<f", number)
     ear.end()
     ros.node.destroy_publisher(out)
 

@@ -43,8 +43,11 @@ def test_motor_is_enabled_from_ros2(ros: both.Both, bridge: both.Bridge) -> None
         for thread in threads:
             thread.join()
         assert [answer.message for answer in answers] == ["enabled already"] * 5
-        namespace = ros.node.get_service_names_and_types_by_node("dc_motor", "/")
-        assert "/EnableProcess" in dict(namespace)
+        wait_until(
+            lambda: "/EnableProcess"
+            in dict(ros.node.get_service_names_and_types_by_node("dc_motor", "/")),
+            lambda: "it stands at no node of this name",
+        )
         motor.interrupt()
     wait_until(lambda: not ros.offers2("/EnableProcess"), lambda: "it is still offered")
 

@@ -4,6 +4,7 @@ import contextlib
 import dataclasses
 import os
 import pathlib
+import random
 import signal
 import socket
 import subprocess
@@ -16,6 +17,8 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 GRACE = 30.0
 # How often a command is asked whether it has ended, s.
 POLL_S = 0.05
+#: Ports for masters, as in nodekit.testing.processes: a step may start its master minutes later.
+_PORTS = range(12_000, 32_768)
 #: How much is told of why a test has failed, characters.
 _LONGEST_REASON = 400
 
@@ -140,14 +143,19 @@ def judge(
     return StepResult(step, passed, failed, skipped, seconds, cpu_seconds, text, failures)
 
 
+def _free_port() -> int:
+    """Return a port that nothing listens on, of those that the system gives to nobody."""
+    while True:
+        with contextlib.suppress(OSError), socket.socket() as probe:
+            probe.bind(("localhost", random.SystemRandom().choice(_PORTS)))
+            return int(probe.getsockname()[1])
+
+
 def environment(directory: pathlib.Path) -> Dict[str, str]:
     """The environment of a step: a master port and places for files of its own."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
     variables = dict(
         os.environ,
-        ROS_MASTER_URI=f"http://localhost:{port}",
+        ROS_MASTER_URI=f"http://localhost:{_free_port()}",
         ROS_HOME=str(directory / "ros"),
         ROS_LOG_DIR=str(directory / "ros" / "log"),
         TMPDIR=str(directory / "tmp"),

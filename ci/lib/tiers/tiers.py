@@ -93,6 +93,7 @@ def install() -> List[Step]:
         pytest_step("install", "install", place / "test_install_space.py"),
         pytest_step("install", "own workspace", place / "test_own_workspace.py"),
         pytest_step("install", "new package", place / "test_new_package.py"),
+        pytest_step("install", "without rostest", place / "test_without_rostest.py"),
     ]
 
 

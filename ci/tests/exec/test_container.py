@@ -75,7 +75,7 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
         [str(CI / "container"), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        timeout=10,
+        timeout=60,
     )
     assert result.returncode == 125
     assert said in result.stdout.decode()

@@ -40,7 +40,7 @@ def test_the_commands_are_those_of_the_page() -> None:
 )
 def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None:
     result = subprocess.run(
-        [str(CI / "deb"), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=10
+        [str(CI / "deb"), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60
     )
     assert result.returncode == 125
     assert said in result.stdout.decode()

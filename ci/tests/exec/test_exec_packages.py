@@ -154,7 +154,7 @@ def test_an_archive_that_never_answers_is_given_up(workspace: Workspace) -> None
     result = workspace.run("true", PATH=f"{bin}:{os.environ['PATH']}")
     assert result.returncode == 125
     assert "no answer within 1 s" in result.stderr
-    assert time.monotonic() - began < 10.0
+    assert time.monotonic() - began < 50.0
 
 
 def test_what_is_downloaded_already_takes_no_network(workspace: Workspace) -> None:

@@ -342,6 +342,6 @@ def test_a_project_that_cannot_be_read_is_refused(copy: Copy) -> None:
 
 
 def test_usage_is_shown() -> None:
-    done = subprocess.run([str(CI / "release")], stdout=subprocess.PIPE, timeout=10)
+    done = subprocess.run([str(CI / "release")], stdout=subprocess.PIPE, timeout=60)
     assert done.returncode == 125
     assert textwrap.dedent(done.stdout.decode()).startswith("Usage: ci/release")

@@ -79,7 +79,7 @@ def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
 
 def test_time_limit_ends_what_escaped_too(tmp_path: pathlib.Path) -> None:
     command = "setsid sleep 300 & echo $!; exec sleep 300"
-    result = run(tmp_path, "sh", "-c", command, time_limit=0.5)
+    result = run(tmp_path, "sh", "-c", command, time_limit=4.0)
     assert tally(result) == (0, 1, 0, False)
     assert "more than" in result.log
     escaped = int(result.log.split()[0])
@@ -132,11 +132,15 @@ def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
 def test_a_step_is_run_after_the_one_it_needs(
     tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
-    made = tmp_path / "made"
+    made, seen = tmp_path / "made", tmp_path / "seen"
     steps = [
         Step("x", "user", ["test", "-e", str(made)], after="maker"),
-        Step("x", "maker", ["sh", "-c", f"sleep 0.3; touch '{made}'"]),
-        Step("x", "other", ["sh", "-c", f"! test -e '{made}'"]),
+        Step(
+            "x",
+            "maker",
+            ["sh", "-c", f"until test -e '{seen}'; do sleep 0.05; done; touch '{made}'"],
+        ),
+        Step("x", "other", ["sh", "-c", f"! test -e '{made}' && touch '{seen}'"]),
         Step("x", "broken", ["false"]),
         Step("x", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
     ]
@@ -195,3 +199,10 @@ def test_lint_looks_at_every_python_file_that_is_not_generated(
         (tmp_path / name).write_text("" if name.endswith("LICENSE") else "#!/usr/bin/env python3\n")
     monkeypatch.setattr(tiers, "WORKSPACE", tmp_path)
     assert tiers.python_files() == [str(tmp_path / name) for name in own]
+
+
+def test_no_file_of_tests_of_spaces_is_left_out() -> None:
+    steps = [*tiers.install(), *tiers.catkin_build()]
+    files = {path for step in steps for path in step.command if path.endswith(".py")}
+    place = pathlib.Path(__file__).parents[1] / "spaces"
+    assert files == {str(path) for path in place.glob("test_*.py")}

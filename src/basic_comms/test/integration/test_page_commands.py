@@ -24,7 +24,7 @@ BEFORE: Dict[str, List[str]] = {
     "docs/nodes/mask.md": ["roslaunch basic_comms cw1.launch signal_rate:=100"],
     "docs/nodes/plot_bag.md": [
         "roslaunch basic_comms cw1.launch signal_rate:=100",
-        "rosbag record -O FILE.bag --duration=0.5 /signal /proc_signal",
+        "rosbag record -O FILE.bag --limit=400 /signal /proc_signal",
     ],
     "docs/nodes/signal_generator.md": ["echo 'amplitude: 2.5' > my_settings.yaml"],
     "docs/parameters.md": [

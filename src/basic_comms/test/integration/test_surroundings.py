@@ -158,6 +158,7 @@ class Surroundings(unittest.TestCase):
         self.hear(samples, 3)
         back, ahead = signal.SIGUSR1, signal.SIGUSR2
         for number, shift in ((back, -HOUR), (ahead, 0.0), (ahead, HOUR)):
+            chatter.forget()
             for process, _ in (talker, generator):
                 process.send_signal(number)
             chatter.wait_for(lambda message: abs(late(message) - shift) < HOUR / 10.0)

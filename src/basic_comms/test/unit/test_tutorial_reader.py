@@ -21,7 +21,7 @@ def interruptible() -> Iterator[None]:
 
 
 def assert_wrong(page: str, reason: str) -> None:
-    with Reader(timeout=1.0) as reader, pytest.raises(PageError, match=reason):
+    with Reader(timeout=2.0) as reader, pytest.raises(PageError, match=reason):
         reader.follow(page)
 
 

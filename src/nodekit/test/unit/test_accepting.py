@@ -203,6 +203,7 @@ def test_of_too_many_silent_connections_the_oldest_go(monkeypatch, served, warni
 
 def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings):
     monkeypatch.setattr(accepting, "MOST_WAITING", 3)
+    monkeypatch.setattr(accepting, "GRACE_S", TIME_OUT)
     peers = [served.connect() for _ in range(3)]
     peers.append(served.ask(callerid="/3"))
     time.sleep(0.05)

@@ -20,7 +20,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 #: What docs/nodes/scope.md promises, s.
 STOPS_WITHIN_S = 0.3
 #: How often something is tried on a machine that is busy with other things.
-ATTEMPTS = 20
+ATTEMPTS = 8
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
@@ -153,37 +153,35 @@ class DeadMan(RobotsTest):
             for number, (end, (kind, _)) in enumerate(self.ENDS.items())
         }
         # It is tried again where the machine was too busy; what is too slow is so always.
-        quickest = dict.fromkeys(robots, math.inf)
+        best = dict.fromkeys(robots, math.inf)
         for _ in range(ATTEMPTS):
-            for robot in robots.values():
-                robot.commands.clear()
             for end, late in self.driven(robots).items():
-                quickest[end] = min(quickest[end], late)
-            if max(quickest.values()) < STOPS_WITHIN_S:
+                best[end] = min(best[end], late)
+            if max(best.values()) < STOPS_WITHIN_S:
                 break
-        self.assertLess(max(quickest.values()), STOPS_WITHIN_S, quickest)
-        commands = {end: list(robot.commands) for end, robot in robots.items()}
-        time.sleep(0.5)  # longer than any command counts
-        for end, robot in robots.items():
-            # A page that lets go late does so after the switch of the dead man: another zero.
-            after = {told[1:] for told in robot.commands[len(commands[end]) :]}
-            self.assertLessEqual(after, {(0.0, 0.0)}, end)
-            self.assertEqual(robot.commands[-1][1:], (0.0, 0.0), end)
-            self.assertLessEqual(
-                {told[1:] for told in robot.commands}, {(0.2, 0.5), (0.0, 0.0)}, end
-            )
+        self.assertLess(max(best.values()), STOPS_WITHIN_S, best)
 
     def driven(self, robots: Dict[str, Robot]) -> Dict[str, float]:
-        """Drive robots, and return how long after the last command each was told to stop, s."""
+        """Drive robots, and return how long after the last command each was told to stop, s.
+
+        It is infinite where there was a pause before, or anything after the one zero.
+        """
+        for robot in robots.values():
+            robot.commands.clear()
         pages = {end: self.driver(f"/end{n}/cmd_vel") for n, end in enumerate(robots)}
         self.drive(*pages.values())
         for end, page in pages.items():
             self.ENDS[end][1](page)
-        commands = {end: self.stopped(robot) for end, robot in robots.items()}
-        return {
-            end: told[-1].when - told[-2].when if moves(told[:-1]) else math.inf
-            for end, told in commands.items()
-        }
+        for robot in robots.values():
+            self.stopped(robot)
+        time.sleep(0.5)  # longer than any command counts
+        took = {}
+        for end, robot in robots.items():
+            *moving, last = list(robot.commands)
+            self.assertEqual(last[1:], (0.0, 0.0), end)
+            is_once = {told[1:] for told in moving} == {(0.2, 0.5)}
+            took[end] = last.when - moving[-1].when if is_once else math.inf
+        return took
 
     def test_another_page_takes_the_wheel(self) -> None:
         robot = self.robot("/two/")

@@ -8,14 +8,13 @@ import sys
 import tempfile
 import time
 
-import machine
-import peers
-import report
-from context import Bench
-from measurements import MEASUREMENTS, chosen
-from processes import Session
-from results import Results
-from turns import LIMIT_S, Turns
+from . import machine, report
+from . import peer_programs as peers
+from .context import Bench
+from .measurements import MEASUREMENTS, chosen
+from .processes import Session
+from .results import Results
+from .turns import LIMIT_S, Turns
 
 
 def main() -> int:
@@ -48,7 +47,7 @@ def main() -> int:
     if options.json:
         report.write_json(options.json, results, facts, built.left_out)
     if options.plot:
-        import plot  # matplotlib takes half a second and tens of megabytes
+        from . import plot  # matplotlib takes half a second and tens of megabytes
 
         plot.draw(options.plot, results)
     return 1 if results.failures else 0

@@ -7,9 +7,9 @@ import threading
 import time
 from typing import DefaultDict, Dict, List
 
-from observers import wait_until
-from peers import RCLPY, WORKSPACE, rclpy_environment
-from processes import PATIENCE_S, Session
+from .observers import wait_until
+from .peer_programs import RCLPY, WORKSPACE, rclpy_environment
+from .processes import PATIENCE_S, Session
 
 _PARTS = WORKSPACE / "src" / "ros2_bridge" / "test" / "ros2"
 #: What becomes of a goal of the tests' servers.

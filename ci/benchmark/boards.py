@@ -4,10 +4,10 @@ import statistics
 import time
 from typing import Callable, Dict, List
 
-from context import Bench, Figures
-from cost import cpu_share, cpu_time
-from observers import Recorder, wait_until
-from plain_board import FRAME, IN, NODE, OUT, UINT64, PlainBoard, Sender, numbered
+from .context import Bench, Figures
+from .cost import cpu_share, cpu_time
+from .observers import Recorder, wait_until
+from .plain_board import FRAME, IN, NODE, OUT, UINT64, PlainBoard, Sender, numbered
 
 ROUND_TRIP, CAPACITY, BUSY, IDLE = "round trip", "90 % of the line", "100 Hz both ways", "idle"
 SUBJECTS = [ROUND_TRIP, CAPACITY, BUSY, IDLE]

@@ -9,14 +9,14 @@ import sys
 import time
 from typing import Any, Dict, Iterator, List, Tuple
 
-from analysis import percentile
-from context import Bench, Figures
-from cost import cpu_share, resident_memory
-from observers import wait_until
-from peers import RCLPY as PYTHON_OF_ROS2
-from peers import DOMAIN, SCRIPTS, WORKSPACE, rclpy_environment
-from processes import Session
-from stacks import RCLPY, RCLPY_EVENTS
+from .analysis import percentile
+from .context import Bench, Figures
+from .cost import cpu_share, resident_memory
+from .observers import wait_until
+from .peer_programs import DOMAIN, SCRIPTS, WORKSPACE, rclpy_environment
+from .peer_programs import RCLPY as PYTHON_OF_ROS2
+from .processes import Session
+from .stacks import RCLPY, RCLPY_EVENTS
 
 ROSPY, TO_ROS2, TO_ROS1 = "rospy", "to_ros2", "to_ros1"
 #: Bare rospy and rclpy in one process, from ROS 1 to ROS 2: the least that a bridge can take.

@@ -1,8 +1,8 @@
 """What it costs that the callbacks of a node exclude each other."""
 
-from context import Bench, Figures
-
 from nodekit.testing.costs import time_in_a_group
+
+from .context import Bench, Figures
 
 
 def uncontended(_bench: Bench, _subject: str) -> Figures:

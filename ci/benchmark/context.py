@@ -2,8 +2,8 @@
 
 from typing import Dict, NamedTuple
 
-from peers import Peers
-from processes import Session
+from .peer_programs import Peers
+from .processes import Session
 
 #: names and values of what one measurement of one stack came to
 Figures = Dict[str, float]

@@ -4,12 +4,13 @@ import json
 import subprocess
 from typing import Dict
 
-from context import Bench, Figures
-from peers import SCRIPTS, rclpy_environment
-from stacks import OURS, RCLPY_EVENTS
+from nodekit.testing.costs import delay, processor_time
 
 from nodekit import Group, MultiThreadedExecutor, Names, Node, SingleThreadedExecutor
-from nodekit.testing.costs import delay, processor_time
+
+from .context import Bench, Figures
+from .peer_programs import SCRIPTS, rclpy_environment
+from .stacks import OURS, RCLPY_EVENTS
 
 #: threads of the executors with several
 THREADS = 2

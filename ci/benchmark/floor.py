@@ -7,7 +7,7 @@ import sys
 import threading
 from typing import Iterator, List, Tuple
 
-from peers import SCRIPTS
+from .peer_programs import SCRIPTS
 
 FLOOR = "floor"
 

@@ -4,19 +4,13 @@ import enum
 import statistics
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
-import boards
-import bridging
-import robots
-import startup
-import timing
-import transitions
-from analysis import Interval, interval
-from floor import FLOOR
-from loop import LOOP
-from measurements import MEASUREMENTS
-from results import Results
-from stacks import COURSE, HOST, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
-
+from . import boards, bridging, robots, startup, timing, transitions
+from .analysis import Interval, interval
+from .floor import FLOOR
+from .loop import LOOP
+from .measurements import MEASUREMENTS
+from .results import Results
+from .stacks import COURSE, HOST, MANAGED, OURS, RCLPY, RCLPY_EVENTS, RELAY, ROSCPP
 
 #: Least turns that say something, of a measurement that takes as many.
 LEAST_TURNS = 3

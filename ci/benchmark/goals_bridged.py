@@ -4,12 +4,12 @@ import contextlib
 import itertools
 from typing import Dict, Tuple
 
-from analysis import percentile
-from asking import Asker, start
-from bridging import ROSPY, TO_ROS1, TO_ROS2, bridge
-from context import Bench, Figures
-from observers import wait_until
-from stacks import RCLPY
+from .analysis import percentile
+from .asking import Asker, start
+from .bridging import ROSPY, TO_ROS1, TO_ROS2, bridge
+from .context import Bench, Figures
+from .observers import wait_until
+from .stacks import RCLPY
 
 #: Which ROS has the client, and which the server.
 _ENDS: Dict[str, Tuple[str, str]] = {

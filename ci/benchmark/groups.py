@@ -4,13 +4,13 @@ import pathlib
 import time
 from typing import List
 
-import stacks
-from context import Bench, Figures
-from cost import cpu_share, descendants, resident_memory
-from observers import Counter, wait_until
-from peers import SCRIPTS
-from processes import SETTLED
-from tcpros import Node
+from . import stacks
+from .context import Bench, Figures
+from .cost import cpu_share, descendants, resident_memory
+from .observers import Counter, wait_until
+from .peer_programs import SCRIPTS
+from .processes import SETTLED
+from .tcpros import Node
 
 RATE = 10.0
 #: A group holds its rate if it is off by no more than this share.

@@ -5,12 +5,11 @@ import functools
 import time
 from typing import Callable, ContextManager, Iterator, List
 
-import floor
-import stacks
-from analysis import Matched, match_first_shown, match_in_order, percentile
-from context import Bench, Figures
-from cost import cpu_share
-from pausing import going, standing
+from . import floor, stacks
+from .analysis import Matched, match_first_shown, match_in_order, percentile
+from .context import Bench, Figures
+from .cost import cpu_share
+from .pausing import going, standing
 
 #: how long it is measured in a turn, s
 TURN_S = 1.0

@@ -6,9 +6,9 @@ import subprocess
 import sys
 from typing import Any, Dict, List
 
-import transitions
-from context import Bench, Figures
-from peers import HERE, SCRIPTS, rclpy_environment
+from . import transitions
+from .context import Bench, Figures
+from .peer_programs import SCRIPTS, WORKSPACE, rclpy_environment
 
 #: Longest time for all that one program does, s.
 LIMIT = 120.0
@@ -17,7 +17,7 @@ LIMIT = 120.0
 def agreement(bench: Bench, subject: str) -> Figures:
     """Count the cases in which nodekit's managed nodes do what rclpy's do."""
     ours = _printed(sys.executable, SCRIPTS / "transition_observer.py", bench.session.environment)
-    environment = dict(rclpy_environment(), PYTHONPATH=str(HERE))
+    environment = dict(rclpy_environment(), PYTHONPATH=str(WORKSPACE))
     theirs = _printed(
         str(bench.peers.rclpy), SCRIPTS / "ros2" / "transition_observer.py", environment
     )

@@ -4,11 +4,11 @@ import random
 import struct
 import time
 
-import stacks
-from analysis import percentile
-from context import Bench, Figures
-from cost import cpu_share
-from observers import Recorder, wait_until
+from . import stacks
+from .analysis import percentile
+from .context import Bench, Figures
+from .cost import cpu_share
+from .observers import Recorder, wait_until
 
 SETS, BURST = 50, 200
 AMPLITUDE = struct.Struct("<f")

@@ -4,14 +4,12 @@ import contextlib
 import itertools
 from typing import Callable, Iterator
 
-import latency
-import record
-import stacks
-from analysis import Matched
-from context import Bench, Figures
-from observers import Recorder
-from pausing import going, standing
-from peers import WORKSPACE
+from . import latency, record, stacks
+from .analysis import Matched
+from .context import Bench, Figures
+from .observers import Recorder
+from .pausing import going, standing
+from .peer_programs import WORKSPACE
 
 LOOP = "pid_control"
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "pid_control"

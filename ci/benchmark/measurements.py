@@ -2,24 +2,26 @@
 
 from typing import Callable, ContextManager, List, NamedTuple, Optional
 
-import boards
-import bridging
-import callbacks
-import executors
-import floor
-import goals_bridged
-import groups
-import latency
-import lifecycles
-import live
-import loop
-import overlap
-import robots
-import startup
-import stacks
-import throughput
-import timing
-from context import Bench, Figures
+from . import (
+    boards,
+    bridging,
+    callbacks,
+    executors,
+    floor,
+    goals_bridged,
+    groups,
+    latency,
+    lifecycles,
+    live,
+    loop,
+    overlap,
+    robots,
+    stacks,
+    startup,
+    throughput,
+    timing,
+)
+from .context import Bench, Figures
 
 
 class Measurement(NamedTuple):

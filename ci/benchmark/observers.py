@@ -7,8 +7,8 @@ import threading
 import time
 from typing import Callable, Dict, List, Tuple
 
-from analysis import Sample
-from tcpros import Node, split_messages
+from .analysis import Sample
+from .tcpros import Node, split_messages
 
 #: where the value stands in a message, by type: (layout from the start, which field)
 VALUES = {

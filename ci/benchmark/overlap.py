@@ -4,10 +4,10 @@ import json
 import subprocess
 import sys
 
-from context import Bench, Figures
-from peers import HERE, SCRIPTS, rclpy_environment
-from scenarios import SCENARIOS
-from stacks import RCLPY
+from .context import Bench, Figures
+from .peer_programs import SCRIPTS, WORKSPACE, rclpy_environment
+from .scenarios import SCENARIOS
+from .stacks import RCLPY
 
 #: Longest time for all scenarios, s.
 LIMIT = 60.0
@@ -17,7 +17,7 @@ def agreement(bench: Bench, subject: str) -> Figures:
     """Count the scenarios in which what is observed is as it should be."""
     if subject == RCLPY:
         python, script = str(bench.peers.rclpy), SCRIPTS / "ros2" / "overlap_node.py"
-        environment = dict(rclpy_environment(), PYTHONPATH=str(HERE))
+        environment = dict(rclpy_environment(), PYTHONPATH=str(WORKSPACE))
     else:
         python, script = sys.executable, SCRIPTS / "overlap_node.py"
         environment = bench.session.environment

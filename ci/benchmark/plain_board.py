@@ -12,9 +12,9 @@ from serial_link.device.device import Declared, Device
 from serial_link.framing.frames import OVERHEAD
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, Values
 
-from observers import wait_until
-from peers import WORKSPACE
-from tcpros import Node, TopicType
+from .observers import wait_until
+from .peer_programs import WORKSPACE
+from .tcpros import Node, TopicType
 
 NODE = WORKSPACE / "devel" / "lib" / "serial_link" / "serial_node.py"
 OUT, IN = "/from_board", "/to_board"

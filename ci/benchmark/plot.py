@@ -8,10 +8,10 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
-from floor import FLOOR  # noqa: E402
-from goals import GOALS, Outcome, number  # noqa: E402
-from report import RATES  # noqa: E402
-from results import Results  # noqa: E402
+from .floor import FLOOR  # noqa: E402
+from .goals import GOALS, Outcome, number  # noqa: E402
+from .report import RATES  # noqa: E402
+from .results import Results  # noqa: E402
 
 COLORS = {Outcome.PASS: "#2a7f62", Outcome.SHORT: "#c8553d"}
 UNSURE = "grey"

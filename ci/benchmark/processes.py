@@ -8,13 +8,13 @@ import subprocess
 import time
 from typing import Dict, Iterator, List, Optional
 
-from cost import descendants
-from observers import wait_until
-from peers import HERE, SCRIPTS
-from steps import end_leftovers
-from tcpros import Node
-
 from nodekit.testing.processes import free_port
+
+from ..tiers.steps import end_leftovers
+from .cost import descendants
+from .observers import wait_until
+from .peer_programs import SCRIPTS, WORKSPACE
+from .tcpros import Node
 
 #: how long a node works on after it has registered, s
 SETTLED = 1.5
@@ -64,7 +64,7 @@ class Session:
             ROS_PACKAGE_PATH=os.pathsep.join(
                 [str(SCRIPTS / "course"), os.environ.get("ROS_PACKAGE_PATH", "")]
             ),
-            PYTHONPATH=os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]),
+            PYTHONPATH=os.pathsep.join([str(WORKSPACE), os.environ.get("PYTHONPATH", "")]),
         )
         self.environment.pop("ROS_IP", None)
         # Or else each start compiles the workspace's own modules anew, and nobody else's.

@@ -6,7 +6,7 @@ import pathlib
 import time
 from typing import Any, List
 
-from analysis import Sample
+from .analysis import Sample
 
 #: How many numbers a record has room for, two for each sample; the rest of it is 0.
 ROOM = 1 << 20

@@ -4,10 +4,10 @@ import json
 import pathlib
 from typing import Dict, List
 
-from analysis import CONFIDENCE, Interval, confidence, interval
-from goals import GOALS, Goal, Outcome, number
-from machine import STOLEN
-from results import Results, table
+from .analysis import CONFIDENCE, Interval, confidence, interval
+from .goals import GOALS, Goal, Outcome, number
+from .machine import STOLEN
+from .results import Results, table
 
 #: The rates at which pairs are measured, by measurement.
 RATES = [

@@ -5,8 +5,8 @@ import math
 import statistics
 from typing import Any, Counter, Dict, List, Sequence, Tuple
 
-import machine
-from context import Figures
+from . import machine
+from .context import Figures
 
 
 def table(rows: List[List[str]]) -> str:

@@ -4,11 +4,11 @@ import contextlib
 import time
 from typing import Callable, Iterator, List
 
-import stacks
-from context import Bench, Figures
-from cost import cpu_share, resident_memory
-from observers import Recorder
-from pausing import going, standing
+from . import stacks
+from .context import Bench, Figures
+from .cost import cpu_share, resident_memory
+from .observers import Recorder
+from .pausing import going, standing
 
 FLEET, SCAN = "100 robots", "a robot that scans"
 HOSTED, PAIR = "a robot and its controller", "the same in two processes"

@@ -8,13 +8,13 @@ import sys
 import time
 from typing import Callable, Iterator, List, NamedTuple
 
-import record
-from analysis import Sample
-from cost import cpu_share
-from observers import Recorder, wait_until
-from pausing import DRAIN_S
-from peers import HERE, SCRIPTS, WORKSPACE, Peers, rclpy_environment
-from processes import Session
+from . import record
+from .analysis import Sample
+from .cost import cpu_share
+from .observers import Recorder, wait_until
+from .pausing import DRAIN_S
+from .peer_programs import SCRIPTS, WORKSPACE, Peers, rclpy_environment
+from .processes import Session
 
 OURS, ROSPY, ROSCPP, RELAY = "basic_comms", "rospy", "roscpp", "relay"
 RCLPY, COURSE = "rclpy", "course"
@@ -168,7 +168,7 @@ def _up_rclpy(
     session: Session, peers: Peers, stack: str, rate: float, file: pathlib.Path
 ) -> Iterator[Pair]:
     python = str(peers.rclpy)
-    environment = dict(rclpy_environment(events=stack == RCLPY_EVENTS), PYTHONPATH=str(HERE))
+    environment = dict(rclpy_environment(events=stack == RCLPY_EVENTS), PYTHONPATH=str(WORKSPACE))
     seen = file.with_suffix(".seen")
     commands = [
         [python, str(SCRIPTS / "ros2" / "observer.py"), str(seen)],

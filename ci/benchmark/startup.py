@@ -2,11 +2,11 @@
 
 import time
 
-import stacks
-from context import Bench, Figures
-from cost import resident_memory
-from observers import Recorder
-from peers import SCRIPTS
+from . import stacks
+from .context import Bench, Figures
+from .cost import resident_memory
+from .observers import Recorder
+from .peer_programs import SCRIPTS
 
 LAUNCH = {
     stacks.OURS: ["basic_comms", "cw1.launch"],

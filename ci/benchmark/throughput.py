@@ -5,10 +5,10 @@ import subprocess
 import time
 from typing import List, Optional
 
-import stacks
-from analysis import highest_passing
-from context import Bench, Figures
-from observers import Counter, wait_until
+from . import stacks
+from .analysis import highest_passing
+from .context import Bench, Figures
+from .observers import Counter, wait_until
 
 #: rates to try, messages per second: each a quarter above the one before
 RATES: List[float] = [round(1000 * 1.25**step, -2) for step in range(32)]

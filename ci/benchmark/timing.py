@@ -3,11 +3,10 @@
 import time
 from typing import List
 
-import record
-import stacks
-from analysis import Sample, drift, percentile, periods
-from context import Bench, Figures
-from observers import Counter, wait_until
+from . import record, stacks
+from .analysis import Sample, drift, percentile, periods
+from .context import Bench, Figures
+from .observers import Counter, wait_until
 
 RATE = 1000.0
 #: what both are given to settle, s

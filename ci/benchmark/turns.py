@@ -7,11 +7,11 @@ import subprocess
 import time
 from typing import Callable, Dict, Iterable, List, Optional, Set
 
-import machine
-from context import Bench, Figures
-from goals import GOALS
-from measurements import Measurement
-from results import Results
+from . import machine
+from .context import Bench, Figures
+from .goals import GOALS
+from .measurements import Measurement
+from .results import Results
 
 #: Of the main rows, no repeat of what is measured afresh begins that would end later, s.
 LIMIT_S = 570.0

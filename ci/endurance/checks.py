@@ -4,7 +4,7 @@ import json
 import pathlib
 from typing import Any, Dict, List, NamedTuple
 
-from results import table as rows_as_table
+from ..benchmark.results import table as rows_as_table
 
 
 class Check(NamedTuple):

@@ -6,11 +6,11 @@ a silence is the machine's part.
 
 import signal
 import subprocess
-import sys
 import time
 
-from processes import Session
-from streams import GAP, Arrivals
+from ..benchmark.peer_programs import module
+from ..benchmark.processes import Session
+from .streams import GAP, Arrivals
 
 PERIOD = 1e-3
 
@@ -23,7 +23,7 @@ class Control:
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._process: "subprocess.Popen[bytes]" = session.start([sys.executable, __file__])
+        self._process: "subprocess.Popen[bytes]" = session.start(module("endurance.control"))
 
     def stop(self) -> str:
         """End the loop.

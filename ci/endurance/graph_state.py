@@ -2,7 +2,7 @@
 
 from typing import Any, List, NamedTuple, Optional, Tuple
 
-from tcpros import Node
+from ..benchmark.tcpros import Node
 
 
 class Registrations(NamedTuple):

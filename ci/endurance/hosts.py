@@ -7,9 +7,9 @@ import signal
 import subprocess
 from typing import Callable, Dict, List, Optional
 
-from processes import start_with_log
-from steps import end_leftovers
-from surroundings import logs
+from ..benchmark.processes import start_with_log
+from ..tiers.steps import end_leftovers
+from .surroundings import logs
 
 #: how long a process may take to end when asked to, s
 PATIENCE_S = 10.0

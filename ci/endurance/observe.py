@@ -10,8 +10,8 @@ import struct
 import sys
 import threading
 
-import record
-from tcpros import Node, split_messages
+from ..benchmark import record
+from ..benchmark.tcpros import Node, split_messages
 
 #: where the number to keep stands, by type of message
 NUMBERS = {"basic_comms/signal_msg": "<8xd", "std_msgs/Float32": "<f"}

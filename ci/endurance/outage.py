@@ -3,8 +3,8 @@
 import re
 from typing import Dict, List, NamedTuple, Sequence
 
-from analysis import Sample
-from streams import Continuity
+from ..benchmark.analysis import Sample
+from .streams import Continuity
 
 _LOSS = re.compile(r"(\S+): subscriber (\S+) (?:does not keep|keeps) up.* (\d+) in all")
 _LATE = re.compile(r"in time again; (\d+) were late, by up to ([0-9.]+) s")

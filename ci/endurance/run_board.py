@@ -12,12 +12,12 @@ from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.device import Device
 from serial_link.framing.frames import encode
 
-from checks import Check, at_least, at_most, none_of, reported
-from observers import wait_until
-from plain_board import NODE, OUT, UINT64, PlainSketch, Sender, number_of, numbered
-from surroundings import Soak
-from tcpros import split_messages
-from usage import Sampler, added, growth
+from ..benchmark.observers import wait_until
+from ..benchmark.plain_board import NODE, OUT, UINT64, PlainSketch, Sender, number_of, numbered
+from ..benchmark.tcpros import split_messages
+from .checks import Check, at_least, at_most, none_of, reported
+from .surroundings import Soak
+from .usage import Sampler, added, growth
 
 TIMES = 50
 BAUD, RATE = 115200, 100.0

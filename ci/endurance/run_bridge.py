@@ -11,15 +11,15 @@ import subprocess
 import time
 from typing import Any, Callable, Dict, List
 
-import run_goals
-from bridging import BRIDGE, LIMIT, TO_ROS1, TO_ROS2, bridge, ends
-from checks import Check, at_most, none_of, reported
-from observers import wait_until
-from peers import DOMAIN, RCLPY, SCRIPTS, make_rclpy, rclpy_environment
-from streams import Arrivals
-from surroundings import EXECUTABLES, Soak, logs
-from usage import Sampler, added, growth
-from watching import TEXT, Watch
+from ..benchmark.bridging import BRIDGE, LIMIT, TO_ROS1, TO_ROS2, bridge, ends
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import DOMAIN, RCLPY, SCRIPTS, make_rclpy, rclpy_environment
+from . import run_goals
+from .checks import Check, at_most, none_of, reported
+from .streams import Arrivals
+from .surroundings import EXECUTABLES, Soak, logs
+from .usage import Sampler, added, growth
+from .watching import TEXT, Watch
 
 RATE = 1000.0
 TIMES = 20

@@ -1,19 +1,18 @@
 """Generator on one host, process on the other, and the cable between them pulled."""
 
-import pathlib
 import subprocess
-import sys
 import time
 from typing import Dict, List
 
-import record
-import ssh_server
-from analysis import Sample
-from checks import Check, at_least, at_most, reported
-from hosts import ADDRESSES, Hosts
-from observers import wait_until
-from outage import Outage, counted_losses, outage, reported_lateness
-from watching import ANSWER, SIGNAL
+from ..benchmark import record
+from ..benchmark.analysis import Sample
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import module
+from . import ssh_server
+from .checks import Check, at_least, at_most, reported
+from .hosts import ADDRESSES, Hosts
+from .outage import Outage, counted_losses, outage, reported_lateness
+from .watching import ANSWER, SIGNAL
 
 #: samples a second, 1/s: what the course uses, and more than fits into a socket's buffers
 RATES = (10.0, 1000.0)
@@ -22,7 +21,6 @@ RATES = (10.0, 1000.0)
 BACK_WITHIN = 60.0
 #: how long the streams run before and after, s
 STEADY = 5.0
-OBSERVE = pathlib.Path(__file__).with_name("observe.py")
 
 
 def run(hosts: Hosts) -> List[Check]:
@@ -62,7 +60,7 @@ def pull(hosts: Hosts, rate: float, seconds: float) -> List[Check]:
     }
     files = {name: hosts.directory / f"{name}-{rate:g}" for name in wanted}
     observers = {
-        name: hosts.start(host, [sys.executable, str(OBSERVE), topic, kind, str(files[name])])
+        name: hosts.start(host, module("endurance.observe", topic, kind, str(files[name])))
         for name, (host, topic, kind) in wanted.items()
     }
     lost_before = counted_losses(hosts.logs())

@@ -6,11 +6,11 @@ import subprocess
 import sys
 from typing import Dict, List, Set
 
-import ssh_server
-from checks import Check, none_of, reported
-from hosts import ADDRESSES, Hosts
-from observers import wait_until
-from peers import WORKSPACE
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import WORKSPACE
+from . import ssh_server
+from .checks import Check, none_of, reported
+from .hosts import ADDRESSES, Hosts
 
 #: lets nobody in but by ssh; docs/security.md has the same line
 FIREWALL = "iptables -I INPUT ! -i lo -p tcp --syn ! --dport 22 -j DROP"
@@ -96,7 +96,7 @@ def listening(hosts: Hosts) -> Dict[int, str]:
 
 def reachable(hosts: Hosts, ports: Dict[int, str]) -> Dict[int, str]:
     """Return those ports that a connection from the near host comes through to."""
-    script = f"import run_closed; run_closed.knock({sorted(ports)!r})"
+    script = f"from ci.endurance.run_closed import knock; knock({sorted(ports)!r})"
     environment = dict(hosts.environment("near"), PYTHONPATH=":".join(sys.path))
     answers = hosts.run("near", [sys.executable, "-c", script], environment).split()
     return {int(port): ports[int(port)] for port in answers}

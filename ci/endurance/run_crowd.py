@@ -8,13 +8,13 @@ import threading
 import time
 from typing import List
 
-from checks import Check, at_least
-from control import Control
-from run_stalled import returned, undisturbed
-from surroundings import Soak
-from tcpros import Node
-from usage import settled_usage
-from watching import ANSWER, SIGNAL, Watch
+from ..benchmark.tcpros import Node
+from .checks import Check, at_least
+from .control import Control
+from .run_stalled import returned, undisturbed
+from .surroundings import Soak
+from .usage import settled_usage
+from .watching import ANSWER, SIGNAL, Watch
 
 RATE = 1000.0
 CROWD = 20

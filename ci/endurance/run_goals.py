@@ -11,13 +11,13 @@ import threading
 import time
 from typing import Callable, Dict, Iterator, List
 
-from asking import ABORT, SUCCEED, Asker, start
-from bridging import BRIDGE, LIMIT
-from checks import Check, at_most, none_of, reported
-from observers import wait_until
-from peers import DOMAIN
-from processes import Session
-from surroundings import Soak
+from ..benchmark.asking import ABORT, SUCCEED, Asker, start
+from ..benchmark.bridging import BRIDGE, LIMIT
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import DOMAIN
+from ..benchmark.processes import Session
+from .checks import Check, at_most, none_of, reported
+from .surroundings import Soak
 
 #: Names of the actions of the servers of either ROS.
 NAMES = {"1": "/soak/arm", "2": "/soak/hand"}

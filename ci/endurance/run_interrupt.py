@@ -9,10 +9,10 @@ import subprocess
 import time
 from typing import List, NamedTuple, Optional
 
-from checks import Check, at_most, none_of, reported
-from graph_state import NOTHING, address, of_node
-from surroundings import Soak
-from tcpros import Node
+from ..benchmark.tcpros import Node
+from .checks import Check, at_most, none_of, reported
+from .graph_state import NOTHING, address, of_node
+from .surroundings import Soak
 
 TIMES = 100
 #: longest time until a node has ended, s

@@ -9,9 +9,9 @@ import subprocess
 import time
 from typing import Dict, List, Tuple
 
-from checks import Check, at_least, at_most, none_of, reported
-from peers import WORKSPACE
-from surroundings import Soak
+from ..benchmark.peer_programs import WORKSPACE
+from .checks import Check, at_least, at_most, none_of, reported
+from .surroundings import Soak
 
 PACKAGE = WORKSPACE / "src" / "pid_control"
 JUDGE = PACKAGE / "scripts" / "judge"

@@ -7,11 +7,11 @@ import subprocess
 import time
 from typing import Dict, List, NamedTuple, Optional
 
-from checks import Check, at_most, none_of, reported
-from diary import Entry, Story, entries
-from observers import wait_until
-from peers import WORKSPACE
-from surroundings import Soak
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import WORKSPACE
+from .checks import Check, at_most, none_of, reported
+from .diary import Entry, Story, entries
+from .surroundings import Soak
 
 TIMES = 50
 ORDER = ("/first", "/second", "/third")

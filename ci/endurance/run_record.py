@@ -13,12 +13,13 @@ import time
 from typing import List, Sequence, Tuple
 
 import rosbag
-from checks import Check, at_least, at_most, reported
-from control import Control, silences
-from streams import Continuity, unanswered
-from surroundings import Soak
-from usage import Sampler, Usage, added, growth, size_of
-from watching import ANSWER, SIGNAL, Watch
+
+from .checks import Check, at_least, at_most, reported
+from .control import Control, silences
+from .streams import Continuity, unanswered
+from .surroundings import Soak
+from .usage import Sampler, Usage, added, growth, size_of
+from .watching import ANSWER, SIGNAL, Watch
 
 RATE = 1000.0
 #: angular frequency of the signal, rad/s: a period is no whole number of samples

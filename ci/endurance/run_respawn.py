@@ -7,13 +7,13 @@ import time
 import xmlrpc.client
 from typing import Any, Dict, List, NamedTuple, Tuple
 
-from checks import Check, at_most, none_of, reported
-from graph_state import Registrations, address, of_node
-from observers import wait_until
-from streams import Arrivals
-from surroundings import Soak
-from tcpros import Node
-from watching import ANSWER, LOG, SIGNAL, TEXT, Watch
+from ..benchmark.observers import wait_until
+from ..benchmark.tcpros import Node
+from .checks import Check, at_most, none_of, reported
+from .graph_state import Registrations, address, of_node
+from .streams import Arrivals
+from .surroundings import Soak
+from .watching import ANSWER, LOG, SIGNAL, TEXT, Watch
 
 TIMES = 50
 #: longest time until a stream is back after its node, s

@@ -9,14 +9,14 @@ import urllib.request
 from statistics import median
 from typing import Any, Callable, List, NamedTuple, Tuple
 
-from checks import Check, at_least, at_most, reported
-from cost import cpu_time
-from observers import wait_until
-from peers import WORKSPACE
-from surroundings import Soak
-from usage import Sampler, added
-
 from nodekit.testing.processes import free_port
+
+from ..benchmark.cost import cpu_time
+from ..benchmark.observers import wait_until
+from ..benchmark.peer_programs import WORKSPACE
+from .checks import Check, at_least, at_most, reported
+from .surroundings import Soak
+from .usage import Sampler, added
 
 TESTS = WORKSPACE / "src" / "topic_scope" / "test"
 RIG = [sys.executable, str(TESTS / "measure_load.py"), "--publish"]

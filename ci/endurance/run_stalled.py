@@ -5,11 +5,11 @@ import signal
 import time
 from typing import List
 
-from checks import Check, at_least, at_most, reported
-from control import Control, silences
-from surroundings import Soak
-from usage import Usage, settled_usage
-from watching import ANSWER, SIGNAL, Watch
+from .checks import Check, at_least, at_most, reported
+from .control import Control, silences
+from .surroundings import Soak
+from .usage import Usage, settled_usage
+from .watching import ANSWER, SIGNAL, Watch
 
 RATE = 1000.0
 #: how long the subscriber stands still, s

@@ -9,9 +9,9 @@ import tempfile
 import traceback
 from typing import Callable, ContextManager, Dict, Generic, List, Sequence, TypeVar
 
-import machine
-from checks import Check, all_kept, table, write_json
-from surroundings import logs
+from ..benchmark import machine
+from .checks import Check, all_kept, table, write_json
+from .surroundings import logs
 
 #: What a run is given.
 Given = TypeVar("Given")

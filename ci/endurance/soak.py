@@ -6,19 +6,21 @@ import pathlib
 import sys
 from typing import Iterator, List
 
-import run_board
-import run_bridge
-import run_crowd
-import run_interrupt
-import run_judge
-import run_managed
-import run_record
-import run_respawn
-import run_scope
-import run_stalled
-from processes import Session
-from runs import Run, carry_out, parser_of
-from surroundings import Soak
+from ..benchmark.processes import Session
+from . import (
+    run_board,
+    run_bridge,
+    run_crowd,
+    run_interrupt,
+    run_judge,
+    run_managed,
+    run_record,
+    run_respawn,
+    run_scope,
+    run_stalled,
+)
+from .runs import Run, carry_out, parser_of
+from .surroundings import Soak
 
 RUNS: List[Run[Soak]] = [
     Run("record", "a signal of 1 kHz, its answers and a bag", run_record.run),

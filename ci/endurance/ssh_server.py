@@ -4,8 +4,8 @@ import pathlib
 import subprocess
 from typing import List
 
-from hosts import ADDRESSES, Hosts
-from observers import wait_until
+from ..benchmark.observers import wait_until
+from .hosts import ADDRESSES, Hosts
 
 #: where the server wants an empty directory, whatever it is told
 PRIVILEGE_SEPARATION = pathlib.Path("/run/sshd")

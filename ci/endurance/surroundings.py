@@ -4,8 +4,8 @@ import pathlib
 import subprocess
 from typing import List, NamedTuple
 
-from peers import WORKSPACE
-from processes import Session
+from ..benchmark.peer_programs import WORKSPACE
+from ..benchmark.processes import Session
 
 EXECUTABLES = WORKSPACE / "devel" / "lib" / "basic_comms"
 

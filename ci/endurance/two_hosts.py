@@ -7,10 +7,9 @@ import argparse
 import sys
 from typing import List
 
-import run_cable
-import run_closed
-from hosts import Hosts
-from runs import Run, carry_out, parser_of
+from . import run_cable, run_closed
+from .hosts import Hosts
+from .runs import Run, carry_out, parser_of
 
 RUNS: List[Run[Hosts]] = [
     Run("cable", "cw1_two_hosts.launch, and the cable pulled for a while", run_cable.run),

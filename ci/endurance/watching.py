@@ -6,8 +6,8 @@ import threading
 import time
 from typing import Callable, Optional
 
-from streams import Arrivals, Continuity
-from tcpros import Node, split_messages
+from ..benchmark.tcpros import Node, split_messages
+from .streams import Arrivals, Continuity
 
 #: where time_x stands in a basic_comms/signal_msg
 TIME_X = struct.Struct("<8xd")

@@ -13,8 +13,8 @@ import sys
 import time
 from typing import List, Tuple
 
-from observers import wait_until
-from tcpros import Node, TopicType
+from ci.benchmark.observers import wait_until
+from ci.benchmark.tcpros import Node, TopicType
 
 DEFINITION = "float32 amplitude\nfloat32 frequency\nfloat64 time_x\nfloat32 signal_y\n"
 FRAME = struct.Struct("<Iffdf")

@@ -3,9 +3,9 @@
 import json
 from typing import Any, Dict, List
 
-from scenarios import CALL_S, SCENARIOS, TICK_S, Observation, Scenario
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from ci.benchmark.scenarios import CALL_S, SCENARIOS, TICK_S, Observation, Scenario
 from nodekit import MultiThreadedExecutor, Node, init_node
 
 

@@ -3,10 +3,11 @@
 
 import sys
 
-from basic_comms.msg import signal_msg
 from basic_comms.nodes.signal_generator import SignalGenerator
+
+from basic_comms.msg import signal_msg
+from ci.benchmark.record import Record
 from nodekit import Node, Publisher, run
-from record import Record
 
 record = Record(sys.argv[1])
 

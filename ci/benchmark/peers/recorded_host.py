@@ -5,8 +5,9 @@ The generator records when it publishes.
 """
 
 from basic_comms.nodes.process import Process
-from nodekit import host
 from recorded_generator import RecordedGenerator
+
+from nodekit import host
 
 if __name__ == "__main__":
     members = [("signal_generator", "", RecordedGenerator), ("process", "", Process)]

@@ -3,10 +3,11 @@
 
 import sys
 
+from pid_control.nodes.system import System
+
+from ci.benchmark.record import Record
 from nodekit import Node, Publisher, run
 from pid_control.msg import motor_output
-from pid_control.nodes.system import System
-from record import Record
 
 record = Record(sys.argv[1])
 

@@ -4,8 +4,7 @@ import itertools
 import json
 from typing import Any, Callable, Dict, List
 
-import transitions
-
+from ci.benchmark import transitions
 from lifecycle_msgs import msg, srv
 from nodekit import Client, ManagedNode, Node, Outcome, init_node
 

@@ -4,11 +4,12 @@ import math
 import random
 import statistics
 
-import analysis
 import pytest
-from analysis import Sample
 from hypothesis import given
 from hypothesis import strategies as st
+
+from ci.benchmark import analysis
+from ci.benchmark.analysis import Sample
 
 
 def grid(count, rate, start=100.0):

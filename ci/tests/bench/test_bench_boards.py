@@ -1,7 +1,8 @@
 """The messages by which the link to a board is measured."""
 
-from plain_board import FRAME, VALUE, number_of, numbered
 from serial_link.framing.frames import encode
+
+from ci.benchmark.plain_board import FRAME, VALUE, number_of, numbered
 
 
 def test_a_message_tells_whether_it_is_whole() -> None:

@@ -3,9 +3,9 @@
 import pathlib
 import subprocess
 
-import machine
-from goals import GOALS
-from measurements import MEASUREMENTS, chosen
+from ci.benchmark import machine
+from ci.benchmark.goals import GOALS
+from ci.benchmark.measurements import MEASUREMENTS, chosen
 
 #: What nobody needs who does not ask for it.
 EXTREMES = {"fleet", "thousand", "throughput"}

@@ -5,7 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from cost import cpu_time
+
+from ci.benchmark.cost import cpu_time
 
 #: Burns processor time in threads that end, and says how much, in s.
 BURN = """

@@ -1,10 +1,11 @@
 """Tests of how ci/bench judges its results."""
 
 import pytest
-from goals import GOALS, Outcome
-from measurements import MEASUREMENTS
-from report import tables
-from results import Results
+
+from ci.benchmark.goals import GOALS, Outcome
+from ci.benchmark.measurements import MEASUREMENTS
+from ci.benchmark.report import tables
+from ci.benchmark.results import Results
 
 
 def judged(results, what):

@@ -1,10 +1,10 @@
 """Tests of how ci/bench makes figures of a turn of nodes that stood still before."""
 
-import latency
-import loop
 import pytest
-from analysis import Sample
-from stacks import Run
+
+from ci.benchmark import latency, loop
+from ci.benchmark.analysis import Sample
+from ci.benchmark.stacks import Run
 
 PERIOD, HOP = 0.01, 0.001
 

@@ -6,14 +6,13 @@ import subprocess
 import sys
 import time
 
-import pausing
-import record
-from observers import wait_until
+from ci.benchmark import pausing, record
+from ci.benchmark.observers import wait_until
 
 #: Counts on for as long as it is not stopped.
 COUNT = """
 import sys, time
-from record import Record
+from ci.benchmark.record import Record
 out = Record(sys.argv[1])
 number = 0.0
 while True:

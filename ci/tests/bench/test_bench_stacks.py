@@ -3,20 +3,14 @@
 import contextlib
 import pathlib
 import signal
-import sys
 
-import latency
-import machine
 import pytest
-import record
-import robots
-import stacks
-import throughput
-import timing
-from context import Bench
-from observers import wait_until
-from peers import Peers, find_relay
-from processes import Session
+
+from ci.benchmark import latency, machine, record, robots, stacks, throughput, timing
+from ci.benchmark.context import Bench
+from ci.benchmark.observers import wait_until
+from ci.benchmark.peer_programs import Peers, find_relay, module
+from ci.benchmark.processes import Session
 
 RATE = 100.0
 
@@ -60,12 +54,11 @@ def test_a_pair_of_stock_rospy_answers(bench):
 
 def test_a_topic_is_recorded_from_any_host_until_ctrl_c(bench, tmp_path):
     file = tmp_path / "seen"
-    observe = stacks.HERE.with_name("endurance") / "observe.py"
     with stacks.up(bench.session, bench.peers, stacks.OURS, RATE) as pair:
         with bench.session.node() as node:
             published = [name for name, _ in node.master("getPublishedTopics", "")]
         (topic,) = [name for name in published if name.endswith("/signal")]
-        command = [sys.executable, str(observe), topic, "basic_comms/signal_msg", str(file)]
+        command = module("endurance.observe", topic, "basic_comms/signal_msg", str(file))
         observer = bench.session.start(command)
         underway = file.with_suffix(".new")
         wait_until(lambda: underway.exists() and record.read(underway), 30.0, "samples")

@@ -11,12 +11,13 @@ import time
 import xmlrpc.client
 import xmlrpc.server
 
-import peers
 import pytest
-import tcpros
 from hypothesis import given
 from hypothesis import strategies as st
-from observers import wait_until
+
+from ci.benchmark import peer_programs as peers
+from ci.benchmark import tcpros
+from ci.benchmark.observers import wait_until
 
 names = st.text("abcdefghij_", min_size=1, max_size=8)
 

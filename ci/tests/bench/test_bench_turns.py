@@ -6,13 +6,13 @@ import itertools
 import pathlib
 import subprocess
 
-import machine
 import pytest
-import turns
-from context import Bench
-from measurements import Measurement
-from peers import Peers
-from results import Results
+
+from ci.benchmark import machine, turns
+from ci.benchmark.context import Bench
+from ci.benchmark.measurements import Measurement
+from ci.benchmark.peer_programs import Peers
+from ci.benchmark.results import Results
 
 #: A row with a goal of its own: p50 of basic_comms is to be 0.75 x that of roscpp, or less.
 ROW = "latency-1khz"

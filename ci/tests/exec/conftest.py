@@ -155,8 +155,8 @@ class Workspace:
         self.patch("setup.bash", "=/etc/os-release\n", f"='{release}'\n")
 
     def patch(self, name: str, old: str, new: str) -> None:
-        """Replace something in a file of ci/lib/setup."""
-        path = self.root / "ci" / "lib" / "setup" / name
+        """Replace something in a file of ci/setup."""
+        path = self.root / "ci" / "setup" / name
         path.write_text(path.read_text().replace(old, new))
 
     def give_away(self, place: str) -> None:

@@ -5,9 +5,10 @@ import pathlib
 import subprocess
 
 import pytest
-from conftest import CI, Workspace
 
-INSIDE = CI / "lib" / "systems" / "clean-room-inside.bash"
+from .conftest import CI, Workspace
+
+INSIDE = CI / "systems" / "clean-room-inside.bash"
 #: Two bootstraps, each of a Debian that has one file; nothing is mounted.
 BOOTSTRAPS = """
 set -euo pipefail
@@ -83,7 +84,7 @@ def test_without_a_tier_all_run_that_the_release_has_tools_for(
     workspace.pretend_packages("[run]\none\n[catkin_build]\ntwo\n", installed="one\ntwo\n")
     workspace.pretend_release(release)
     workspace.program = "test"
-    run_tiers = workspace.root / "ci" / "lib" / "tiers" / "run_tiers.py"
+    run_tiers = workspace.root / "ci" / "tiers" / "run_tiers.py"
     run_tiers.write_text("import sys\nprint(*sys.argv[1:])\n")
     result = workspace.run()
     assert (result.stdout, result.returncode) == (tiers + "\n", 0)
@@ -97,7 +98,7 @@ def test_no_run_spoils_the_system_that_another_one_keeps(
     tmp_path: pathlib.Path, first: str, kept: str
 ) -> None:
     (tmp_path / "cache").mkdir()
-    system = str(CI / "lib" / "systems" / "clean-system.bash")
+    system = str(CI / "systems" / "clean-system.bash")
     done = subprocess.run(
         ["bash", "-c", BOOTSTRAPS, system, str(tmp_path)],
         env=dict(os.environ, FIRST=first),

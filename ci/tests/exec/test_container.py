@@ -11,7 +11,8 @@ from typing import List
 
 import pytest
 import yaml
-from conftest import CI
+
+from .conftest import CI
 
 WORKSPACE = CI.parent
 README = (WORKSPACE / "README.md").read_text("utf-8")
@@ -19,7 +20,7 @@ README = (WORKSPACE / "README.md").read_text("utf-8")
 
 def commands(page: str, section: str) -> List[str]:
     """The commands of a section of a page."""
-    script = f"workspace='{WORKSPACE}'; source '{CI}/lib/systems/pages.bash'; page_commands \"$@\""
+    script = f"workspace='{WORKSPACE}'; source '{CI}/systems/pages.bash'; page_commands \"$@\""
     printed = subprocess.check_output(["bash", "-c", script, "bash", page, section], timeout=30)
     return printed.decode().splitlines()
 
@@ -86,9 +87,8 @@ def test_somebody_elses_container_is_left_alone(tmp_path: pathlib.Path, name: st
     log, podman = tmp_path / "log", tmp_path / "podman"
     podman.write_text(f'#!/bin/sh\necho "$*" >>"{log}"\n[ "$*" = "container inspect {name}" ]\n')
     podman.chmod(0o755)
-    proof = str(CI / "lib" / "packages" / "container_proof.py")
     done = subprocess.run(
-        [sys.executable, proof, str(podman), "podman-compose"],
+        [sys.executable, str(CI), "packages.container_proof", str(podman), "podman-compose"],
         input="podman run it\npodman exec it\npodman-compose up\npodman run other\n",
         stderr=subprocess.PIPE,
         universal_newlines=True,

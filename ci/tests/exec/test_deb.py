@@ -8,9 +8,10 @@ import subprocess
 from typing import List
 
 import pytest
-from conftest import CI
 
-INSIDE = CI / "lib" / "packages" / "deb-inside.bash"
+from .conftest import CI
+
+INSIDE = CI / "packages" / "deb-inside.bash"
 
 
 def inside(script: str, *arguments: str) -> List[str]:
@@ -22,9 +23,9 @@ def inside(script: str, *arguments: str) -> List[str]:
 def test_the_commands_are_those_of_the_page() -> None:
     install, launch = inside("page_commands docs/packaging.md Install")
     assert install == "sudo apt install ./*.deb"
-    proof = (CI / "lib" / "packages" / "deb_proof.py").read_text("utf-8")
+    proof = (CI / "packages" / "deb_proof.py").read_text("utf-8")
     assert (
-        f'running({", ".join(f"{word!r}" for word in launch.split())})'.replace("'", '"') in proof
+        f"running({', '.join(f'{word!r}' for word in launch.split())})".replace("'", '"') in proof
     )
 
 

@@ -9,7 +9,8 @@ import subprocess
 import time
 
 import pytest
-from conftest import Workspace
+
+from .conftest import Workspace
 
 
 def test_first_run_builds_and_keeps_the_streams_apart(workspace: Workspace) -> None:
@@ -85,9 +86,7 @@ def test_failed_build_is_shown_and_not_taken_for_finished(workspace: Workspace) 
 def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     begun = workspace.root / "begun"
     # bash forgets a SIGINT that comes just before it becomes another program; sh does not.
-    workspace.fakes[
-        "catkin_make"
-    ] = f"""mkdir devel; : > devel/setup.bash
+    workspace.fakes["catkin_make"] = f"""mkdir devel; : > devel/setup.bash
         sh -c ': > "$0"; exec sleep 60' '{begun}'"""
     process = workspace.start("echo", "not reached")
     give_up = time.monotonic() + 60.0

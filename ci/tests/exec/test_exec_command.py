@@ -13,7 +13,7 @@ from typing import Sequence
 
 import pytest
 
-from conftest import Workspace
+from .conftest import Workspace
 
 ROSBASH = (
     "/usr/share/bash-completion/completions/rosbash",

@@ -7,7 +7,8 @@ import subprocess
 from typing import Set
 
 import pytest
-from conftest import CI, Workspace
+
+from .conftest import CI, Workspace
 
 SOURCES = CI.parent / "src"
 #: Where a launch file starts or includes something of a package.
@@ -130,12 +131,12 @@ def named_in_launch_files(package: pathlib.Path) -> Set[str]:
 
 
 def test_what_launch_files_start_is_what_their_package_depends_on() -> None:
-    script = f"source '{CI}/lib/setup/setup.bash'; dependencies | closure"
+    script = f"source '{CI}/setup/setup.bash'; dependencies | closure"
     seen: Set[str] = set()
     for package in sorted(path.parent for path in SOURCES.glob("*/launch")):
         out = subprocess.check_output(["bash", "-c", f"{script} {package.name}"]).decode()
         assert named_in_launch_files(package) <= set(out.split()), package.name
         seen |= set(out.split())
     assert {"basic_comms", "nodekit", "rospy"} <= seen
-    plot = f"source '{CI}/lib/setup/setup.bash'; packages_of_argument plot:=true"
+    plot = f"source '{CI}/setup/setup.bash'; packages_of_argument plot:=true"
     assert set(subprocess.check_output(["bash", "-c", plot]).decode().split()) == {"topic_scope"}

@@ -9,7 +9,8 @@ import time
 from typing import List
 
 import pytest
-from conftest import Workspace
+
+from .conftest import Workspace
 
 LISTED = """# a comment
 [run ros]
@@ -124,7 +125,7 @@ def test_sudo_is_asked_once_and_its_refusal_said_as_such(workspace: Workspace) -
 
 def test_proxies_reach_apt_through_sudo(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
-    workspace.fakes["env"] = f"echo \"$*\" >> \"{log}\"; {workspace.fakes['env']}"
+    workspace.fakes["env"] = f'echo "$*" >> "{log}"; {workspace.fakes["env"]}'
     assert workspace.run("true", http_proxy="http://proxy:1", https_proxy=None).returncode == 0
     calls = [line for line in log.read_text().splitlines() if "=" in line.split()[0]]
     assert calls and all("http_proxy=http://proxy:1 " in line for line in calls)

@@ -12,8 +12,10 @@ import time
 from typing import List
 
 import pytest
-from conftest import CI
-from debian_files import RELEASES
+
+from ci.packages.debian_files import RELEASES
+
+from .conftest import CI
 
 TITLE = "^^^^^\nTitle\n^^^^^\n\n"
 PROJECT = """maintainer: some body
@@ -40,10 +42,13 @@ class Copy:
         self.journal = root.parent / "journal"
         for name in (
             "release",
-            "lib/setup/usage.bash",
-            "lib/packages/debian_files.py",
-            "lib/packages/project.py",
-            "lib/packages/release.py",
+            "setup/usage.bash",
+            "__init__.py",
+            "__main__.py",
+            "packages/__init__.py",
+            "packages/debian_files.py",
+            "packages/project.py",
+            "packages/release.py",
         ):
             (root / "ci" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(str(CI / name), str(root / "ci" / name))

@@ -4,12 +4,13 @@ import os
 from typing import Dict, List
 
 import pytest
-from launching import FILES, SOURCES, command_line, defaults, load, settings, whole
-from roslaunch import RLException
-
 from basic_comms.nodes.fleet import FleetParameters
 from basic_comms.signals.signal_parameters import SignalParameters
+from roslaunch import RLException
+
 from nodekit import ParameterError
+
+from .launching import FILES, SOURCES, command_line, defaults, load, settings, whole
 
 TRUTH = [
     (name, argument)

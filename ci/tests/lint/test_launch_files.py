@@ -7,7 +7,7 @@ from typing import Tuple
 
 import pytest
 
-CHECK = pathlib.Path(__file__).resolve().parents[2] / "lib" / "lint" / "launch_files.py"
+CHECK = pathlib.Path(__file__).resolve().parents[2] / "lint" / "launch_files.py"
 
 LAUNCH = "<launch><node pkg='%s' type='%s' name='a'/></launch>"
 

@@ -3,8 +3,9 @@
 import ast
 from typing import List
 
-import code_rules
 import pytest
+
+from ci.lint import code_rules
 
 
 @pytest.fixture(autouse=True)

@@ -2,8 +2,9 @@
 
 import pathlib
 
-import courses
 import pytest
+
+from ci.lint import courses
 
 HEAD = "id,part,document,command,ours,test\n"
 

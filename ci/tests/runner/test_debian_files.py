@@ -4,8 +4,9 @@ import pathlib
 import re
 from typing import List
 
-import debian_files
 import pytest
+
+from ci.packages import debian_files
 
 TABLE = """# a comment
 

@@ -4,7 +4,8 @@ import ast
 import textwrap
 
 import pytest
-from empty_loops import idle_tests
+
+from ci.lint.empty_loops import idle_tests
 
 HEAD = """
 NAMES = ["a", "b"]

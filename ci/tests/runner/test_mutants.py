@@ -3,9 +3,10 @@
 import json
 from typing import Any, Optional
 
-import code_rules
-import mutants
 import pytest
+
+from ci.lint import code_rules
+from ci.mutation import pure_modules as mutants
 
 DIFF = """--- mutation diff ---
 --- a/src/a.py

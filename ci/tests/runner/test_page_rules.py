@@ -2,8 +2,9 @@
 
 from typing import Dict, List
 
-import page_rules
 import pytest
+
+from ci.lint import page_rules
 
 FINE = {
     "base/dom.js": "/** Finds elements. */\nexport const byId = 1;\n",

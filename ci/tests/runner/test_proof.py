@@ -2,8 +2,9 @@
 
 import pathlib
 
-import proof
 import pytest
+
+from ci.packages import proof
 
 #: A command that says when Ctrl-C will not end it.
 DEAF = ("sh", "-c", "trap '' INT; echo deaf; exec sleep 60")

@@ -3,8 +3,9 @@
 import ast
 from typing import List
 
-import front_door
 import pytest
+
+from ci.lint import front_door
 
 NAMES = front_door.offered()
 

@@ -4,9 +4,9 @@ import ast
 import re
 from typing import Dict, List
 
-import code_rules
-import page_rules
 import pytest
+
+from ci.lint import code_rules, page_rules
 
 DESIGN = (code_rules.SOURCES.parent / "docs" / "design.md").read_text("utf-8")
 TABLES = {

@@ -3,7 +3,8 @@
 import pathlib
 
 import pytest
-import rosdep_keys
+
+from ci.lint import rosdep_keys
 
 MANIFEST = """<package format="3"><name>one</name>
   <buildtool_depend condition="$ROS_PYTHON_VERSION == 3">%s</buildtool_depend>

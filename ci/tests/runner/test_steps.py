@@ -7,9 +7,9 @@ import sys
 import threading
 
 import pytest
-import run_tiers
-import tiers
-from steps import Runner, Step, StepResult
+
+from ci.tiers import run_tiers, tiers
+from ci.tiers.steps import Runner, Step, StepResult
 
 PASSED = "<testcase name='a'/>"
 FAILED = "<testcase name='b'><failure>\n1 is not 2\nat line 3</failure></testcase>"
@@ -145,12 +145,12 @@ def test_a_step_is_run_after_the_one_it_needs(
         Step("x", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
     ]
     code = (
-        "import sys, tiers, run_tiers; from steps import Step;"
+        "import sys; from ci.tiers import tiers, run_tiers; from ci.tiers.steps import Step;"
         f"tiers.TIERS['x'] = lambda: {steps!r}; sys.exit(run_tiers.main(['x']))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
-        env=dict(os.environ, PYTHONPATH=os.path.dirname(run_tiers.__file__), TMPDIR=str(tmp_path)),
+        env=dict(os.environ, PYTHONPATH=str(tiers.WORKSPACE), TMPDIR=str(tmp_path)),
         stdout=subprocess.PIPE,
         encoding="utf-8",
     )
@@ -173,14 +173,14 @@ def test_step_that_has_just_ended_keeps_no_other_from_being_interrupted() -> Non
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (
-        "import sys, tiers, run_tiers; from steps import Step;"
+        "import sys; from ci.tiers import tiers, run_tiers; from ci.tiers.steps import Step;"
         "tiers.TIERS['x'] = lambda: [Step('x', 'x', %r)] * 9; sys.exit(run_tiers.main(['x']))"
     )
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     process = subprocess.Popen(
         [sys.executable, "-c", code % command],
-        env=dict(os.environ, PYTHONPATH=os.path.dirname(run_tiers.__file__), TMPDIR=str(scratch)),
+        env=dict(os.environ, PYTHONPATH=str(tiers.WORKSPACE), TMPDIR=str(scratch)),
     )
     while not (tmp_path / "pid").exists() and process.poll() is None:
         threading.Event().wait(0.01)
@@ -192,7 +192,7 @@ def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
 def test_lint_looks_at_every_python_file_that_is_not_generated(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    own = ["ci/lib/one.py", "docs/_ext/two.py", "docs/conf.py", "src/three/scripts/three"]
+    own = ["ci/lint/one.py", "docs/_ext/two.py", "docs/conf.py", "src/three/scripts/three"]
     generated = ["docs/_build/html/four.py", "src/three/.hypothesis/five.py"]
     for name in [*own, *generated, "src/three/LICENSE"]:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -3,10 +3,11 @@
 from typing import Any, List
 
 import pytest
-import wheels
 from hypothesis import given
 from hypothesis import strategies as st
-from wheels import Wheel
+
+from ci.packages import wheels
+from ci.packages.wheels import Wheel
 
 WHEELS = st.builds(
     Wheel,

@@ -11,19 +11,18 @@ import threading
 import time
 from typing import List, Set
 
-import code_rules
-import judging
-import mutants
 import pytest
-import wiring
-from changes import Source
-from draw import Mutant, drawn, mutants_of
-from judging import Judge
-from nearest import UnitTests
-from steps import Step
-from verdicts import Verdicts
-
 from nodekit.testing import running
+
+from ci.lint import code_rules
+from ci.mutation import judging, wiring
+from ci.mutation import pure_modules as mutants
+from ci.mutation.changes import Source
+from ci.mutation.draw import Mutant, drawn, mutants_of
+from ci.mutation.judging import Judge
+from ci.mutation.nearest import UnitTests
+from ci.mutation.verdicts import Verdicts
+from ci.tiers.steps import Step
 
 
 def changes_in(body: str, head: str = "def f(self, a, b):") -> List[str]:
@@ -300,7 +299,7 @@ def test_a_mutant_that_runs_in_circles_is_killed_by_the_time(
     copy: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr(judging, "ON_TOP_S", 0.5)
-    monkeypatch.setattr("steps.GRACE", 0.1)
+    monkeypatch.setattr("ci.tiers.steps.GRACE", 0.1)
     offer(monkeypatch, it="from p.a import f; f()")
     judge = Judge(tmp_path)
     killer = judge.killer(MODULE, "def f():\n    while True:\n        pass\n")

@@ -5,11 +5,12 @@ import os
 import pathlib
 import threading
 
-import checks
 import pytest
-from graph_state import NOTHING, Registrations, registrations
-from run_interrupt import End, is_before_our_code, report
-from usage import Sampler, Usage, added, growth, size_of, usage
+
+from ci.endurance import checks
+from ci.endurance.graph_state import NOTHING, Registrations, registrations
+from ci.endurance.run_interrupt import End, is_before_our_code, report
+from ci.endurance.usage import Sampler, Usage, added, growth, size_of, usage
 
 
 def test_bounds_are_inclusive() -> None:

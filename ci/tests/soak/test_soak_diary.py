@@ -1,6 +1,6 @@
 """The diary of managed nodes is read rightly."""
 
-from diary import Entry, Story, entries
+from ci.endurance.diary import Entry, Story, entries
 
 GOOD = [
     *((1.0, "/a", "configured"), (2.0, "/b", "configured")),

@@ -1,8 +1,9 @@
 """An outage is measured, and what publishers say about it is understood."""
 
 import pytest
-from analysis import Sample
-from outage import Outage, counted_losses, outage, reported_lateness
+
+from ci.benchmark.analysis import Sample
+from ci.endurance.outage import Outage, counted_losses, outage, reported_lateness
 
 LOG = """\
 [rosout][WARNING] 1: /signal: subscriber /process does not keep up: 140 messages lost, 140 in all

@@ -6,7 +6,8 @@ from typing import List
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from streams import Arrivals, Continuity, unanswered
+
+from ci.endurance.streams import Arrivals, Continuity, unanswered
 
 PERIOD = 1e-3
 

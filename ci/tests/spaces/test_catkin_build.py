@@ -4,7 +4,7 @@ import pathlib
 import subprocess
 from typing import Dict
 
-from conftest import PACKAGES
+from .conftest import PACKAGES
 
 
 def test_catkin_build_makes_every_package_usable(

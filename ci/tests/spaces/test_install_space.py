@@ -9,9 +9,9 @@ from typing import Callable, Dict, List
 
 import pytest
 
-from conftest import PACKAGES, SOURCES
+from .conftest import PACKAGES, SOURCES
 
-CHECK = SOURCES.parent / "ci" / "lib" / "lint" / "launch_files.py"
+CHECK = SOURCES.parent / "ci" / "lint" / "launch_files.py"
 CONTROLLER = ("pid_control", "motor_control.launch")
 # Only what hangs takes as long: a look at eleven launch files has taken more than a minute on a
 # machine that had ten times as much to do.

@@ -9,13 +9,12 @@ from typing import Dict, Iterator, List, Set
 from xml.etree import ElementTree
 
 import pytest
-from conftest import PACKAGES, SOURCES
+
+from .conftest import PACKAGES, SOURCES
 
 WORKSPACE = SOURCES.parent
 PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
-READ = (
-    f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/lib/systems/pages.bash'; page_commands \"$@\""
-)
+READ = f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/systems/pages.bash'; page_commands \"$@\""
 
 
 def commands(section: str) -> List[str]:

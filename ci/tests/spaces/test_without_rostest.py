@@ -5,7 +5,8 @@ import pathlib
 import subprocess
 
 import pytest
-from conftest import SOURCES
+
+from .conftest import SOURCES
 
 LEFT_OUT = (
     "-- nodekit_tests: the tests are left out, as rostest and roslaunch are not both installed"

@@ -13,8 +13,9 @@ def main() -> None:
     """Take over each message of /hop0."""
     import rclpy
     import rospy
-    from basic_comms.msg import SignalMsg
     from rclpy.executors import ExternalShutdownException
+
+    from basic_comms.msg import SignalMsg
 
     rospy.init_node("bare", disable_signals=True)
     rclpy.init()

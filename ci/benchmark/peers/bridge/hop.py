@@ -86,6 +86,7 @@ def main(at_end: contextlib.ExitStack) -> None:
     heard = Heard()
     if sys.argv[2] == "1":
         import rospy
+
         from basic_comms.msg import signal_msg as cls
 
         rospy.init_node("hop_" + sys.argv[1], disable_signals=True)
@@ -97,11 +98,12 @@ def main(at_end: contextlib.ExitStack) -> None:
             rospy.Subscriber(name, cls, heard.add_sample, tcp_nodelay=True)
     else:
         import rclpy
-        from basic_comms.msg import SignalMsg as cls2
         from rclpy.event_handler import SubscriptionEventCallbacks
         from rclpy.executors import ExternalShutdownException
         from rclpy.signals import SignalHandlerOptions
         from spinning import spin
+
+        from basic_comms.msg import SignalMsg as cls2
 
         rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node("hop_" + sys.argv[1])

@@ -7,8 +7,9 @@ and publishes, and logs every message.
 
 import numpy as np
 import rospy
-from basic_comms.msg import signal_msg
 from std_msgs.msg import Float32
+
+from basic_comms.msg import signal_msg
 
 scale = rospy.get_param("/process_Scale", 0.5)
 shift = rospy.get_param("/process_Shift", np.pi / 2.0)

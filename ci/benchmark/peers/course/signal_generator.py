@@ -7,9 +7,9 @@ rospy.Rate, and every message is logged. The record is the benchmark's addition.
 
 import numpy as np
 import rospy
-from basic_comms.msg import signal_msg
 
-from record import Record
+from basic_comms.msg import signal_msg
+from ci.benchmark.record import Record
 
 amplitude = rospy.get_param("/signalGen_Amplitude", 2.0)
 frequency = rospy.get_param("/signalGen_Frequency", 2.0 * np.pi)

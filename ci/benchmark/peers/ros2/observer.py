@@ -6,10 +6,10 @@ Usage: ... RECORD
 import sys
 
 import rclpy
+from spinning import spin_until_interrupted
 from std_msgs.msg import Float32
 
-from record import Record
-from spinning import spin_until_interrupted
+from ci.benchmark.record import Record
 
 
 def main() -> None:

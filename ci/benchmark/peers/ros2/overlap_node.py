@@ -7,10 +7,11 @@ import time
 from typing import Any, Dict, List
 
 import rclpy
-from scenarios import CALL_S, SCENARIOS, TICK_S, Observation, Scenario
+from rcl_interfaces.srv import ListParameters
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from rcl_interfaces.srv import ListParameters
+
+from ci.benchmark.scenarios import CALL_S, SCENARIOS, TICK_S, Observation, Scenario
 
 
 def observe(number: int, scenario: Scenario) -> List[int]:

@@ -9,11 +9,11 @@ import time
 from typing import Any, Callable, Dict, List, Optional
 
 import rclpy
-import transitions
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 
+from ci.benchmark import transitions
 from lifecycle_msgs import msg, srv
 
 RCLError = rclpy_implementation.RCLError

@@ -4,8 +4,9 @@
 import math
 
 import rospy
-from basic_comms.msg import signal_msg
 from std_msgs.msg import Float32
+
+from basic_comms.msg import signal_msg
 
 if __name__ == "__main__":
     rospy.init_node("process")

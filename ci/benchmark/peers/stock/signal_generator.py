@@ -4,9 +4,9 @@
 import math
 
 import rospy
-from basic_comms.msg import signal_msg
 
-from record import Record
+from basic_comms.msg import signal_msg
+from ci.benchmark.record import Record
 
 if __name__ == "__main__":
     rospy.init_node("signal_generator")

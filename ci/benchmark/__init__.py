@@ -1,0 +1,1 @@
+"""Measurements of the workspace's nodes beside their peers."""

@@ -1,0 +1,1 @@
+"""Long runs of the nodes under faults, with bounds."""

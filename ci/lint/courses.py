@@ -1,0 +1,65 @@
+"""Compare docs/courses.csv, the items of the courses, with the tests that prove them.
+
+A test tells in its docstring what it proves: "Course 001-exec-1, 001-exec-7." A page whose commands
+the tests type does so in a comment: "% Course 001-command-1."
+"""
+
+import ast
+import csv
+import pathlib
+import re
+from typing import Dict, Iterator, List, Set
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+
+#: Whatever begins like an id is taken for one, so that a slip of the pen is found.
+_ID = re.compile(r"(?<![\w-])(?:00\d|err)-\w+(?:-\w+)*")
+_COMMENT = re.compile(r"^%.*$", re.MULTILINE)
+_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef)
+
+
+def rows(text: str) -> List[Dict[str, str]]:
+    """Return the items of the courses.
+
+    :param text: what docs/courses.csv holds
+    """
+    return list(csv.DictReader(text.splitlines(), strict=True))
+
+
+def proofs(workspace: pathlib.Path) -> Iterator[pathlib.Path]:
+    """Return all files that may carry an id: the tests, and the pages that tests type."""
+    for pattern in ("src/*/test/**/*.py", "ci/tests/**/*.py", "docs/**/*.md"):
+        yield from sorted(workspace.glob(pattern))
+
+
+def carried(path: pathlib.Path) -> Set[str]:
+    """Return the ids that a file carries."""
+    text = path.read_text("utf-8")
+    if path.suffix == ".py":
+        nodes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, _DOCUMENTED))
+        texts = [ast.get_docstring(node) or "" for node in nodes]
+    else:
+        texts = _COMMENT.findall(text)
+    return {found for text in texts for found in _ID.findall(text)}
+
+
+def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[str]:
+    """Return a sentence for each thing in which the rows and the tests differ.
+
+    :param items: the rows
+    :param workspace: folder that the tests are in
+    """
+    found = {str(path.relative_to(workspace)): carried(path) for path in proofs(workspace)}
+    known = [row["id"] for row in items]
+    for identifier in sorted({name for name in known if known.count(name) > 1}):
+        yield f"docs/courses.csv: {identifier} has more than one row"
+    for path, ids in found.items():
+        for identifier in sorted(ids - set(known)):
+            yield f"{path}: {identifier} is not an id in docs/courses.csv"
+    for row in items:
+        identifier, test = row["id"], row["test"]
+        if test and identifier not in found.get(test, ()):
+            yield f"{identifier}: {test} does not carry it, or is not a test of the workspace"
+        if not test:
+            carriers = [path for path, ids in found.items() if identifier in ids]
+            yield f"{identifier}: names no test; carried by {', '.join(carriers) or 'none'}"

@@ -1,0 +1,70 @@
+"""Check that each key in each package.xml is one that rosdep has a Debian package for.
+
+``python3 ci lint.rosdep_keys`` prints each that is none and ends with status 1 if there is one.
+``python3 ci lint.rosdep_keys FILE.yaml…`` prints the keys of rosdep's own files instead, as
+``ci/rosdep-keys.txt`` lists them.
+"""
+
+import pathlib
+import sys
+from typing import Any, Iterator, List, Set
+from xml.etree import ElementTree
+
+import yaml
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+KEYS = WORKSPACE / "ci" / "rosdep-keys.txt"
+
+#: What may stand between a rule for Debian and its packages.
+STEPS = ("*", "bookworm", "trixie", "apt", "packages")
+
+
+def listed(file: pathlib.Path) -> Set[str]:
+    """Return the keys in a list with comments."""
+    lines = (line.partition("#")[0].strip() for line in file.read_text("utf-8").splitlines())
+    return {line for line in lines if line}
+
+
+def unknown(sources: pathlib.Path, known: Set[str]) -> Iterator[str]:
+    """Return a sentence about each key that is neither known nor one of the packages beside it."""
+    manifests = sorted(sources.glob("*/package.xml"))
+    own = {manifest.parent.name for manifest in manifests}
+    for manifest in manifests:
+        for element in ElementTree.parse(str(manifest)).getroot():
+            key = (element.text or "").strip()
+            # depend, build_depend, … but not group_depend, which names no package.
+            if element.tag.endswith("depend") and element.tag != "group_depend":
+                if key not in known | own:
+                    yield (
+                        f"{manifest.relative_to(sources.parent)}: {element.tag} '{key}' is "
+                        "not a key in ci/rosdep-keys.txt"
+                    )
+
+
+def has_package(rule: Any) -> bool:
+    """Tell whether a rule of rosdep's for Debian names a package."""
+    if isinstance(rule, dict):
+        return any(has_package(rule.get(step)) for step in STEPS)
+    return bool(rule)
+
+
+def main(files: List[str]) -> int:
+    """Print what is wrong, or the keys of these files.
+
+    :returns: exit status
+    """
+    if files:
+        keys: Set[str] = set()
+        for file in files:
+            rules = yaml.safe_load(pathlib.Path(file).read_text("utf-8"))
+            keys.update(key for key, rule in rules.items() if has_package(rule.get("debian")))
+        # Those of Python 2 are of no use any more.
+        print("\n".join(sorted(key for key in keys if not key.startswith("python-"))))
+        return 0
+    found = list(unknown(WORKSPACE / "src", listed(KEYS)))
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,1 @@
+"""Mutation tests of the pure modules and of those that connect to ROS."""

@@ -1,0 +1,1 @@
+"""Debian packages, the container image, releases, and the wheels of ROS 2."""

@@ -1,0 +1,221 @@
+"""Make what a Debian source package needs besides packaging/debian: control and changelog.
+
+``python3 ci packages.debian_files`` prints what packaging/dependencies.txt lacks or has too much,
+and ends with status 1 if there is something.
+``python3 ci packages.debian_files TREE SUITE DATE`` makes TREE/debian of an exported workspace.
+"""
+
+import pathlib
+import re
+import shutil
+import sys
+import textwrap
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Set
+from xml.etree import ElementTree
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+
+#: The release of each suite that has dh-ros.
+RELEASES = {"bookworm": 12, "trixie": 13, "forky": 14}
+#: What package.xml calls the dependencies of who runs a package, builds it, and builds on it.
+RUN = {"depend", "exec_depend"}
+BUILD = {"depend", "build_depend", "buildtool_depend"}
+EXPORT = {"depend", "build_export_depend", "buildtool_export_depend"}
+#: Folders of a package from which it follows what its user needs.
+FOLDERS = ("launch/", "scripts/")
+#: Most characters of a synopsis.
+SYNOPSIS = 79
+
+
+class Packages(NamedTuple):
+    """Debian's packages behind a key."""
+
+    run: List[str]
+    build: List[str]
+    useful: List[str]
+
+
+#: Debian's packages by key.
+Table = Dict[str, Packages]
+NOTHING = Packages([], [], [])
+
+
+class Manifest(NamedTuple):
+    """What is needed of a package.xml, and the folders beside it."""
+
+    name: str
+    version: str
+    description: str
+    maintainer: str
+    depends: Dict[str, Set[str]]  # by the element's name
+    folders: Set[str]
+
+    def keys(self, kinds: Iterable[str]) -> Set[str]:
+        """Return what these kinds of dependencies name."""
+        return {key for kind in kinds for key in self.depends.get(kind, ())}
+
+    def own_keys(self) -> Set[str]:
+        """Return the lines of the table that are about this very package."""
+        return {self.name} | self.folders
+
+
+def read_table(text: str) -> Table:
+    """Return the table in packaging/dependencies.txt.
+
+    :raises ValueError: at a line of another form
+    """
+    table: Table = {}
+    for line in text.splitlines():
+        line = line.partition("#")[0].strip()
+        key, _, names = line.partition(":")
+        columns = [column.split() for column in names.split("|")]
+        if line and (not key or not names or len(columns) > 3 or key in table):
+            raise ValueError(
+                f"packaging/dependencies.txt: '{line}' must be 'key: run | build | useful', once"
+            )
+        if line:
+            table[key] = Packages(*columns, *([] for _ in range(3 - len(columns))))
+    return table
+
+
+def read_manifest(file: pathlib.Path) -> Manifest:
+    """Return what a package.xml says."""
+    root = ElementTree.parse(str(file)).getroot()
+    depends: Dict[str, Set[str]] = {}
+    text = {element.tag: " ".join((element.text or "").split()) for element in root}
+    for element in root:
+        if element.tag.endswith("depend"):
+            depends.setdefault(element.tag, set()).add((element.text or "").strip())
+    maintainer = root.find("maintainer")
+    address = "" if maintainer is None else maintainer.get("email", "")
+    return Manifest(
+        text["name"],
+        text["version"],
+        text["description"],
+        f"{text['maintainer']} <{address}>",
+        depends,
+        {folder for folder in FOLDERS if (file.parent / folder).is_dir()},
+    )
+
+
+def read_manifests(sources: pathlib.Path) -> List[Manifest]:
+    """Return what the packages of a workspace say, in the order of their names."""
+    return [read_manifest(file) for file in sorted(sources.glob("*/package.xml"))]
+
+
+def faults(manifests: List[Manifest], table: Table) -> Iterator[str]:
+    """Return a sentence about each key that is missing in the table, and each that nobody needs."""
+    own = {manifest.name for manifest in manifests}
+    used: Set[str] = set()
+    for manifest in manifests:
+        keys = manifest.keys(RUN | BUILD | EXPORT)
+        used |= keys - own | manifest.own_keys()
+        for key in sorted(keys - own - set(table)):
+            yield f"src/{manifest.name}/package.xml: '{key}' is not in packaging/dependencies.txt"
+    for key in sorted(set(table) - used):
+        yield f"packaging/dependencies.txt: no package.xml names '{key}'"
+    if len({(manifest.version, manifest.maintainer) for manifest in manifests}) > 1:
+        yield "src/*/package.xml: all must have the same version and the same maintainer"
+
+
+def debian_name(name: str) -> str:
+    """Return the name of the Debian package of a catkin package."""
+    return "ros-" + name.replace("_", "-")
+
+
+def synopsis(description: str) -> str:
+    """Return the beginning of a description in Debian's form: a line, no article, no full stop."""
+    clause = re.split(r"[.:;](?:\s|$)", description)[0]
+    clause = re.sub(r"^(a|an|the)\s+", "", clause, flags=re.IGNORECASE)
+    while len(clause) > SYNOPSIS and ", " in clause:
+        clause = clause.rpartition(", ")[0]
+    clause = textwrap.shorten(clause, SYNOPSIS, placeholder="")
+    # Not if it is an abbreviation.
+    return clause if clause[1:2].isupper() else clause[:1].lower() + clause[1:]
+
+
+def field(name: str, values: Iterable[str]) -> str:
+    """Return a field with a value a line, or nothing where there are none."""
+    lines = ",\n ".join(values)
+    return f"{name}:\n {lines}\n" if lines else ""
+
+
+def binary_paragraph(manifest: Manifest, own: Set[str], table: Table) -> str:
+    """Return the paragraph of the Debian package of a catkin package."""
+    run, export = manifest.keys(RUN), manifest.keys(EXPORT)
+    rows = [table.get(key, NOTHING) for key in (run - own) | manifest.own_keys()]
+    depends = {name for row in rows for name in row.run}
+    depends.update(f"{debian_name(key)} (= ${{binary:Version}})" for key in (run | export) & own)
+    title = synopsis(manifest.description)
+    text = [f"This is the package {manifest.name} of ROS 1."]
+    if manifest.description.rstrip(".").lower() != title.lower():
+        text = [*textwrap.wrap(manifest.description, 78, break_on_hyphens=False), ".", *text]
+    return (
+        f"Package: {debian_name(manifest.name)}\n"
+        "Architecture: all\n"
+        + field("Depends", ["${misc:Depends}", "${python3:Depends}", *sorted(depends)])
+        + field("Recommends", sorted({name for row in rows for name in row.useful}))
+        + field("Suggests", sorted({name for key in export - own for name in table[key].build}))
+        + f"Description: {title}\n"
+        + "".join(f" {line}\n" for line in text)
+    )
+
+
+def control(manifests: List[Manifest], table: Table) -> str:
+    """Return debian/control."""
+    own = {manifest.name for manifest in manifests}
+    build = {"debhelper-compat (= 13)", "dh-python", "dh-ros", "python3"}
+    for manifest in manifests:
+        for key in manifest.keys(BUILD | EXPORT) - own:
+            build.update(table[key].build)
+    source = (
+        "Source: ros-basic-comms\n"
+        "Section: science\n"
+        "Priority: optional\n"
+        f"Maintainer: {manifests[0].maintainer}\n"
+        + field("Build-Depends", sorted(build))
+        + "Standards-Version: 4.6.2\n"
+        "Rules-Requires-Root: no\n"
+    )
+    return "\n".join([source, *(binary_paragraph(each, own, table) for each in manifests)])
+
+
+def changelog(manifest: Manifest, suite: str, date: str) -> str:
+    """Return debian/changelog: what has changed stands in each package's CHANGELOG.rst.
+
+    :param date: of the commit that is built, as RFC 5322 has it
+    """
+    return (
+        f"ros-basic-comms ({manifest.version}+deb{RELEASES[suite]}) {suite}; urgency=medium\n\n"
+        f"  * Build {manifest.version} for Debian {RELEASES[suite]}.\n\n"
+        f" -- {manifest.maintainer}  {date}\n"
+    )
+
+
+def make(tree: pathlib.Path, suite: str, date: str) -> None:
+    """Make the folder debian of an exported workspace."""
+    manifests = read_manifests(tree / "src")
+    table = read_table((tree / "packaging" / "dependencies.txt").read_text("utf-8"))
+    target = tree / "debian"
+    shutil.copytree(str(tree / "packaging" / "debian"), str(target))
+    (target / "control").write_text(control(manifests, table), "utf-8")
+    (target / "changelog").write_text(changelog(manifests[0], suite, date), "utf-8")
+
+
+def main(arguments: List[str]) -> int:
+    """Print what is wrong, or make the files.
+
+    :returns: exit status
+    """
+    if arguments:
+        tree, suite, date = arguments
+        make(pathlib.Path(tree), suite, date)
+        return 0
+    table = read_table((WORKSPACE / "packaging" / "dependencies.txt").read_text("utf-8"))
+    found = list(faults(read_manifests(WORKSPACE / "src"), table))
+    print("\n".join(found))
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

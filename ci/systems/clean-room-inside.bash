@@ -1,0 +1,214 @@
+#!/usr/bin/env bash
+# Usage: clean-room-inside.bash DIRECTORY PART,… TIER,… SUITE…
+#
+# The part of ci/clean-room that runs in namespaces of its own.
+set -euo pipefail
+me=ci/clean-room
+source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
+
+# The time that the first sample may take, and a refusal, s.
+limit=120
+limit_of_refusal=60
+
+# Two users, and the workspace in their folders.
+furnish() { # ROOT
+    chroot "$1" useradd --create-home --shell /bin/bash student &&
+        chroot "$1" useradd --create-home --shell /bin/bash teacher &&
+        clone "$1" student workspace && clone "$1" student "a folder" && clone "$1" teacher workspace
+}
+
+clone() { # ROOT USER FOLDER
+    local home=/home/$2
+    git clone --quiet --no-hardlinks "$workspace" "$1$home/$3" &&
+        git -C "$1$home/$3" checkout --quiet --detach "$commit" &&
+        chroot "$1" chown -R "$2:" "$home/$3"
+}
+
+# In which folder of a user's home commands are run.
+place=workspace
+
+# Expect a command of a user's to end with 125 and a sentence with certain words, and soon.
+refuses() { # WORDS ROOT USER online|offline COMMAND…
+    local words=$1 status=0 began=$SECONDS
+    shift
+    (within "$@") >"$log" 2>&1 || status=$?
+    words="^(ci/|make_environment:).*$words"
+    [ "$status" = 125 ] && grep -qE "$words" "$log" && [ $((SECONDS - began)) -lt "$limit_of_refusal" ] &&
+        say "refused as expected: $(grep -E "$words" "$log" | cut -c 1-150)" && return
+    say "status $status after $((SECONDS - began)) s; expected 125 with '$words' of: ${*:2}"
+    end_of_log
+    return 1
+}
+
+# Run as root what ci/exec or ci/test has just printed for people to copy; apt asks them once.
+by_hand() { # ROOT
+    local lines
+    lines=$(grep -v '^ci/' "$log")
+    say "as root: $(cut -c 1-150 <<<"$lines")"
+    succeeds "$1" root online env DEBIAN_FRONTEND=noninteractive sh -ec "$lines" < <(yes)
+}
+
+install_sudo() { # ROOT
+    [ ! -x "$1/usr/bin/sudo" ] || return 0
+    succeeds "$1" root online sh -c \
+        'apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends sudo' &&
+        echo 'teacher ALL=(ALL:ALL) NOPASSWD: ALL' >"$1/etc/sudoers.d/teacher" &&
+        drop_lists "$1"
+}
+
+take_refusals() { # SUITE ROOT
+    furnish "$2" &&
+        place='a folder' refuses "cannot handle the ' ' in" "$2" student online ./ci/exec true &&
+        refuses "without sudo only root" "$2" student online ./ci/exec true &&
+        install_sudo "$2" &&
+        refuses "sudo did not let student install" "$2" student online ./ci/exec true &&
+        refuses "no package can be downloaded" "$2" teacher offline ./ci/exec true &&
+        verdict="each with the right message"
+}
+
+take_by_hand() { # SUITE ROOT
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+        by_hand "$2" &&
+        succeeds "$2" student offline ./ci/exec rospack find basic_comms &&
+        verdict="what it printed was enough"
+}
+
+# A clone in a workspace of the user's own, with no package but those that ci/exec prints.
+take_workspace() { # SUITE ROOT
+    local command first=:
+    command=$(page_commands docs/tutorials/other_packages.md "All of it in your own workspace" | head -n 1)
+    # Its CMake 4 takes catkin's files only so.
+    [ "$1" != forky ] || first="export CMAKE_POLICY_VERSION_MINIMUM=3.5"
+    furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+        by_hand "$2" &&
+        # What the first part of the command would clone is there.
+        succeeds "$2" student offline bash -c "$first; ${command#*&& }" &&
+        says_once "tests are left out" &&
+        succeeds "$2" student offline bash -c 'source ~/my_ws/devel/setup.bash && rospack find basic_comms' &&
+        verdict="built with what ci/exec printed"
+}
+
+# A new package is built with what ci/exec installs, and passes its test with what ci/test does.
+take_package() { # SUITE ROOT
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
+        by_hand "$2" &&
+        succeeds "$2" student offline ./ci/exec sh -ec \
+            'mkdir -p ~/new_ws/src; cd ~/new_ws; rosrun nodekit new first_robot; catkin_make' &&
+        says_once "tests are left out" &&
+        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/test &&
+        by_hand "$2" &&
+        succeeds "$2" student offline ./ci/exec sh -ec \
+            'cd ~/new_ws; catkin_make --force-cmake run_tests; catkin_test_results --all build; find build | grep "rosunit-.*xml"' &&
+        verdict="built, and its test passed"
+}
+
+# The distribution's ROS moved to a prefix of its own: sourced there, then found in /opt/ros by a system
+# without apt.
+take_prefix() { # SUITE ROOT
+    local command
+    command=$(page_commands README.md "Two commands" | head -n 1)
+    furnish "$2" &&
+        refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&
+        by_hand "$2" || return
+    say "$1: moving ROS to /srv/ros"
+    cp "$workspace/ci/systems/move-ros.bash" "$2/root" &&
+        succeeds "$2" root offline bash /root/move-ros.bash /srv/ros &&
+        launches_upon "$2" /srv/ros "source /srv/ros/setup.bash" &&
+        chroot "$2" sh -ec 'mkdir /opt/ros; ln -s /srv/ros /opt/ros/own; rm /usr/bin/apt-get /usr/bin/dpkg-query' &&
+        launches_upon "$2" /opt/ros/own : &&
+        says_once "without apt nothing is installed here.* cmake g++" &&
+        verdict="sourced; and in /opt/ros, without apt"
+}
+
+# A launch is heard, and has said which ROS it is built upon.
+launches_upon() { # ROOT ROS PREPARATION
+    say "upon $2: $3; $command"
+    # Built first: a time-out amid the build would begin it anew.
+    # shellcheck disable=SC2016
+    succeeds "$1" student offline bash -c "$3; ${command/ roslaunch / roslaunch --files } && { $command & }; launch=\$!"'
+        until timeout 60 ./ci/exec rostopic echo -n 1 /signal; do kill -0 "$launch" && sleep 1 || exit; done
+        kill "$launch"; wait "$launch"' &&
+        says_once "building upon the ROS in $2,"
+}
+
+# Expect words in one line of what the last command wrote.
+says_once() { # WORDS
+    [ "$(grep -c "$1" "$log")" = 1 ] && return
+    say "expected '$1' once of the last command"
+    end_of_log
+    return 1
+}
+
+# From the first command until a second one hears the process node.
+take_launch() { # SUITE ROOT
+    local began ready seconds launch heard=no command
+    command=$(page_commands README.md "Two commands" | head -n 1)
+    furnish "$2" && install_sudo "$2" || return
+    began=$SECONDS
+    say "$1: what '$command' needs"
+    # The same command but for what it does in the end: it names the files, and needs no network then.
+    succeeds "$2" teacher online sh -c "exec ${command/ roslaunch / roslaunch --files }" || return
+    ready=$((SECONDS - began))
+    cat "$log" >&2
+    say "$1: $command"
+    # Nobody else's master is there to be heard.
+    if (within "$2" teacher offline ./ci/exec rosnode list) >"$log" 2>&1; then
+        verdict="there was a master before anything was launched"
+        return 1
+    fi
+    (within "$2" teacher offline sh -c "exec $command" >"$log.launch" 2>&1) &
+    launch=$!
+    while [ $((SECONDS - began)) -lt "$limit" ] && kill -0 "$launch" 2>/dev/null; do
+        sleep 1
+        if (within "$2" teacher offline timeout "$limit" ./ci/exec rostopic echo -n 1 /proc_signal) >"$log" 2>&1; then
+            heard=yes
+            break
+        fi
+    done
+    seconds=$((SECONDS - began))
+    verdict="first sample after $seconds s, ready to launch after $ready s"
+    kill "$launch" 2>/dev/null || : # a command in the background would ignore Ctrl-C until roslaunch runs
+    wait "$launch" || :
+    if [ "$heard" = yes ] && [ "$seconds" -lt "$limit" ]; then return 0; fi
+    verdict="no sample on /proc_signal within $limit s"
+    tail -n 30 "$log.launch" "$log" >&2
+    return 1
+}
+
+take_test() { # SUITE ROOT
+    local command
+    command=$(page_commands README.md "Two commands" | tail -n 1)
+    furnish "$2" &&
+        run_tests "$1" "$2" offline "$command${tiers:+ ${tiers//,/ }}"
+}
+
+# The environment with ROS 2 comes from PyPI.
+take_ros2() { # SUITE ROOT
+    furnish "$2" && run_tests "$1" "$2" online "./ci/test ros2"
+}
+
+# Not as root, and without sudo.
+run_tests() { # SUITE ROOT online|offline COMMAND
+    say "$1: what '$4' needs"
+    refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $4" &&
+        by_hand "$2" || return
+    say "$1: $4"
+    (within "$2" student "$3" sh -c "exec $4") 2>&1 | tee "$log" || {
+        verdict="tests: $(tail -n 1 "$log")"
+        return 1
+    }
+    verdict="tests: $(tail -n 1 "$log")"
+}
+
+main() { # DIRECTORY PART,… TIER,… SUITE…
+    local room=$1 parts=$2 tiers=$3 commit mirror
+    shift 3
+    commit=$(git -C "$workspace" rev-parse HEAD)
+    take_parts "$parts" "$@"
+}
+
+# A function, so that nothing of this file is still to be read while it runs. (Tests source it.)
+[ "${BASH_SOURCE[0]}" != "$0" ] || main "$@"

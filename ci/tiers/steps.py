@@ -1,0 +1,225 @@
+"""Run one step of the tests, a command, and count what it tested."""
+
+import contextlib
+import dataclasses
+import os
+import pathlib
+import random
+import signal
+import socket
+import subprocess
+import time
+from typing import Dict, List, Sequence, Set, Tuple
+from xml.etree import ElementTree
+
+WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+# How long a command may take to clean up behind itself after the time is up, s.
+GRACE = 30.0
+# How often a command is asked whether it has ended, s.
+POLL_S = 0.05
+#: Ports for masters, as in nodekit.testing.processes: a step may start its master minutes later.
+_PORTS = range(12_000, 32_768)
+#: How much is told of why a test has failed, characters.
+_LONGEST_REASON = 400
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    """A command to run for a tier.
+
+    ``{results}`` in an argument stands for the directory for JUnit files. A command that
+    writes none is one test by itself. One that needs what another step of its tier has made
+    names that step, ``after``.
+    """
+
+    tier: str
+    name: str
+    command: List[str]
+    time_limit: float = 300.0  # s
+    writes_junit: bool = False
+    after: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class StepResult:
+    """What came of a step."""
+
+    step: Step
+    passed: int
+    failed: int
+    skipped: int
+    seconds: float
+    cpu_seconds: float  # of the command and of all that it has waited for
+    log: str
+    failures: Sequence[str] = ()  # each failed case, and why
+
+    @property
+    def good(self) -> bool:
+        return self.passed > 0 and self.failed == 0 and self.skipped == 0
+
+
+class Runner:
+    """Runs steps, each with its files in a directory of its own; several threads may share it."""
+
+    def __init__(self) -> None:
+        self._running: Set["subprocess.Popen[bytes]"] = set()
+        self._interrupted = False
+
+    def run(self, step: Step, directory: pathlib.Path) -> StepResult:
+        """Run a step to its end or to its time limit."""
+        results, scratch, log = directory / "results", directory / "tmp", directory / "log"
+        results.mkdir(parents=True)
+        scratch.mkdir()
+        began = time.monotonic()
+        with log.open("wb") as output:
+            process = subprocess.Popen(
+                [argument.replace("{results}", str(results)) for argument in step.command],
+                cwd=str(WORKSPACE),
+                env=environment(directory),
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+            self._running.add(process)
+            cpu_seconds = 0.0
+            if self._interrupted:  # perhaps before interrupt() could see this process
+                stop(process)
+            try:
+                cpu_seconds = wait_and_measure(process, step.time_limit)
+                status = process.wait()
+            except subprocess.TimeoutExpired:
+                output.write(b"\nstopped: it took more than %d s\n" % step.time_limit)
+                status = -1
+            stop(process)
+            self._running.discard(process)
+            end_leftovers(directory)
+        seconds = time.monotonic() - began
+        return judge(step, status, results, seconds, cpu_seconds, log)
+
+    def interrupt(self) -> None:
+        """Make the steps that are running, or only just starting, end soon."""
+        self._interrupted = True
+        for process in list(self._running):
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                os.killpg(process.pid, signal.SIGINT)
+
+
+def wait_and_measure(process: "subprocess.Popen[bytes]", limit: float) -> float:
+    """Wait until a process has ended, and leave it to be waited for once more.
+
+    :param limit: for how long, s
+    :returns: processor time of it and of all that it has waited for, s
+    :raises subprocess.TimeoutExpired: if it has not ended by then
+    """
+    deadline = time.monotonic() + limit
+    while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
+        if time.monotonic() > deadline:
+            raise subprocess.TimeoutExpired(process.args, limit)
+        time.sleep(POLL_S)
+    # See proc(5); what comes before the bracket may hold anything.
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+
+
+def judge(
+    step: Step,
+    status: int,
+    results: pathlib.Path,
+    seconds: float,
+    cpu_seconds: float,
+    log: pathlib.Path,
+) -> StepResult:
+    """Count a step's tests; what ends badly or tests nothing has at least one failure."""
+    passed, failures, skipped = count(results) if step.writes_junit else (int(status == 0), [], 0)
+    failed = len(failures)
+    text = log.read_text(errors="replace")
+    if status != 0 and failed == 0:
+        failed = 1
+        text += f"\nended with status {status}\n"
+    if passed + failed + skipped == 0:
+        failed = 1
+        text += "\nno test ran\n"
+    return StepResult(step, passed, failed, skipped, seconds, cpu_seconds, text, failures)
+
+
+def _free_port() -> int:
+    """Return a port that nothing listens on, of those that the system gives to nobody."""
+    while True:
+        with contextlib.suppress(OSError), socket.socket() as probe:
+            probe.bind(("localhost", random.SystemRandom().choice(_PORTS)))
+            return int(probe.getsockname()[1])
+
+
+def environment(directory: pathlib.Path) -> Dict[str, str]:
+    """The environment of a step: a master port and places for files of its own."""
+    variables = dict(
+        os.environ,
+        ROS_MASTER_URI=f"http://localhost:{_free_port()}",
+        ROS_HOME=str(directory / "ros"),
+        ROS_LOG_DIR=str(directory / "ros" / "log"),
+        TMPDIR=str(directory / "tmp"),
+        HYPOTHESIS_STORAGE_DIRECTORY=str(directory / "hypothesis"),
+    )
+    # Users have neither. Without modules that are compiled already, each of hundreds of nodes does
+    # it anew; with the other, a test that waits for what stays in a buffer passes here alone.
+    for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
+        variables.pop(name, None)
+    return variables
+
+
+def stop(process: "subprocess.Popen[bytes]") -> None:
+    """End a command if it still runs, giving it the chance to end its own children."""
+    for number in (signal.SIGINT, signal.SIGKILL):
+        if process.poll() is None:
+            os.killpg(process.pid, number)
+            try:
+                process.wait(GRACE)
+            except subprocess.TimeoutExpired:
+                continue
+
+
+def end_leftovers(directory: pathlib.Path) -> None:
+    """Kill what a step has left behind.
+
+    roslaunch gives every node a session of its own, so that the step's process group does
+    not hold them; but they all have the step's ROS_HOME.
+    """
+    mark = b"ROS_HOME=%s" % os.fsencode(directory / "ros")
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if mark in (process / "environ").read_bytes().split(b"\0"):
+                os.kill(int(process.name), signal.SIGKILL)
+        except OSError:
+            continue  # ended meanwhile, or somebody else's
+
+
+def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
+    """Count the test cases in the JUnit files below a directory.
+
+    rostest writes a file for each test node and one about running them; the latter's cases
+    are counted only where a node failed to report.
+
+    :returns: how many passed, what failed, and how many were skipped
+    """
+    passed = skipped = 0
+    failures: List[str] = []
+    for path in sorted(results.rglob("*.xml")):
+        try:
+            cases = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
+        except ElementTree.ParseError:
+            failures.append(f"{path.name} is not a JUnit file")
+            continue
+        for case in cases:
+            defects = case.findall("failure") + case.findall("error")
+            if defects:
+                said = defects[0].get("message") or defects[0].text or ""
+                lines = [line.strip() for line in said.splitlines() if line.strip()]
+                trace = next((i for i, line in enumerate(lines) if line.startswith("File ")), None)
+                why = " ".join(lines[:trace])[:_LONGEST_REASON]
+                failures.append(": ".join([case.get("name", "a test"), *([why] if why else [])]))
+            elif case.find("skipped") is not None:
+                skipped += 1
+            elif not path.name.startswith("rostest-"):
+                passed += 1
+    return passed, failures, skipped

@@ -1,7 +1,8 @@
 """Run the image, and compose.yaml, by the commands of docs/container.md.
 
 ``python3 ci packages.container_proof TOOL COMPOSE``, with the page's commands on its standard
-input, says what it has seen, and ends with a status other than 0 at the first thing that is not as it should.
+input, says what it has seen, and ends with a status other than 0 at the first thing that is not as
+it should.
 """
 
 import contextlib

@@ -1,8 +1,8 @@
 """Run the course from installed packages, with the commands that their user types.
 
 ``python3 ci packages.deb_proof``, in a system that ci/deb has made, says what it has seen, and ends
-with a status other than 0 at the first command that does not do what it should. ``deb_proof.py bridge``
-does so with the bridge alone, once its environment is made.
+with a status other than 0 at the first command that does not do what it should. With the word
+``bridge`` it does so with the bridge alone, once its environment is made.
 """
 
 import os

@@ -1,7 +1,7 @@
 # Shared by what ci/clean-room and ci/deb run in namespaces of their own: the smallest Debian there
 # is, and commands in it. Who sources this has set me, how it is called, and room, a directory.
 
-workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd -P)
+workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 source "$workspace/ci/systems/pages.bash"
 
 say() { printf '%s: %s\n' "$me" "$*" >&2; }

@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import json
 import os
 import pathlib
 import random
@@ -9,16 +10,19 @@ import signal
 import socket
 import subprocess
 import time
-from typing import Dict, List, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, Optional, Sequence, Set
 from xml.etree import ElementTree
 
-WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+from .workspace import WORKSPACE
+
 # How long a command may take to clean up behind itself after the time is up, s.
 GRACE = 30.0
 # How often a command is asked whether it has ended, s.
 POLL_S = 0.05
 #: Ports for masters, as in nodekit.testing.processes: a step may start its master minutes later.
 _PORTS = range(12_000, 32_768)
+#: A file that a step may write to its results: the seconds that each of its test files took.
+PLACES = "places.json"
 #: How much is told of why a test has failed, characters.
 _LONGEST_REASON = 400
 
@@ -30,6 +34,10 @@ class Step:
     ``{results}`` in an argument stands for the directory for JUnit files. A command that
     writes none is one test by itself. One that needs what another step of its tier has made
     names that step, ``after``.
+
+    ``repeat`` is what to type after ``ci/test`` to run a single test of it again: ``{file}`` stands
+    for the name of the JUnit file up to its first dot, ``{case}`` for the test's own, and
+    ``{module}`` for the file that pytest has found it in.
     """
 
     tier: str
@@ -38,6 +46,23 @@ class Step:
     time_limit: float = 300.0  # s
     writes_junit: bool = False
     after: str = ""
+    repeat: str = ""
+
+    @property
+    def title(self) -> str:
+        """Tier and name."""
+        return f"{self.tier}/{self.name}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A test case and how it ended."""
+
+    name: str
+    outcome: str  # passed, failed or skipped
+    reason: str = ""
+    class_name: str = ""
+    file: str = ""  # of JUnit, its name up to the first dot
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,17 +70,30 @@ class StepResult:
     """What came of a step."""
 
     step: Step
-    passed: int
-    failed: int
-    skipped: int
+    cases: Sequence[Case]
     seconds: float
     cpu_seconds: float  # of the command and of all that it has waited for
     log: str
-    failures: Sequence[str] = ()  # each failed case, and why
+    places: Mapping[str, float] = dataclasses.field(default_factory=dict)  # seconds of each file
+
+    @property
+    def passed(self) -> int:
+        return self._count("passed")
+
+    @property
+    def failed(self) -> int:
+        return self._count("failed")
+
+    @property
+    def skipped(self) -> int:
+        return self._count("skipped")
+
+    def _count(self, outcome: str) -> int:
+        return sum(case.outcome == outcome for case in self.cases)
 
     @property
     def good(self) -> bool:
-        return self.passed > 0 and self.failed == 0 and self.skipped == 0
+        return self.passed == len(self.cases) > 0
 
 
 class Runner:
@@ -95,7 +133,7 @@ class Runner:
             self._running.discard(process)
             end_leftovers(directory)
         seconds = time.monotonic() - began
-        return judge(step, status, results, seconds, cpu_seconds, log)
+        return result_of(step, status, results, seconds, cpu_seconds, log)
 
     def interrupt(self) -> None:
         """Make the steps that are running, or only just starting, end soon."""
@@ -122,7 +160,7 @@ def wait_and_measure(process: "subprocess.Popen[bytes]", limit: float) -> float:
     return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
-def judge(
+def result_of(
     step: Step,
     status: int,
     results: pathlib.Path,
@@ -130,20 +168,25 @@ def judge(
     cpu_seconds: float,
     log: pathlib.Path,
 ) -> StepResult:
-    """Count a step's tests; what ends badly or tests nothing has at least one failure."""
-    passed, failures, skipped = count(results) if step.writes_junit else (int(status == 0), [], 0)
-    failed = len(failures)
+    """Return a step's tests; what ends badly or tests nothing has at least one failure."""
     text = log.read_text(errors="replace")
-    if status != 0 and failed == 0:
-        failed = 1
+    cases = read_cases(results)
+    if not step.writes_junit and status == 0:
+        cases = [Case(step.name, "passed")]
+    failed = any(case.outcome == "failed" for case in cases)
+    if status != 0 and not failed:
+        cases.append(Case(step.name, "failed", f"ended with status {status}"))
         text += f"\nended with status {status}\n"
-    if passed + failed + skipped == 0:
-        failed = 1
+    if not cases:
+        cases = [Case(step.name, "failed", "no test ran")]
         text += "\nno test ran\n"
-    return StepResult(step, passed, failed, skipped, seconds, cpu_seconds, text, failures)
+    places = {}
+    if (results / PLACES).exists():
+        places = json.loads((results / PLACES).read_text("utf-8"))
+    return StepResult(step, cases, seconds, cpu_seconds, text, places)
 
 
-def _free_port() -> int:
+def free_port() -> int:
     """Return a port that nothing listens on, of those that the system gives to nobody."""
     while True:
         with contextlib.suppress(OSError), socket.socket() as probe:
@@ -155,7 +198,7 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
     """The environment of a step: a master port and places for files of its own."""
     variables = dict(
         os.environ,
-        ROS_MASTER_URI=f"http://localhost:{_free_port()}",
+        ROS_MASTER_URI=f"http://localhost:{free_port()}",
         ROS_HOME=str(directory / "ros"),
         ROS_LOG_DIR=str(directory / "ros" / "log"),
         TMPDIR=str(directory / "tmp"),
@@ -194,32 +237,56 @@ def end_leftovers(directory: pathlib.Path) -> None:
             continue  # ended meanwhile, or somebody else's
 
 
-def count(results: pathlib.Path) -> Tuple[int, List[str], int]:
-    """Count the test cases in the JUnit files below a directory.
+def read_cases(results: pathlib.Path) -> List[Case]:
+    """Return the test cases in the JUnit files below a directory.
 
     rostest writes a file for each test node and one about running them; the latter's cases
-    are counted only where a node failed to report.
-
-    :returns: how many passed, what failed, and how many were skipped
+    are returned only where a node failed to report.
     """
-    passed = skipped = 0
-    failures: List[str] = []
+    cases: List[Case] = []
     for path in sorted(results.rglob("*.xml")):
         try:
-            cases = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
+            elements = list(ElementTree.parse(str(path)).getroot().iter("testcase"))
         except ElementTree.ParseError:
-            failures.append(f"{path.name} is not a JUnit file")
+            cases.append(Case(path.name, "failed", "not a JUnit file"))
             continue
-        for case in cases:
-            defects = case.findall("failure") + case.findall("error")
+        file = path.name.partition(".")[0]
+        for element in elements:
+            name, class_name = element.get("name", "a test"), element.get("classname", "")
+            defects = element.findall("failure") + element.findall("error")
             if defects:
-                said = defects[0].get("message") or defects[0].text or ""
-                lines = [line.strip() for line in said.splitlines() if line.strip()]
-                trace = next((i for i, line in enumerate(lines) if line.startswith("File ")), None)
-                why = " ".join(lines[:trace])[:_LONGEST_REASON]
-                failures.append(": ".join([case.get("name", "a test"), *([why] if why else [])]))
-            elif case.find("skipped") is not None:
-                skipped += 1
+                why = reason_of(defects[0])
+                cases.append(Case(name, "failed", why, class_name, file))
+            elif element.find("skipped") is not None:
+                cases.append(Case(name, "skipped", "", class_name, file))
             elif not path.name.startswith("rostest-"):
-                passed += 1
-    return passed, failures, skipped
+                cases.append(Case(name, "passed", "", class_name, file))
+    return cases
+
+
+def reason_of(defect: ElementTree.Element) -> str:
+    """Return in one line why a test has failed, without its traceback."""
+    said = defect.get("message") or defect.text or ""
+    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    trace = next((i for i, line in enumerate(lines) if line.startswith("File ")), None)
+    return " ".join(lines[:trace])[:_LONGEST_REASON]
+
+
+def repeat_command(step: Step, case: Case) -> str:
+    """Return the command that runs one test of a step again, empty where there is none."""
+    if not step.repeat:
+        return f"./ci/test {step.tier}"
+    module = module_of(case.class_name)
+    if "{module}" in step.repeat and module is None:
+        return f"./ci/test {step.tier}"
+    return "./ci/test " + step.repeat.format(file=case.file, case=case.name, module=module)
+
+
+def module_of(class_name: str) -> Optional[str]:
+    """Return the file of a pytest case: ``src.a.test.unit.test_b.TestC`` names test_b.py."""
+    parts = class_name.split(".")
+    for count in range(len(parts), 0, -1):
+        path = pathlib.Path(*parts[:count]).with_suffix(".py")
+        if (WORKSPACE / path).is_file():
+            return str(path)
+    return None

@@ -2,162 +2,240 @@
 
 import pathlib
 import sys
-from typing import Callable, Dict, List, Sequence
+from typing import Callable, Dict, List, Optional, Set
 from xml.etree import ElementTree
 
-from .steps import WORKSPACE, Step
+from .selection import Selection, UnknownWord
+from .steps import Step
+from .times import Times
+from .workspace import CI, DOCS, SOURCES, WORKSPACE, files_of, packages, runs_with, scripts
 
-SOURCES = WORKSPACE / "src"
-CI = WORKSPACE / "ci"
-# Directories of ci/tests that are not part of the unit tier.
-TIERS_OF_THEIR_OWN = ("lint", "spaces")
-#: Folders in which nothing is anybody's own.
-GENERATED = ("_build", "__pycache__")
-
-
-def packages() -> List[pathlib.Path]:
-    """The directories of the workspace's packages."""
-    return sorted(manifest.parent for manifest in SOURCES.glob("*/package.xml"))
-
-
-def python_files() -> List[str]:
-    """All Python files of the project, scripts without a suffix too."""
-    files = []
-    for place in ("ci", "docs", "src"):
-        for path in sorted((WORKSPACE / place).rglob("*")):
-            parts = path.parent.relative_to(WORKSPACE).parts
-            generated = any(part in GENERATED or part.startswith(".") for part in parts)
-            if path.is_file() and not generated:
-                if path.suffix == ".py" or (not path.suffix and runs_with("python", path)):
-                    files.append(str(path))
-    return files
+#: The formatter and linter, which ci/test fetches from PyPI.
+RUFF = str(WORKSPACE / "build" / "lint" / "bin" / "ruff")
+#: A package too, but one that catkin must not find.
+TEMPLATE = SOURCES / "nodekit" / "template" / "package_name"
+#: Folders of ci/tests whose tests build whole workspaces: tiers of their own.
+SPACES = CI / "tests" / "spaces"
+#: A package's rostest files are run by several steps if they take longer than this [s].
+LANE_S = 60.0
+#: The most such steps of a package.
+LANES = 3
+#: What a rostest file is taken to need where it has not been run yet [s].
+UNKNOWN_S = 10.0
 
 
-def shell_scripts() -> List[str]:
-    """The scripts that are run; what these source is checked with them."""
-    files = sorted(path for path in CI.rglob("*") if path.is_file())
-    return [str(path) for path in files if runs_with("bash", path)]
+def python_files(*places: pathlib.Path) -> List[str]:
+    """Return the Python files of the project or of some folders, scripts without a suffix too."""
+    return [
+        str(path)
+        for path in files_of(*(places or (CI, DOCS, SOURCES, WORKSPACE / "conftest.py")))
+        if path.suffix == ".py" or (not path.suffix and runs_with("python", path))
+    ]
 
 
-def runs_with(language: str, path: pathlib.Path) -> bool:
-    with path.open("rb") as file:
-        line = file.readline(80)
-    return line.startswith(b"#!") and language.encode() in line
+def lint(scope: Optional[Set[str]] = None) -> List[Step]:
+    """Return the steps that check files.
 
-
-def lint() -> List[Step]:
-    files = python_files()
-    libraries = [str(package / "src") for package in packages() if (package / "src").is_dir()]
-    # A package too, but one that catkin is not to find.
-    template = SOURCES / "nodekit" / "template" / "package_name"
+    :param scope: names of packages, and ``ci``; everything unless given
+    """
+    chosen = [package for package in packages() if scope is None or package.name in scope]
+    with_ci = scope is None or "ci" in scope
+    files = python_files(*chosen, *([CI] if with_ci else [])) if scope else python_files()
+    libraries = [package / "src" for package in chosen if (package / "src").is_dir()]
+    types = [*([str(CI)] if with_ci else []), *map(str, libraries)]
+    if scope is None or "nodekit" in scope:
+        types.append(str(TEMPLATE / "src"))
+        chosen.append(TEMPLATE)
+    path = ":".join(str(package / "src") for package in packages())
+    ci = [sys.executable, str(CI)]
     commands = {
-        "catkin_lint": ["catkin_lint", "-W2", "--strict", str(SOURCES), str(template)],
-        "flake8": ["flake8", "--config", str(WORKSPACE / ".flake8")] + files,
-        "black": ["black", "--check", "--diff", "--quiet"] + files,
-        "mypy": ["mypy", "--exclude", "/(peers|tests)/"]
-        + [str(CI), *libraries, str(template / "src")],
-        "code_rules": [sys.executable, str(CI), "lint.code_rules"],
-        "page_rules": [sys.executable, str(CI), "lint.page_rules"],
-        "launch files": [sys.executable, str(CI), "lint.launch_files"]
-        + [str(package / "launch") for package in packages()],
-        "empty_loops": [sys.executable, str(CI), "lint.empty_loops"],
-        "rosdep_keys": [sys.executable, str(CI), "lint.rosdep_keys"],
-        "debian_files": [sys.executable, str(CI), "packages.debian_files"],
-        "shellcheck": ["shellcheck", "-x", "-a", "-P", f"{CI}:{CI}/setup:{CI}/systems"]
-        + shell_scripts(),
+        "format": [RUFF, "format", "--check", "--diff", "--quiet", *files],
+        "style": [RUFF, "check", "--quiet", *files],
+        "types": ["env", f"MYPYPATH={path}", "mypy", "--cache-dir", f"{WORKSPACE}/build/mypy"]
+        + ["--exclude", "/(peers|tests)/", *types],
+        "code rules": [*ci, "lint.code_rules"],
+        "vacuous tests": [*ci, "lint.empty_loops"],
     }
-    steps = [Step("lint", name, command, 900.0) for name, command in commands.items()]
-    return [*steps, pytest_step("lint", "what lint refuses", CI / "tests" / "lint")]
+    if chosen:
+        commands["packages"] = ["catkin_lint", "-W2", "--strict", *map(str, chosen)]
+        folders = [str(package / "launch") for package in chosen if (package / "launch").is_dir()]
+        if folders:
+            commands["launch files"] = [*ci, "lint.launch_files", *folders]
+    if scope is None or "topic_scope" in scope:
+        commands["page rules"] = [*ci, "lint.page_rules"]
+    if with_ci:
+        commands["rosdep keys"] = [*ci, "lint.rosdep_keys"]
+        commands["debian files"] = [*ci, "packages.debian_files"]
+        commands["shell scripts"] = ["shellcheck", "-x", "-a"]
+        commands["shell scripts"] += ["-P", f"{CI}:{CI}/setup:{CI}/systems", *scripts("bash", CI)]
+    return [Step("lint", name, command, 900.0) for name, command in commands.items()]
 
 
-def docs() -> List[Step]:
-    source, target = str(WORKSPACE / "docs"), str(WORKSPACE / "docs" / "_build" / "html")
+def docs(since: str = "") -> List[Step]:
+    """Return the steps that build the pages and type their commands.
+
+    :param since: a commit, if only the pages are typed that have changed since
+    """
+    target = str(DOCS / "_build" / "html")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
-    return [Step("docs", "html", command + ["-d", "{results}/doctrees", source, target])]
+    command += ["-d", str(WORKSPACE / "build" / "doctrees"), str(DOCS), target]
+    typed = pytest_step("docs", "commands", DOCS / "tests", time_limit=1800.0)
+    if since:
+        typed.command.append(f"--pages-changed-since={since}")
+    return [Step("docs", "html", command), typed]
 
 
-def unit() -> List[Step]:
-    places = {package.name: package / "test" / "unit" for package in packages()}
-    places.update(
-        ("ci/" + place.name, place)
-        for place in sorted((CI / "tests").iterdir())
-        if place.name not in TIERS_OF_THEIR_OWN
-    )
-    return [pytest_step("unit", name, place) for name, place in places.items() if place.is_dir()]
+def ci_tests() -> List[Step]:
+    """Return the steps that test ci, a folder each."""
+    folders = sorted(path for path in (CI / "tests").iterdir() if (path / "__init__.py").exists())
+    return [
+        pytest_step("ci", folder.name, folder)
+        for folder in folders
+        if folder != SPACES and any(folder.glob("test_*.py"))
+    ]
+
+
+def unit(names: Optional[Set[str]] = None) -> List[Step]:
+    """Return the steps that run the unit tests of some packages, or of all."""
+    return [
+        pytest_step("unit", package.name, package / "test" / "unit")
+        for package in packages()
+        if (names is None or package.name in names) and (package / "test" / "unit").is_dir()
+    ]
 
 
 def install() -> List[Step]:
-    place = CI / "tests" / "spaces"
+    """Return the steps that build workspaces of other shapes."""
+    files = sorted(SPACES.glob("test_*.py"))
     return [
-        pytest_step("install", "install", place / "test_install_space.py"),
-        pytest_step("install", "own workspace", place / "test_own_workspace.py"),
-        pytest_step("install", "new package", place / "test_new_package.py"),
-        pytest_step("install", "without rostest", place / "test_without_rostest.py"),
+        pytest_step("install", file.stem[len("test_") :].replace("_", " "), file)
+        for file in files
+        if file.stem != "test_catkin_build"
     ]
 
 
 def catkin_build() -> List[Step]:
-    place = CI / "tests" / "spaces" / "test_catkin_build.py"
-    return [pytest_step("catkin_build", "catkin build", place)]
+    """Return the step that builds with catkin build."""
+    return [pytest_step("catkin_build", "catkin build", SPACES / "test_catkin_build.py")]
 
 
-def pytest_step(tier: str, name: str, place: pathlib.Path) -> Step:
+def pytest_step(
+    tier: str, name: str, place: pathlib.Path, test: str = "", time_limit: float = 600.0
+) -> Step:
+    """Return the step that runs pytest on a file or a folder, or on one test of a file."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
-    command += ["--junitxml={results}/pytest.xml", str(place)]
-    return Step(tier, name, command, writes_junit=True, time_limit=600.0)
+    command += ["--junitxml={results}/pytest.xml", f"{place}::{test}" if test else str(place)]
+    return Step(tier, name, command, time_limit, True, repeat="{module}::{case}")
 
 
-def integration() -> List[Step]:
+def rostest_steps(tier: str, names: Optional[Set[str]], times: Times) -> List[Step]:
+    """Return the steps that run the rostest files of some packages, or of all.
+
+    :param tier: ``integration`` or ``extended``, also the folder's name
+    :param names: of the packages
+    :param times: from former runs
+    """
     steps = []
     for package in packages():
-        for test in sorted((package / "test" / "integration").glob("*.test")):
-            command = ["rostest", "--pkgdir", str(package), "--package", package.name]
-            command += ["--results-base-dir", "{results}"]
-            command += ["--results-filename", test.stem + ".xml", str(test)]
-            name, limit = f"{package.name}/{test.stem}", declared_time(test) + 60.0
-            steps.append(Step("integration", name, command, limit, writes_junit=True))
-    # The longest first, so that none of them runs alone at the end.
-    return sorted(steps, key=lambda step: step.time_limit, reverse=True)
+        files = sorted((package / "test" / tier).glob("*.test"))
+        if files and (names is None or package.name in names):
+            lanes = share_out(files, times)
+            for number, lane in enumerate(lanes, 1):
+                suffix = f" {number}/{len(lanes)}" if len(lanes) > 1 else ""
+                steps.append(rostest_step(tier, package.name + suffix, lane))
+    return steps
+
+
+def share_out(files: List[pathlib.Path], times: Times) -> List[List[pathlib.Path]]:
+    """Divide files among as few steps as keep each below LANE_S, the longest first."""
+    known = {file: times.wall(str(file.relative_to(WORKSPACE)), UNKNOWN_S) for file in files}
+    count = min(LANES, len(files), 1 + int(sum(known.values()) / LANE_S))
+    lanes: List[List[pathlib.Path]] = [[] for _ in range(count)]
+    for file in sorted(files, key=lambda one: (-known[one], one)):
+        min(lanes, key=lambda lane: sum(known[one] for one in lane)).append(file)
+    return lanes
+
+
+def rostest_step(tier: str, name: str, files: List[pathlib.Path], test: str = "") -> Step:
+    """Return the step that runs rostest files on one master."""
+    command = [sys.executable, str(CI), "tiers.shared_master", "--results", "{results}"]
+    command += [*(["--test", test] if test else []), *map(str, files)]
+    limit = sum(map(declared_time, files)) + 60.0 * len(files)
+    folder = files[0].parent.relative_to(WORKSPACE)
+    return Step(tier, name, command, limit, True, repeat=f"{folder}/{{file}}.test::{{case}}")
 
 
 def declared_time(test: pathlib.Path) -> float:
-    """The sum of the time limits of a rostest file's test nodes, s."""
+    """Return the sum of the time limits of a rostest file's test nodes [s]."""
     nodes = ElementTree.parse(str(test)).getroot().iter("test")
     return sum(float(node.get("time-limit", "60")) for node in nodes)
 
 
 def ros2() -> List[Step]:
+    """Return the steps that make an environment with ROS 2, and test the bridge in it."""
     environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
-    # With the Python of build/ros2, which takes pytest, as it takes rospy, from Debian's folder.
+    places = sorted(SOURCES.glob("*/test/ros2/test_*.py"))
+    return [environment, *(ros2_step(place, after=environment.name) for place in places)]
+
+
+def ros2_step(place: pathlib.Path, test: str = "", after: str = "") -> Step:
+    """Return the step that runs a file of tests with ROS 2.
+
+    Its Python is that of build/ros2, which takes pytest, like rospy, from Debian's folder.
+    """
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
-    steps = [environment]
-    for place in sorted(SOURCES.glob("*/test/ros2/test_*.py")):
-        command = ["env", path, str(WORKSPACE / "build" / "ros2" / "bin" / "python")]
-        command += ["-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
-        command += ["--junitxml={results}/pytest.xml", str(place)]
-        steps.append(Step("ros2", place.stem, command, 300.0, True, after=environment.name))
-    return steps
+    step = pytest_step("ros2", place.stem, place, test, 300.0)
+    python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
+    command = ["env", path, python, *step.command[1:]]
+    return Step("ros2", place.stem, command, 300.0, True, after, step.repeat)
 
 
-TIERS: Dict[str, Callable[[], List[Step]]] = {
-    "lint": lint,
-    "docs": docs,
-    "unit": unit,
-    "install": install,
-    "catkin_build": catkin_build,
-    "integration": integration,
-    "ros2": ros2,
-}
+def single(place: pathlib.Path, test: str) -> List[Step]:
+    """Return the step that runs one test file, or one test in it.
 
-#: A step that may take longer than this is begun before all others, s.
-LONG_S = 1000.0
-
-
-def steps_of(names: Sequence[str]) -> List[Step]:
-    """Return the steps of some tiers, tier by tier; what takes longest by far comes first.
-
-    :param names: of the tiers
+    :raises UnknownWord: if it is not a test file
     """
-    steps = [step for name in names for step in TIERS[name]()]
-    return sorted(steps, key=lambda step: step.time_limit <= LONG_S)
+    folder = place.parent.name
+    if place.suffix == ".py" and folder in ("integration", "extended"):
+        for file in sorted(place.parent.glob("*.test")):
+            if f'"{place.name}"' in file.read_text("utf-8"):
+                return [rostest_step(folder, file.stem, [file], test)]
+    elif place.suffix == ".test":
+        return [rostest_step(folder, place.stem, [place], test)]
+    elif folder == "ros2":
+        return [ros2_step(place, test)]
+    elif place.suffix == ".py" and place.name.startswith("test_"):
+        return [pytest_step("unit", place.stem, place, test)]
+    raise UnknownWord(f"'{place}' is not a test file, or no .test file names it")
+
+
+def plan(chosen: Selection, times: Times) -> List[Step]:
+    """Return the steps of what is chosen, each once, the longest first.
+
+    :raises UnknownWord: if a place is not a test file
+    """
+    steps: List[Step] = []
+    for tier in dict.fromkeys([*chosen.whole, *chosen.packages]):
+        names = None if tier in chosen.whole else chosen.packages[tier]
+        steps += steps_of(tier, names, times, chosen.pages_since)
+    for place, test in chosen.places:
+        steps += single(place, test)
+    unique = list({(step.title, tuple(step.command)): step for step in steps}.values())
+    return sorted(unique, key=lambda step: -times.wall(step.title, step.time_limit / 20.0))
+
+
+def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = "") -> List[Step]:
+    """Return the steps of a tier, of all or of some packages."""
+    makers: Dict[str, Callable[[], List[Step]]] = {
+        "lint": lambda: lint(names),
+        "docs": lambda: docs(since),
+        "ci": ci_tests,
+        "unit": lambda: unit(names),
+        "install": install,
+        "catkin_build": catkin_build,
+        "integration": lambda: rostest_steps(tier, names, times),
+        "extended": lambda: rostest_steps(tier, names, times),
+        "ros2": ros2,
+    }
+    return makers[tier]()

@@ -72,25 +72,27 @@ def test_the_clean_room_refuses_what_it_does_not_know(options: list, said: str) 
 
 
 @pytest.mark.parametrize(
-    "release, tiers",
-    [
-        ("bookworm", "lint docs unit install catkin_build integration"),
-        ("trixie", "unit install catkin_build integration"),
-    ],
+    "release, more",
+    [("bookworm", " lint docs"), ("trixie", "")],
 )
-def test_without_a_tier_all_run_that_the_release_has_tools_for(
-    workspace: Workspace, release: str, tiers: str
+def test_all_is_what_the_release_has_tools_for(
+    workspace: Workspace, release: str, more: str
 ) -> None:
     workspace.pretend_packages("[run]\none\n[catkin_build]\ntwo\n", installed="one\ntwo\n")
     workspace.pretend_release(release)
     workspace.program = "test"
-    run_tiers = workspace.root / "ci" / "tiers" / "run_tiers.py"
-    run_tiers.write_text("import sys\nprint(*sys.argv[1:])\n")
+    command = workspace.root / "ci" / "tiers" / "command.py"
+    command.write_text("import sys\nprint(*sys.argv[1:])\n")
     result = workspace.run()
-    assert (result.stdout, result.returncode) == (tiers + "\n", 0)
-    assert ("the tiers for a Debian are: " + tiers in result.stderr) == (release != "bookworm")
-    assert workspace.run("docs").stdout == "docs\n"
-    assert workspace.run("all").stdout == tiers + " ros2\n"
+    assert (result.stdout, result.returncode) == ("--without lint\n", 0)
+    assert workspace.run("docs").stdout == "docs --without lint\n"
+    (workspace.root / "build" / "lint").mkdir()
+    requirement = (workspace.root / "ci" / "lint" / "requirements.txt").read_text()
+    (workspace.root / "build" / "lint" / "made").write_text(requirement)
+    result = workspace.run("all")
+    words = "ci unit install catkin_build integration extended ros2" + more
+    assert result.stdout == words + ("" if more else " --without lint") + "\n"
+    assert ("without lint and docs on a Debian" in result.stderr) == (not more)
 
 
 @pytest.mark.parametrize("first, kept", [("overtaken", "one"), ("fails", "two")])

@@ -11,6 +11,8 @@ from rosunit import xmlrunner
 #: Where this variable of the environment is set, a run ends with the first test that fails, as
 #: where it is enough to know that one does: what follows would often wait for the same in vain.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
+#: The name of the only tests to run, where this variable is set.
+ONLY = "NODEKIT_TESTS_ONLY"
 
 
 class Result(xmlrunner._XMLTestResult):
@@ -40,4 +42,6 @@ def rosrun(package: str, name: str, case: Type[unittest.TestCase]) -> None:
     :raises SystemExit: with status 1 when a test fails
     """
     xmlrunner._XMLTestResult = Result
+    if os.environ.get(ONLY):
+        unittest.TestLoader.testNamePatterns = [f"*.{os.environ[ONLY]}"]
     rostest.rosrun(package, name, case)

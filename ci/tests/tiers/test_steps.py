@@ -1,4 +1,4 @@
-"""ci/test takes for good only what ran, reported and passed."""
+"""Steps: what counts as passed, and what a step leaves behind."""
 
 import os
 import pathlib
@@ -8,8 +8,9 @@ import threading
 
 import pytest
 
-from ci.tiers import run_tiers, tiers
-from ci.tiers.steps import Runner, Step, StepResult
+from ci.tiers import command, tiers, workspace
+from ci.tiers.steps import Case, Runner, Step, StepResult, repeat_command
+from ci.tiers.times import Times
 
 PASSED = "<testcase name='a'/>"
 FAILED = "<testcase name='b'><failure>\n1 is not 2\nat line 3</failure></testcase>"
@@ -45,7 +46,8 @@ def test_a_plain_command_is_one_test(tmp_path: pathlib.Path) -> None:
 def test_cases_are_counted_by_their_end(tmp_path: pathlib.Path) -> None:
     result = run_writing(tmp_path, one=PASSED + PASSED + SKIPPED, two=FAILED + BROKEN + PASSED)
     assert tally(result) == (3, 2, 1, False)
-    assert result.failures == ["b: 1 is not 2 at line 3", "c: no such file"]
+    reasons = {case.name: case.reason for case in result.cases if case.outcome == "failed"}
+    assert reasons == {"b": "1 is not 2 at line 3", "c": "no such file"}
 
 
 def test_a_skipped_case_is_not_good(tmp_path: pathlib.Path) -> None:
@@ -112,21 +114,65 @@ def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
     assert all(str(tmp_path) in path for path in one[1:])
 
 
+def result_of(name: str, cpu: float, **outcomes: int) -> StepResult:
+    cases = [Case(str(n), outcome) for outcome, count in outcomes.items() for n in range(count)]
+    return StepResult(Step("unit", name, []), cases, seconds=1.0, cpu_seconds=cpu, log="")
+
+
 def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
-    good = StepResult(Step("unit", "a", []), 3, 0, 0, seconds=1.0, cpu_seconds=90.0, log="")
-    assert run_tiers.summarise(["unit"], [good, good], 2.0)
+    times = Times(pathlib.Path("/nowhere"))
+    good = result_of("a", 90.0, passed=3)
+    assert command.summarise([good, good], 2.0, times)
     assert capsys.readouterr().out.splitlines()[-1] == "6 passed, 0 failed, 0 skipped"
 
-    bad = StepResult(Step("unit", "b", []), 1, 0, 1, seconds=1.0, cpu_seconds=150.0, log="")
-    assert not run_tiers.summarise(["unit"], [good, bad], 2.0)
+    bad = result_of("b", 150.0, passed=1, skipped=1)
+    assert not command.summarise([good, bad], 2.0, times)
     told = capsys.readouterr().out.splitlines()
     assert told[-1] == "4 passed, 0 failed, 1 skipped"
     dearest = ["   150.0 s  unit/b", "    90.0 s  unit/a"]
-    assert told[told.index("most of the processors went to:") + 1 :][:2] == dearest
+    assert told[told.index("most of the processor time:") + 1 :][:2] == dearest
     assert "4.0 minutes of processor time" in told[-3]
 
-    assert not run_tiers.summarise(["unit", "docs"], [good], 2.0)
+    not_run = result_of("c", 0.0)
+    assert not command.summarise([good, not_run], 2.0, times)
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 1 failed, 0 skipped"
+
+
+def test_a_step_that_has_grown_is_named(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    times = Times(tmp_path / "times.json")
+    for _ in range(3):
+        times.add("unit/a", 1.0, 10.0)
+        times.add("unit/b", 1.0, 0.5)
+    times.save()
+    times = Times(tmp_path / "times.json")
+    command.summarise([result_of("a", 16.0, passed=1), result_of("b", 1.5, passed=1)], 2.0, times)
+    told = capsys.readouterr().out.splitlines()
+    assert [line for line in told if "usually" in line] == ["unit/a: 16.0 s, usually 10.0 s"]
+
+
+def test_rounds_name_what_did_not_pass_in_each(capsys: "pytest.CaptureFixture[str]") -> None:
+    good, bad = result_of("a", 1.0, passed=2), result_of("a", 1.0, passed=1, failed=1)
+    assert command.summarise_rounds([[good], [good]])
+    assert capsys.readouterr().out.splitlines()[-1] == "2 passed, 0 failed, 0 skipped"
+    once = StepResult(bad.step, [Case("0", "passed"), Case("1", "failed")], 1.0, 1.0, "")
+    assert not command.summarise_rounds([[good], [once], [good]])
+    told = capsys.readouterr().out.splitlines()
+    assert told[0] == "2 of 3: unit/a: .1"
+    assert told[-1] == "1 passed, 1 failed, 0 skipped"
+
+
+def test_a_failure_names_the_command_that_repeats_it() -> None:
+    step = tiers.pytest_step("ci", "tiers", pathlib.Path(__file__).parent)
+    case = Case("test_a", "failed", "", "ci.tests.tiers.test_steps.TestB", "pytest")
+    assert repeat_command(step, case) == "./ci/test ci/tests/tiers/test_steps.py::test_a"
+    (process, *_) = tiers.SOURCES.glob("basic_comms/test/integration/process.test")
+    step = tiers.rostest_step("integration", "basic_comms", [process])
+    case = Case("test_a", "failed", "", "test_process.ProcessNode", "process")
+    again = "./ci/test src/basic_comms/test/integration/process.test::test_a"
+    assert repeat_command(step, case) == again
+    assert repeat_command(Step("lint", "style", []), Case("style", "failed")) == "./ci/test lint"
 
 
 def test_a_step_is_run_after_the_one_it_needs(
@@ -134,19 +180,21 @@ def test_a_step_is_run_after_the_one_it_needs(
 ) -> None:
     made, seen = tmp_path / "made", tmp_path / "seen"
     steps = [
-        Step("x", "user", ["test", "-e", str(made)], after="maker"),
+        Step("unit", "user", ["test", "-e", str(made)], after="maker"),
         Step(
-            "x",
+            "unit",
             "maker",
             ["sh", "-c", f"until test -e '{seen}'; do sleep 0.05; done; touch '{made}'"],
         ),
-        Step("x", "other", ["sh", "-c", f"! test -e '{made}' && touch '{seen}'"]),
-        Step("x", "broken", ["false"]),
-        Step("x", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
+        Step("unit", "other", ["sh", "-c", f"! test -e '{made}' && touch '{seen}'"]),
+        Step("unit", "broken", ["false"]),
+        Step("unit", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
     ]
     code = (
-        "import sys; from ci.tiers import tiers, run_tiers; from ci.tiers.steps import Step;"
-        f"tiers.TIERS['x'] = lambda: {steps!r}; sys.exit(run_tiers.main(['x']))"
+        "import pathlib, sys; from ci.tiers import command, tiers, times;"
+        "from ci.tiers.steps import Step;"
+        f"times.FILE = pathlib.Path({str(tmp_path / 'times')!r});"
+        f"tiers.plan = lambda *_: {steps!r}; sys.exit(command.main(['unit']))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -173,8 +221,9 @@ def test_step_that_has_just_ended_keeps_no_other_from_being_interrupted() -> Non
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (
-        "import sys; from ci.tiers import tiers, run_tiers; from ci.tiers.steps import Step;"
-        "tiers.TIERS['x'] = lambda: [Step('x', 'x', %r)] * 9; sys.exit(run_tiers.main(['x']))"
+        "import pathlib, sys; from ci.tiers import command, tiers, times;"
+        "from ci.tiers.steps import Step;"
+        "tiers.plan = lambda *_: [Step('unit', 'x', %r)] * 9; sys.exit(command.main(['unit']))"
     )
     scratch = tmp_path / "scratch"
     scratch.mkdir()
@@ -197,12 +246,7 @@ def test_lint_looks_at_every_python_file_that_is_not_generated(
     for name in [*own, *generated, "src/three/LICENSE"]:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("" if name.endswith("LICENSE") else "#!/usr/bin/env python3\n")
-    monkeypatch.setattr(tiers, "WORKSPACE", tmp_path)
-    assert tiers.python_files() == [str(tmp_path / name) for name in own]
-
-
-def test_no_file_of_tests_of_spaces_is_left_out() -> None:
-    steps = [*tiers.install(), *tiers.catkin_build()]
-    files = {path for step in steps for path in step.command if path.endswith(".py")}
-    place = pathlib.Path(__file__).parents[1] / "spaces"
-    assert files == {str(path) for path in place.glob("test_*.py")}
+    for module in (tiers, workspace):
+        monkeypatch.setattr(module, "WORKSPACE", tmp_path)
+    places = [tmp_path / place for place in ("ci", "docs", "src")]
+    assert tiers.python_files(*places) == [str(tmp_path / name) for name in own]

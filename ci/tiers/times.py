@@ -1,0 +1,80 @@
+"""How long the steps took, kept in build/, so that the next run can say how long it will take."""
+
+import json
+import pathlib
+import statistics
+from typing import Dict, List, Optional, Sequence
+
+from .workspace import WORKSPACE
+
+FILE = WORKSPACE / "build" / "test-times.json"
+#: Runs that are kept of each step.
+KEPT = 5
+#: A step that takes more processor time than this many times its usual one is named at the end,
+#: unless the difference is less than DIFFERENCE_S [s], which a busy machine brings about.
+GROWTH = 1.5
+DIFFERENCE_S = 3.0
+
+
+class Times:
+    """Wall and processor time of each step in its last good runs [s].
+
+    :param path: of the file that keeps them, FILE unless given
+    """
+
+    def __init__(self, path: Optional[pathlib.Path] = None) -> None:
+        self._path = path = path or FILE
+        try:
+            self._known: Dict[str, List[List[float]]] = json.loads(path.read_text("utf-8"))
+        except (OSError, ValueError):
+            self._known = {}
+
+    def wall(self, step: str, unknown: float = 0.0) -> float:
+        """Return the usual wall time of a step, or another figure where there is none [s]."""
+        return self._usual(step, 0, unknown)
+
+    def cpu(self, step: str) -> float:
+        """Return the usual processor time of a step, 0 where there is none [s]."""
+        return self._usual(step, 1, 0.0)
+
+    def _usual(self, step: str, column: int, unknown: float) -> float:
+        runs = self._known.get(step)
+        return statistics.median(run[column] for run in runs) if runs else unknown
+
+    def knows(self, step: str) -> bool:
+        """Return whether a step has been run before."""
+        return step in self._known
+
+    def has_grown(self, step: str, cpu: float) -> bool:
+        """Return whether a step took far more processor time than usual.
+
+        :param cpu: what it took [s]
+        """
+        usual = self.cpu(step)
+        return self.knows(step) and cpu > GROWTH * usual and cpu - usual > DIFFERENCE_S
+
+    def add(self, step: str, wall: float, cpu: float) -> None:
+        """Note what a good run of a step took [s]."""
+        runs = self._known.setdefault(step, [])
+        runs.append([round(wall, 2), round(cpu, 2)])
+        del runs[:-KEPT]
+
+    def save(self) -> None:
+        """Write them."""
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        new = self._path.with_suffix(".new")
+        new.write_text(json.dumps(self._known, indent=0, sort_keys=True), "utf-8")
+        new.replace(self._path)
+
+
+def estimate(durations: Sequence[float], lanes: int) -> float:
+    """Return how long steps take, begun in this order, some at a time [s].
+
+    :param durations: of the steps [s]
+    :param lanes: how many run at a time
+    """
+    ends = [0.0] * lanes
+    for duration in durations:
+        soonest = min(range(lanes), key=ends.__getitem__)
+        ends[soonest] += duration
+    return max(ends)

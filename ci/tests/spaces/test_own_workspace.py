@@ -5,12 +5,11 @@ import pathlib
 import re
 import signal
 import subprocess
-from typing import Dict, Iterator, List, Set
-from xml.etree import ElementTree
+from typing import Dict, Iterator, List
 
 import pytest
 
-from .conftest import PACKAGES, SOURCES
+from .conftest import SOURCES, needed
 
 WORKSPACE = SOURCES.parent
 PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
@@ -28,12 +27,8 @@ def commands(section: str) -> List[str]:
 def environment(
     tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]
 ) -> Dict[str, str]:
-    """That of a user with a workspace. What languages but Python would generate takes longest."""
-    return {
-        **underlay,
-        "HOME": str(tmp_path_factory.mktemp("own")),
-        "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs",
-    }
+    """That of a user with a workspace."""
+    return {**underlay, "HOME": str(tmp_path_factory.mktemp("own"))}
 
 
 @pytest.fixture(scope="module")
@@ -64,18 +59,6 @@ def test_the_course_runs(launched: "subprocess.Popen[bytes]", environment: Dict[
         within("rosrun", "nodekit", "describe", "/process"), env=environment, timeout=60
     )
     assert b"amplitude_scale" in described
-
-
-def needed(package: str) -> Set[str]:
-    """The packages of the workspace that one needs, and itself; not those of its tests."""
-    names = {folder.name for folder in PACKAGES}
-    tags = ElementTree.parse(str(SOURCES / package / "package.xml")).getroot()
-    found = {package}
-    for tag in tags:
-        name = (tag.text or "").strip()
-        if tag.tag.endswith("depend") and tag.tag != "test_depend" and name in names:
-            found |= needed(name)
-    return found
 
 
 def test_what_the_page_says_to_copy_is_all_that_is_needed() -> None:

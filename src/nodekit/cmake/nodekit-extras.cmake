@@ -1,6 +1,6 @@
 # The tests of a package, where they are expected: pytest on test/unit, rostest on each
-# test/integration/*.test, and a check of the folder launch, as far as there are any. Arguments are
-# passed on to roslaunch_add_file_check. A build needs neither rostest nor roslaunch: without them
+# test/integration/*.test and test/extended/*.test, and a check of the folder launch, as far as
+# there are any. Arguments are passed on to roslaunch_add_file_check. A build needs neither rostest nor roslaunch: without them
 # there are no tests, and one line says so for all packages of a build.
 #
 #   if(CATKIN_ENABLE_TESTING)
@@ -16,7 +16,9 @@ macro(nodekit_tests)
         COMMAND "${PYTHON_EXECUTABLE} -m pytest ${CMAKE_CURRENT_SOURCE_DIR}/test/unit --junitxml=${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/pytest-unit.xml")
     endif()
 
-    file(GLOB rostest_files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test)
+    file(GLOB rostest_files CONFIGURE_DEPENDS
+      ${CMAKE_CURRENT_SOURCE_DIR}/test/integration/*.test
+      ${CMAKE_CURRENT_SOURCE_DIR}/test/extended/*.test)
     foreach(rostest_file ${rostest_files})
       add_rostest(${rostest_file})
     endforeach()

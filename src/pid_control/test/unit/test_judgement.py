@@ -1,6 +1,7 @@
 """What is said of controllers: limits kept or not, likely causes, reports."""
 
 import csv
+import functools
 import io
 import math
 from typing import Dict, Optional
@@ -90,7 +91,7 @@ def test_a_good_controller_passes() -> None:
 
 
 def test_windup_is_named_and_the_sentence_has_the_figure() -> None:
-    judgement = judge(play_all(pi(anti_windup="none")), LIMITS)
+    judgement, _ = bad_judgement()
     assert (judgement.verdict, judgement.status) == (FAILED, 1)
     assert judgement.flaws() == ["windup"]
     text = as_sentences(judgement)
@@ -232,8 +233,10 @@ def test_figures_for_people() -> None:
     assert number(math.inf, "rad") == "endless" and number(2.0) == "2"
 
 
+@functools.lru_cache(maxsize=None)
 def bad_judgement() -> tuple:
-    records = play_all(pi(anti_windup="none"))
+    """Return the judgement of a controller with windup, and its records; played once for all."""
+    records = tuple(play_all(pi(anti_windup="none")))
     return judge(records, LIMITS), records
 
 
@@ -267,7 +270,7 @@ def test_csv_has_a_line_for_each_controller_and_is_no_formula() -> None:
 
 def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     judgement, records = bad_judgement()
-    records.append(Record(STEPS, ENDED))
+    records = [*records, Record(STEPS, ENDED)]
     svg = as_svg(records, "<a> & b", ["windup"])
     root = ElementTree.fromstring(svg)
     panels = root.findall(f"{SVG}g")

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""Rare faults while a motor is identified or gains are found: silence, a field that is missing."""
+
+import os
+import signal
+
+from helpers.identify_rig import IdentifyCase
+
+from nodekit import init_node
+from nodekit.testing.running import rosrun
+
+
+class IdentifyFaults(IdentifyCase):
+    """The commands are processes of their own."""
+
+    def test_ctrl_c_ends_tuning_as_a_shell_puts_it(self) -> None:
+        model = self.file("model.yaml")
+        os.mkfifo(model)
+        command = self.start("tune", model, "--gains", self.file("gains.yaml"))
+        with open(model, "w"):  # from here on it waits for what is in it
+            self.assertEqual(command.interrupt(), 130)
+        self.assertFalse(command.logged("Traceback"))
+        self.assertEqual(os.listdir(self.folder), ["model.yaml"])
+
+    def test_motor_that_falls_silent_is_given_up(self) -> None:
+        motor = self.host_motor()
+        command = self.start("identify", "--seconds", "60")
+        self.inputs.wait_for(lambda heard: heard.input > 0.0)
+        motor.close()
+        self.assertEqual(command.wait(), 1)
+        self.assertTrue(command.logged("nothing on", "motor_output for 3 s"))
+        self.wait_for_last_input()
+
+    def test_names_that_are_wrong_are_refused_with_a_status(self) -> None:
+        self.host_motor()
+        for arguments, why, status in (
+            (["--output", "speed/data"], "speed/data: there is no such topic", 2),
+            (["--output", "motor_output/speed"], "there is no 'speed'; it has: output, time", 1),
+            (["--input", "motor_input/speed"], "there is no 'speed'; it has: input, time", 2),
+        ):
+            command = self.start("identify", *arguments)
+            self.assertEqual(command.wait(), status, why)
+            self.assertTrue(command.logged(why), (why, command.logged()))
+            self.assertFalse(command.logged("Traceback"))
+            self.assertEqual(self.inputs.messages(), [])
+
+
+if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    IdentifyFaults.node = init_node("test_identify_faults")
+    IdentifyFaults.node.start()
+    rosrun("pid_control", "identify_faults", IdentifyFaults)

@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Rare faults of the judge: another clock, a name of its own, Ctrl-C at an odd moment."""
+
+import os
+import signal
+import subprocess
+
+from helpers.judge_rig import CONTROLLERS, JUDGE, LONG_S, JudgeCase
+
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
+
+
+class JudgeFaults(JudgeCase):
+    """Each test has a folder of its own."""
+
+    def test_whoever_goes_by_time_time_is_not_judged(self) -> None:
+        says = "not judged: it goes by the machine's clock (time.time(), time.sleep())"
+        self.assert_judged(125, says, CONTROLLERS / "flaw_time_time.py")
+
+    def test_a_package_of_a_class_may_be_called_as_the_judges_own(self) -> None:
+        self.make_package("pid_control", "flaw_windup.py")
+        words = ["--output", self.folder, "--only", "windup", "--class", self.folder / "class"]
+        says = "pid_control: failed: the integral goes on growing"
+        self.assert_judged(1, says, *words)
+
+    def test_ctrl_c_ends_it_while_its_master_starts(self) -> None:
+        judge = self.start_judge()
+        self.wait_for_program("rosmaster")
+        os.killpg(judge.pid, signal.SIGINT)  # as a terminal does: to all in the foreground
+        _, errors = judge.communicate(timeout=LONG_S)
+        self.assertEqual((judge.returncode, errors), (130, ""))
+        wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
+
+    def test_ctrl_c_while_it_is_imported_ends_it_without_a_traceback(self) -> None:
+        judge = subprocess.Popen(
+            [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
+            env={**self.environment(), "PYTHONPROFILEIMPORTTIME": "1"},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        self.addCleanup(judge.kill)
+        assert judge.stderr is not None
+        for line in judge.stderr:  # each names a module that has been imported
+            if line.split()[-1] == "pid_control.files":
+                break
+        judge.send_signal(signal.SIGINT)
+        _, errors = judge.communicate(timeout=LONG_S)
+        self.assertNotIn("Traceback", errors)
+        self.assertNotIn("rospy.core", errors)  # it was not too late
+        self.assertEqual(judge.returncode, 130)
+
+
+if __name__ == "__main__":
+    # A program started in the background ignores Ctrl-C, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    rosrun("pid_control", "judge_faults", JudgeFaults)

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Rare ends of the judge with a motor that is there already: the motor is stopped all the same."""
+
+import os
+import pathlib
+import signal
+import tempfile
+
+from helpers.real_plant_rig import RealPlantCase
+
+from nodekit import init_node
+from nodekit.testing.graph import Graph
+from nodekit.testing.processes import free_port
+from nodekit.testing.running import rosrun
+
+#: A controller that ignores Ctrl-C.
+STUBBORN = """#!/usr/bin/env python3
+import signal, sys
+sys.path.insert(0, {folder!r})
+import rospy
+from student import Student
+rospy.init_node("controller")
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+Student().run()
+"""
+
+
+class RealPlantFaults(RealPlantCase):
+    """Each test has a namespace, in which it judges."""
+
+    def test_motor_is_stopped_where_the_terminal_is_closed(self) -> None:
+        self.host_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        judge.popen.send_signal(signal.SIGHUP)
+        self.assertEqual(judge.wait(), 128 + signal.SIGHUP)
+        self.assert_left_alone()
+
+    def test_motor_is_stopped_where_the_node_is_shut_down(self) -> None:
+        self.host_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        Graph().kill(self.space + "/judge")
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("not judged: the node was shut down"), judge.logged())
+        self.assert_stopped()
+
+    def test_controller_that_ignores_ctrl_c_is_ended_at_a_second_one_too(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "stubborn.py"
+            script.write_text(STUBBORN.format(folder=os.path.dirname(self.controller[0])))
+            script.chmod(0o755)
+            self.host_motor()
+            judge = self.start("judge", "--real-plant", str(script), *self.remappings)
+            self.outputs.wait_for(lambda heard: heard.output > 4.0)
+            self.wanted.forget()
+            judge.popen.send_signal(signal.SIGINT)
+            # The judge asks for no speed, and waits for the controller.
+            self.wanted.wait_for(lambda heard: heard.setPoint == 0.0)
+            self.assertEqual(judge.interrupt(), 130)
+        self.assert_stopped()
+
+    def test_motor_that_falls_silent_is_given_up(self) -> None:
+        motor = self.host_motor()
+        judge = self.start("judge", "--real-plant", *self.controller)
+        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        motor.close()
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("the plant is silent: nothing on", "motor_output for 0.8 s"))
+        self.wait_for_last_input()
+
+    def test_without_a_master_there_is_no_plant(self) -> None:
+        no_master = f"http://localhost:{free_port()}"
+        words = ("--real-plant", *self.controller)
+        self.assert_refused("on your own master", *words, ROS_MASTER_URI=no_master)
+
+    def test_real_time_is_for_those_who_go_by_the_machines_clock(self) -> None:
+        """Here the motor is the judge's own, which a busy machine makes late."""
+        words = ("--real-time", "--only", "ramp", self.script_of("flaw_time_time.py"))
+        judge = self.start("judge", *words)
+        said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
+        self.assertTrue(judge.logged(said.get(judge.wait(), "?")), judge.logged())
+
+
+if __name__ == "__main__":
+    # A program started in the background may ignore these, and so would all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    RealPlantFaults.node = init_node("test_real_plant_faults")
+    RealPlantFaults.node.start()
+    rosrun("pid_control", "real_plant_faults", RealPlantFaults)

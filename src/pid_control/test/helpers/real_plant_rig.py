@@ -1,0 +1,111 @@
+"""Rig for the judge with a motor that is there already, which the test hosts."""
+
+import os
+import pathlib
+import signal
+import unittest
+from typing import Dict, List, Optional
+
+import rosgraph
+import rospkg
+import rospy
+
+from nodekit import Node, host_all
+from nodekit.testing.hearing import Ear
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+from pid_control.msg import motor_input, motor_output, set_point
+from pid_control.nodes.system import System
+
+PACKAGE = rospkg.RosPack().get_path("pid_control")
+TOPICS = ("/motor_input", "/motor_output", "/set_point")
+
+
+class RealPlantCase(unittest.TestCase):
+    """Test case with a namespace, in which it judges, for each test."""
+
+    node: Node  # this process's own, which hosts the motors
+
+    def setUp(self) -> None:
+        self.space = "/" + self.id().rsplit(".", 1)[-1]
+        # A student's, whose last input is any: nobody but the judge stops the motor.
+        self.remappings = [f"{topic}:={self.space}{topic}" for topic in TOPICS]
+        self.controller = [self.script_of("good_loop.py"), *self.remappings]
+        # Where a test fails, what it has started may be left; the judge ends before.
+        self.addCleanup(self.end_controllers)
+
+    @staticmethod
+    def script_of(name: str) -> str:
+        """Return the path of a controller of the tests."""
+        return os.path.join(PACKAGE, "test", "controllers", name)
+
+    def start(
+        self, name: str, *words: str, environment: Optional[Dict[str, str]] = None
+    ) -> Process:
+        """Start a script in the namespace, to be ended after the test."""
+        variables = {"ROS_NAMESPACE": self.space, **(environment or {})}
+        process = Process(os.path.join(PACKAGE, "scripts", name), list(words), variables)
+        self.addCleanup(process.end)
+        return process
+
+    def host_motor(self) -> Node:
+        """Host a motor, and hear it and what it is told; closed, it falls silent."""
+        self.wanted = Ear(self.space + "/set_point", set_point)
+        self.inputs = Ear(self.space + "/motor_input", motor_input)
+        self.outputs = Ear(self.space + "/motor_output", motor_output)
+        for ear in (self.wanted, self.inputs, self.outputs):
+            self.addCleanup(ear.close)
+        rospy.set_param(self.space + "/system/system_node_rate", 200.0)
+        [motor] = host_all(self.node, [("system", self.space, System)])
+        self.addCleanup(motor.close)
+        self.outputs.wait_for(lambda heard: True)
+        return motor
+
+    def assert_refused(self, says: str, *words: str, **environment: str) -> None:
+        """Have the judge refuse something, with its status and this text."""
+        judge = self.start("judge", *words, environment=environment)
+        self.assertEqual(judge.wait(), 125)
+        self.assertTrue(judge.logged("not judged: ", says), (says, judge.logged()))
+        self.assertFalse(judge.logged("Traceback"))
+
+    def controllers(self) -> List[int]:
+        """Return the processes that go by this test's remappings: its controllers."""
+        mark = self.remappings[0].encode()
+        found = []
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                if mark in (process / "cmdline").read_bytes().split(b"\0"):
+                    found.append(int(process.name))
+            except OSError:
+                continue  # it has just ended
+        return found
+
+    def assert_stopped(self) -> None:
+        """Wait until the motor stands, with 0 the last input, and no controller runs."""
+        self.assertEqual(self.controllers(), [])
+        self.outputs.forget()
+        self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
+        self.wait_for_last_input()
+
+    def wait_for_last_input(self) -> None:
+        """Wait until the last input is 0."""
+        wait_until(
+            lambda: self.inputs.messages()[-1].input == 0.0,
+            lambda: f"the last input is {self.inputs.messages()[-1]}",
+        )
+
+    def assert_left_alone(self) -> None:
+        """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
+        self.assert_stopped()
+        wait_until(
+            lambda: self.wanted.messages()[-1].setPoint == 0.0,
+            lambda: f"the last set point is {self.wanted.messages()[-1]}",
+        )
+        publishers = dict(rosgraph.Master("/test").getSystemState()[0])
+        for topic in ("/motor_input", "/set_point"):
+            self.assertNotIn(self.space + topic, publishers)
+
+    def end_controllers(self) -> None:
+        """Kill what controllers are left."""
+        for controller in self.controllers():
+            os.kill(controller, signal.SIGKILL)

@@ -1,0 +1,78 @@
+"""What the command identify makes of its arguments and of a bag; no master is there."""
+
+import pathlib
+import sys
+from typing import List, Tuple
+
+import pytest
+import rosbag
+import rospy
+from std_msgs.msg import String
+
+from pid_control.commands import identify_command
+from pid_control.msg import motor_input, motor_output
+
+
+def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int, str, str]:
+    """Run the command in this process; return the exit status, the output and the errors."""
+    status = 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["identify", *arguments])
+        try:
+            identify_command.main()
+        except SystemExit as end:
+            status = int(end.code or 0)
+    output, errors = capsys.readouterr()
+    return status, output, errors
+
+
+@pytest.mark.parametrize(
+    "arguments, why",
+    [
+        (["{folder}/none.bag"], "No such file or directory"),
+        (["--largest", "0"], "--largest above it"),
+        (["--least", "nan"], "'nan' is not a finite number"),
+        (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
+        (["--model", "{folder}/no/m.yaml"], "no/m.yaml: No such file or directory"),
+        (["--picture", "{folder}/no/p.svg"], "no/p.svg: No such file or directory"),
+        (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
+    ],
+)
+def test_argument_that_is_wrong_is_refused_by_name(
+    arguments: List[str],
+    why: str,
+    tmp_path: pathlib.Path,
+    capsys: "pytest.CaptureFixture[str]",
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    # Nothing is driven for a file that could not be written.
+    monkeypatch.setattr(identify_command, "run", lambda *_: pytest.fail("a plant was driven"))
+    words = [word.format(folder=tmp_path) for word in arguments]
+    status, _, errors = identify(capsys, *words)
+    assert status == 2 and why in errors
+
+
+def test_bag_of_any_two_numbers_is_enough(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    path = str(tmp_path / "run.bag")
+    with rosbag.Bag(path, "w") as bag:
+        for number in range(1000):
+            time = rospy.Time.from_sec(100.0 + 0.01 * number)
+            given = 0.5 if number >= 200 else 0.0
+            speed = 0.0 if number < 200 else 4.0 * (1.0 - 0.98 ** (number - 200))
+            if number in (100, 200):
+                bag.write("/a/given", motor_input(given, 0.0), time)
+            bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time)
+        bag.write("/a/given", motor_input(0.0, 0.0), rospy.Time.from_sec(109.999))
+        # What else is in it is not read: nothing could read this.
+        broken = (String._type, b"", String._md5sum, String)
+        bag.write("/a/other", broken, rospy.Time.from_sec(105.0), raw=True)
+    fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
+    status, output, errors = identify(capsys, path, *fields)
+    assert (status, errors) == (0, "")
+    (line,) = [line for line in output.splitlines() if line.startswith("K   ")]
+    assert float(line.split()[1]) == pytest.approx(8.0, abs=0.01)
+    status, _, errors = identify(capsys, path, *fields, "--end", "1.5")
+    assert status == 1
+    assert "cannot tell: the input never changes: it is 0 throughout" in errors

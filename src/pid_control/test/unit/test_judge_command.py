@@ -1,0 +1,74 @@
+"""What the judge refuses before it starts anything."""
+
+import pathlib
+import sys
+from typing import List
+
+import pytest
+
+from pid_control.trial import judge_command
+
+GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
+SIMULATED = """
+<launch>
+  <param name="/use_sim_time" value="true"/>
+  <node pkg="pid_control" type="controller.py" name="controller"/>
+</launch>
+"""
+
+
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (
+            ["--real-plant", "{folder}/simulated.launch"],
+            "{folder}/simulated.launch /controller: it sets /use_sim_time",
+        ),
+        (
+            ["--limits", "{folder}/wrong.yaml", "x"],
+            "{folder}/wrong.yaml: steps: overshot: not measured there",
+        ),
+        (["--limits", "nowhere.yaml", "x"], "nowhere.yaml: No such file"),
+        ([], "what? a package and a name in it, or a path"),
+        (["no_such_package", "controller.py"], "there is no package no_such_package"),
+        (["pid_control", "nothing.py"], "there is no nothing.py in the package pid_control"),
+        (["a/b.py"], "there is no file a/b.py"),
+        (["{folder}/controller.py"], "is not executable: chmod +x {folder}/controller.py"),
+        (["--only", "stairs", "x"], "no scenario 'stairs'; there are held, rate"),
+        (["--time-limit", "0", "x"], "'0' must be from 1 to 3600 s"),
+        (
+            ["--node", "motor", "pid_control", "motor_control.launch"],
+            "has no node motor; its nodes are /system",
+        ),
+        (["--picture", "judged.png", "x"], "'judged.png' does not end in .svg"),
+        (["--full-speed", "fast", "x"], "'fast' must be above 0 and at most 1e+06 rad/s"),
+        (["--full-speed", "9", "x", "y"], "--full-speed is that of a --real-plant"),
+        (["--real-plant", "--only", "held", GOOD], "held is not for a real plant: there are steps"),
+        (["--class", "nowhere"], "there is no folder nowhere"),
+        (["--class", "{folder}"], "no package in {folder}"),
+        (["--class", "{folder}", "--csv", "x"], "are not for a --class"),
+        (["--csv", "{folder}/no/x.csv", "x", "y"], "{folder}/no/x.csv: No such"),
+        (["--csv", "{folder}", "x", "y"], "judge: {folder}: Is a directory"),
+        (["--picture", "{folder}/no/x.svg", GOOD], "{folder}/no/x.svg: No such"),
+        (["--workspace", "{folder}", "x", "controller.py"], "is no built workspace"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused_by_name(
+    words: List[str],
+    says: str,
+    tmp_path: pathlib.Path,
+    capsys: "pytest.CaptureFixture[str]",
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    (tmp_path / "wrong.yaml").write_text("steps: {overshot: 5}\n")
+    (tmp_path / "controller.py").write_text("")
+    (tmp_path / "simulated.launch").write_text(SIMULATED)
+    before = sorted(tmp_path.iterdir())
+    arguments = [word.format(folder=tmp_path) for word in words]
+    monkeypatch.setattr(sys, "argv", ["judge", *arguments])
+    monkeypatch.setattr(judge_command, "exit_when_told_to", lambda: None)  # nor pytest's signals
+    with pytest.raises(SystemExit) as end:
+        judge_command.main()
+    output, errors = capsys.readouterr()
+    assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
+    assert sorted(tmp_path.iterdir()) == before

@@ -4,13 +4,15 @@ import contextlib
 import os
 import pathlib
 import threading
-from typing import Any, Callable, List
+from typing import Any, Callable, Iterator, List
 
 import rclpy
 import rospy
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from nodekit import Subscription
@@ -20,6 +22,9 @@ from ros2_bridge.types.types import Types
 
 InvalidHandle = rclpy_implementation.InvalidHandle
 SOURCES = pathlib.Path(__file__).resolve().parents[3]
+#: The bridge's name, and a setting that is on the server when all are.
+NAME = "/ros2_bridge"
+TIMEOUT_KEY = f"{NAME}/service_timeout"
 
 
 class Both:
@@ -46,6 +51,7 @@ class Both:
                     self.executor.spin()
 
     def __exit__(self, *_: Any) -> None:
+        end_shared_bridge()
         rospy.signal_shutdown("the tests are over")
         rclpy.shutdown()
         self._thread.join(5.0)
@@ -123,23 +129,58 @@ class Running(Process):
         return self
 
     def __exit__(self, *_: Any) -> None:
-        if self.popen.poll() is None:
-            self.end()
+        try:
+            if self.popen.poll() is None:
+                self.interrupt()  # what is killed stays registered, and the next test finds it
+        finally:
+            if self.popen.poll() is None:
+                self.end()
+            self.print_log()
+
+    def print_log(self) -> None:
+        """Print the log, which pytest shows of a test that fails."""
         print("the log:", *self.logged(), sep="\n")
 
 
 class Bridge(Running):
-    """The bridge."""
+    """A bridge; the shared one, if it runs, is ended before: there can be one at a time."""
 
     def __init__(self, *arguments: str) -> None:
+        end_shared_bridge()
         # What another one was given, by its command line or a launch file, has stayed there.
         with contextlib.suppress(KeyError):
-            rospy.delete_param("/ros2_bridge")
+            rospy.delete_param(NAME)
         super().__init__("ros2_bridge", "bridge", *arguments)
 
-    def __exit__(self, *error: Any) -> None:
-        try:
-            if self.popen.poll() is None:
-                self.interrupt()  # of one that is killed ROS 2 lists the services for 20 s more
-        finally:
-            super().__exit__(*error)
+
+#: The bridge that modules share, while it runs.
+_shared: List[Bridge] = []
+
+
+def shared_bridge() -> Bridge:
+    """Return the bridge that modules share, with an empty log; start it where it does not run."""
+    if not _shared or _shared[0].popen.poll() is not None:
+        _shared[:] = [Bridge()]
+        wait_until(lambda: rospy.has_param(TIMEOUT_KEY), lambda: "the bridge has no settings yet")
+    _shared[0].lines.clear()
+    _shared[0].error_lines.clear()
+    return _shared[0]
+
+
+@contextlib.contextmanager
+def settings_restored(ros: Both, bridge: Bridge) -> Iterator[None]:
+    """Restore what tests have changed of a bridge's settings, if it still runs."""
+    before = rospy.get_param(NAME)
+    yield
+    after = rospy.get_param(NAME, {})
+    changed = {key: value for key, value in before.items() if after.get(key) != value}
+    if changed and bridge.popen.poll() is None:
+        request = [Parameter(key, value=value).to_parameter_msg() for key, value in changed.items()]
+        ros.call2(SetParameters, f"{NAME}/set_parameters", parameters=request)
+
+
+def end_shared_bridge() -> None:
+    """End the bridge that modules share, if it runs."""
+    while _shared:
+        with _shared.pop():
+            pass  # which ends it

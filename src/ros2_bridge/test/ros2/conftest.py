@@ -4,7 +4,7 @@ Run by ``./ci/test ros2``, with the Python that has ROS 2 and ROS 1's packages i
 """
 
 import os
-from typing import Iterator
+from typing import Iterator, List
 
 import pytest
 from domains import own_domain
@@ -19,15 +19,47 @@ join()
 import both  # noqa: E402  (what it imports is ROS 2's from here on)
 
 
+#: Compares all that a bridge shows, of which other modules would leave traces for a while.
+_FIRST = "test_answers"
+#: Kills the master, which forgets all that this process has registered.
+_LAST = "test_life"
+
+
+def pytest_configure(config: "pytest.Config") -> None:
+    """Register the mark by which the modules can be run in two sessions, one beside the other."""
+    config.addinivalue_line("markers", "shared_bridge: of a module that uses the shared bridge")
+
+
+@pytest.hookimpl(tryfirst=True)  # before -m is looked at
+def pytest_collection_modifyitems(items: "List[pytest.Item]") -> None:
+    """Run modules that share a bridge one after the other, so that it is started once."""
+    sharing = {item.path.stem for item in items if "bridge" in getattr(item, "fixturenames", ())}
+    for item in items:
+        if item.path.stem in sharing:
+            item.add_marker("shared_bridge")
+
+    def rank(item: "pytest.Item") -> int:
+        name = item.path.stem
+        return 0 if name == _FIRST else 3 if name == _LAST else 1 if name in sharing else 2
+
+    items.sort(key=rank)
+
+
 @pytest.fixture(scope="session")
 def ros() -> Iterator["both.Both"]:
-    """A master, and a node of the tests in either ROS."""
+    """Return a master, and a node of the tests in either ROS; all modules share them."""
     with both.Both() as made:
         yield made
 
 
 @pytest.fixture(scope="module")
 def bridge(ros: "both.Both") -> Iterator["both.Bridge"]:
-    """A bridge for the tests of a module."""
-    with both.Bridge() as running:
+    """Return the bridge that modules share; a module finds its log empty, its settings as given.
+
+    A module whose tests are about the life, the settings or the faults of a bridge has bridges of
+    its own, ``both.Bridge``, which end this one.
+    """
+    running = both.shared_bridge()
+    with both.settings_restored(ros, running):
         yield running
+    running.print_log()

@@ -1,11 +1,9 @@
-"""Goals whose server or whose bridge ends before them."""
+"""Goals whose bridge ends before them, and actions of a bridge with settings of its own."""
 
-import os
 import signal
 from typing import Any, List, cast
 
 import both
-import pytest
 import rospy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_parts import Client1, Client2, Server1, Server2, cancel
@@ -25,16 +23,6 @@ from ros2_bridge.environment.ros1_messages import GoalID
 from ros2_bridge.ros2.side import Ros2
 from ros2_bridge.rules.pairing import Way
 from ros2_bridge.rules.skipped import SkipLog
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_goals_of_a_server_that_goes_are_aborted(ros: both.Both, number: int) -> None:
-    with both.Bridge(), Server2("/foot/kick") as server, Client1("/foot/kick") as client:
-        client.tell("send on 60.0")
-        wait_until(lambda: client.feedback("on"), lambda: "no feedback")
-        os.kill(server.popen.pid, number)
-        server.wait()
-        assert client.end_of("on") == f"ABORTED - {GONE}"
 
 
 def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
@@ -70,16 +58,6 @@ def test_goal_that_the_server_does_not_answer_is_rejected(ros: both.Both) -> Non
     node.destroy_node()
 
 
-def test_two_servers_whose_nodes_have_one_name_are_told(ros: both.Both) -> None:
-    with Server2("/arm/left"), Server2("/arm/right"), both.Bridge() as bridge:
-        bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
-
-
-def test_servers_of_both_that_have_one_name_are_told(ros: both.Both) -> None:
-    with Server1("/arm/twice"), Server2("/arm/twice"), both.Bridge() as bridge:
-        bridge.wait_for_log("not bridged: /arm/twice: both ROSes list a server", "rosnode cleanup")
-
-
 def test_action_that_fails_keeps_no_other_from_following() -> None:
     class Pair:
         def __init__(self, error: str) -> None:
@@ -98,17 +76,6 @@ def test_action_that_fails_keeps_no_other_from_following() -> None:
         actions.follow()
     assert [pair.followed for pair in pairs] == [2, 2]
     assert skipped.next_line(0.0) == "not bridged: /0: it is broken"
-
-
-def test_action_with_too_long_a_name_keeps_no_other(ros: both.Both) -> None:
-    long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
-    with Server1(long, "talkative"), Server1("/leg/jump") as server, both.Bridge() as bridge:
-        bridge.wait_for_log(f"not bridged: {long}: ")
-        client = Client2(ros, "/leg/jump")
-        client.send("up", 0.1)
-        assert client.accepted("up") and client.end("up") == GoalStatus.STATUS_SUCCEEDED
-        client.close()
-        assert server.popen.poll() is None and not bridge.logged("Traceback")
 
 
 def test_action_whose_services_fail_is_not_taken_for_offered(ros: both.Both) -> None:

@@ -31,12 +31,12 @@ from ros2_bridge.parameters.to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.to_ros2 import ParametersToRos2
 from ros2_bridge.parameters.values import BYTES, DOUBLE, DOUBLES, INTEGER, STRING, STRINGS, changes
 
-GENERATOR = "/signal_generator"
+GENERATOR = "/tuned_generator"
 
 
 @pytest.fixture(scope="module")
 def generator(bridge: both.Bridge) -> Iterator[both.Running]:
-    with both.Running("basic_comms", "signal_generator.py") as running:
+    with both.Running("basic_comms", "signal_generator.py", f"__name:={GENERATOR[1:]}") as running:
         yield running
 
 

@@ -86,7 +86,7 @@ def several(kind: str, count: int, chance: random.Random) -> Any:
 
 def judge(codec: Any, cls: Any, name: str, genpy_class: Any = None) -> None:
     chance = random.Random(name)
-    for _ in range(8):
+    for _ in range(4):
         message = fill(cls(), chance)
         cdr = serialize_message(message)
         ros1 = codec.to_ros1(cdr)

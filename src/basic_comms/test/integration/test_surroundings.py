@@ -47,8 +47,7 @@ class Surroundings(unittest.TestCase):
         self, *command: str, stdout: Any = subprocess.PIPE, **environment: Optional[str]
     ) -> Node:
         """Start a program; a variable that is None is unset."""
-        # What they say is read while they run, and must not wait in a buffer.
-        merged = {**os.environ, "PYTHONUNBUFFERED": "1", **environment}
+        merged = {**os.environ, **environment}
         errors = tempfile.TemporaryFile("w+")
         process = subprocess.Popen(
             command,

@@ -3,6 +3,7 @@
 import io
 import logging
 import os
+import select
 import subprocess
 import sys
 
@@ -10,6 +11,7 @@ import pytest
 from rosgraph import roslogging
 
 from nodekit.rospy_internals import logs, start
+from nodekit.testing.waiting import TIMEOUT_S
 
 start.apply_patches()
 
@@ -96,6 +98,27 @@ def test_where_no_log_file_can_be_written_the_console_is_left(place):
     )
     assert "heard" in done.stdout
     assert "WARNING: cannot" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_line_for_a_pipe_does_not_wait_in_a_buffer():
+    program = (
+        "import rosgraph.roslogging as r, logging, sys;"
+        "from nodekit.rospy_internals import start; start.apply_patches();"
+        "r.configure_logging('rospy', logging.INFO, filename='null');"
+        "logging.getLogger('rosout').info('heard');"
+        "sys.stdin.read()"
+    )
+    buffered = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    with subprocess.Popen(
+        [sys.executable, "-c", program],
+        env={**buffered, "ROS_LOG_DIR": "/dev"},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        universal_newlines=True,
+    ) as node:
+        readable, _, _ = select.select([node.stdout], [], [], TIMEOUT_S)
+        assert readable and "heard" in node.stdout.readline()
+        node.stdin.close()
 
 
 def test_output_that_cannot_be_written_is_no_exit_status():

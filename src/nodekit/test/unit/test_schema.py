@@ -1,5 +1,7 @@
 """Descriptions of parameters: for people, and exact enough to judge by."""
 
+import copy
+import functools
 import json
 import math
 from typing import Any
@@ -91,10 +93,15 @@ def test_what_is_read_once_is_marked_with_when_a_change_takes_effect() -> None:
         assert second.endswith("  a gain")
 
 
+@functools.lru_cache(maxsize=None)  # YAML takes its time, and a hundred examples ask
+def described() -> Any:
+    """Return all entries as a client gets them."""
+    return yaml.safe_load(as_yaml(describe(Gauge())))
+
+
 def entry(name: str) -> Any:
     """Return an entry as a client gets it."""
-    described = yaml.safe_load(as_yaml(describe(Gauge())))
-    return next(one for one in described if one["name"] == name)
+    return next(copy.deepcopy(one) for one in described() if one["name"] == name)
 
 
 def test_an_entry_says_what_is_declared_and_what_is_in_force() -> None:

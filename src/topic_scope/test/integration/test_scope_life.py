@@ -46,7 +46,6 @@ class Life(unittest.TestCase):
         environment: Dict[str, str] = {
             **os.environ,
             "ROS_MASTER_URI": self.master_uri,
-            "PYTHONUNBUFFERED": "1",  # what is said is read while it runs
         }
         process = subprocess.Popen(
             list(command),

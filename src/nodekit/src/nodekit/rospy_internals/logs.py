@@ -27,7 +27,8 @@ def mend_logs() -> None:
     for each line instead. And a node whose log file cannot be opened does not start. A line with a
     byte that is no text, as a name of a file may have, goes nowhere: ``/rosout`` keeps it for those
     who come later, and turns each of them away. And where a line comes when the node's end has
-    closed ``/rosout``, a traceback goes to the file, although the line itself stands there.
+    closed ``/rosout``, a traceback goes to the file, although the line itself stands there. And
+    where the console is a pipe or a file, its lines would stay in a buffer of 8 kB.
     """
     emit, handle_error = RosStreamHandler.emit, logging.Handler.handleError
     configure = rosgraph.roslogging.configure_logging
@@ -35,6 +36,7 @@ def mend_logs() -> None:
     def emit_or_drop(handler: RosStreamHandler, record: logging.LogRecord) -> None:
         try:
             emit(handler, record)
+            _flush_console(handler)
         except (OSError, UnicodeEncodeError):
             handler.handleError(record)
 
@@ -73,6 +75,13 @@ def mend_logs() -> None:
         rospy.impl.rosout._rosout = escaped_to_rosout
     else:
         rospy.logwarn("unsupported rospy version: lines that are no text do not reach /rosout")
+
+
+def _flush_console(handler: RosStreamHandler) -> None:
+    """Write what a handler has put into the buffer of the standard output."""
+    stream: Any = getattr(handler, "_stdout", None) or sys.stdout
+    if stream is not None:
+        stream.flush()
 
 
 def _is_no_error_of_the_end(record: logging.LogRecord) -> bool:

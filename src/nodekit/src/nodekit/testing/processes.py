@@ -65,7 +65,7 @@ class Process:
         self.lines: List[str] = []
         self.error_lines: List[str] = []
         self.popen = subprocess.Popen(
-            [sys.executable, "-u", script, *arguments],
+            [sys.executable, script, *arguments],
             env={**os.environ, **(environment or {})},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from basic_comms.conditioning.process_parameters import ProcessParameters
@@ -38,6 +38,7 @@ def is_finite(value):
 
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
+@settings(max_examples=30)  # for each of 48 parameters, of a few types
 def test_any_value_is_taken_whole_or_refused_in_words(kind, name, raw):
     parameters = OfflineParameters(kind)
     defaults = parameters.values

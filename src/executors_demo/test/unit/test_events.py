@@ -21,7 +21,7 @@ EVENTS = st.builds(
 )
 
 
-@given(st.lists(EVENTS))
+@given(st.lists(EVENTS, max_size=4))
 def test_all_that_was_printed_is_read(events: List[Event]) -> None:
     assert list(read([f"[INFO] [1795315083.4]: {event}\n" for event in events])) == events
 

@@ -3,7 +3,7 @@
 from typing import List
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from serial_link.framing.decoder import (
@@ -82,7 +82,6 @@ def test_damage_raises_nothing_and_only_sums_that_hold_come_through(
         assert encode(*frame) in data
 
 
-@settings(max_examples=300)
 @given(st.binary(max_size=60), plain, st.lists(st.integers(0, 10_000)))
 def test_two_good_messages_after_any_damage_it_is_in_step_again(
     damage: bytes, messages: List[Frame], cuts: List[int]

@@ -63,11 +63,10 @@ def test_whatever_comes_is_read_or_refused(decode: Callable[[bytes], Any], data:
         pass
 
 
-@given(infos, st.data())
-def test_a_topic_that_is_cut_or_goes_on_is_refused(info: TopicInfo, data: Any) -> None:
+@given(infos, st.integers(0, 10_000))
+def test_a_topic_that_is_cut_or_goes_on_is_refused(info: TopicInfo, cut: int) -> None:
     payload = payloads.encode_topic(info)
-    cut = data.draw(st.integers(0, len(payload) - 1))
-    for wrong in (payload[:cut], payload + b"\0"):
+    for wrong in (payload[: cut % len(payload)], payload + b"\0"):
         with pytest.raises(PayloadError):
             payloads.decode_topic(wrong)
 

@@ -1,5 +1,6 @@
 """What each tier of tests consists of."""
 
+import dataclasses
 import pathlib
 import sys
 from typing import Callable, Dict, List, Optional, Set
@@ -174,21 +175,31 @@ def declared_time(test: pathlib.Path) -> float:
 def ros2() -> List[Step]:
     """Return the steps that make an environment with ROS 2, and test the bridge in it."""
     environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
-    places = sorted(SOURCES.glob("*/test/ros2/test_*.py"))
-    return [environment, *(ros2_step(place, after=environment.name) for place in places)]
+    steps = [environment]
+    for place in sorted(SOURCES.glob("*/test/ros2")):
+        for marked in ("shared_bridge", "not shared_bridge"):
+            step = ros2_step(place, name=marked.replace("_", " "), after=environment.name)
+            step.command.extend(["-m", marked])
+            steps.append(step)
+    return steps
 
 
-def ros2_step(place: pathlib.Path, test: str = "", after: str = "") -> Step:
-    """Return the step that runs a file of tests with ROS 2.
+def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = "") -> Step:
+    """Return the step that runs tests with ROS 2.
 
     Its Python is that of build/ros2, which takes pytest, like rospy, from Debian's folder.
+
+    :param place: a file or a folder
+    :param test: the only test of the file to run
+    :param name: of the step, if not the file's
+    :param after: the step that it needs
     """
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
-    step = pytest_step("ros2", place.stem, place, test, 300.0)
+    step = pytest_step("ros2", name or place.stem, place, test, 1200.0)
     python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
     command = ["env", path, python, *step.command[1:]]
-    return Step("ros2", place.stem, command, 300.0, True, after, step.repeat)
+    return dataclasses.replace(step, command=command, after=after)
 
 
 def single(place: pathlib.Path, test: str) -> List[Step]:

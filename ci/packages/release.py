@@ -27,7 +27,7 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 #: what was interrupted begins anew.
 PREPARE = [
     ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
-    + ["src/basic_comms/test/integration/dumped_parameters.test"]
+    + ["src/basic_comms/test/extended/dumped_parameters.test"]
 ]
 #: Checks that nothing runs beside: what is timed. (Of the tiers only that which makes the pages is
 #: run here: the rooms run all.)

@@ -24,7 +24,7 @@ extensions = [
     "docs._ext.drive_plots",
     "docs._ext.waveform_plots",
 ]
-exclude_patterns = ["_build", "_generated"]
+exclude_patterns = ["_build", "_generated", "tests"]
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 3
 launch_tables_folder = str(PACKAGE / "launch")

@@ -1,11 +1,11 @@
 """The typist of the pages notices a line that does not do what it says."""
 
 import os
-import signal
 from typing import Iterator
 
 import pytest
-from helpers.page_commands import Line, Typist, lines_of
+from typist import Line, Typist, lines_of
+from warm_python import WarmPython
 
 PAGE = """
 ```sh
@@ -28,18 +28,16 @@ $ four
 
 @pytest.fixture(scope="module", autouse=True)
 def own_surroundings() -> Iterator[None]:
-    """Keep what the typist changes, and let programs heed Ctrl-C also in the background."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Restore what the typist changes."""
     uri = os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
     yield
     os.environ["ROS_MASTER_URI"] = uri
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="module")
-def typist(own_surroundings: None) -> Iterator[Typist]:
+def typist(python: WarmPython, own_surroundings: None) -> Iterator[Typist]:
     """Return a typist on whose master there is a talker."""
-    with Typist() as typist:
+    with Typist(python) as typist:
         typist.type("rosrun basic_comms talker.py")
         yield typist
 
@@ -118,11 +116,11 @@ def test_a_value_that_is_not_judged_as_the_page_says(
         ("roslaunch basic_comms talker_listener.launch wrong:=1", "has no argument wrong"),
     ],
 )
-def test_what_does_not_come_up(command: str, reason: str) -> None:
-    with pytest.raises(AssertionError, match=reason), Typist() as typist:
+def test_what_does_not_come_up(python: WarmPython, command: str, reason: str) -> None:
+    with pytest.raises(AssertionError, match=reason), Typist(python) as typist:
         typist.type(command)
 
 
-def test_a_parameter_that_a_node_does_not_have() -> None:
-    with pytest.raises(AssertionError, match="rat is not used"), Typist() as typist:
+def test_a_parameter_that_a_node_does_not_have(python: WarmPython) -> None:
+    with pytest.raises(AssertionError, match="rat is not used"), Typist(python) as typist:
         typist.type("rosrun basic_comms talker.py _rat:=2")

@@ -18,12 +18,15 @@ from xml.etree import ElementTree
 
 import rospy
 import yaml
-from helpers.job import Job
-from helpers.tutorial import WORKSPACE, PageError
+from job import Job
+from master import PrivateMaster
+from pages import WORKSPACE, environment_of_reader
+from reader import PageError
+from warm_python import WarmPython
 
 from nodekit.testing.graph import Graph
 from nodekit.testing.launching import launch_file
-from nodekit.testing.processes import Master, free_port
+from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
@@ -78,23 +81,23 @@ class Typist:
 
     The master becomes that of this process, so a process has one typist at a time.
 
+    :param python: runs the commands that are Python programs
     :param timeout: how long one command may take to do what it shall, s
     """
 
-    def __init__(self, timeout: float = 40.0) -> None:
+    def __init__(self, python: WarmPython, timeout: float = 40.0) -> None:
+        self._python = python
         #: How long to wait, as above.
         self.timeout = timeout
-        self._master = Master()
+        self._master = PrivateMaster(python)
         os.environ["ROS_MASTER_URI"] = self._master.uri
         self._graph = Graph()
         self._folder = tempfile.TemporaryDirectory()
         self._home = Path(self._folder.name)
         (self._home / "ci").symlink_to(WORKSPACE / "ci")
-        self._environment = dict(
-            os.environ,
+        self._environment = environment_of_reader(
             BROWSER="true",  # opens nothing
             HOME=self._folder.name,
-            PYTHONUNBUFFERED="1",
             ROS_LOG_DIR=str(self._home / "log"),
             TERM="dumb",
         )
@@ -117,7 +120,7 @@ class Typist:
                 self._wait(lambda: not self._left(), lambda: f"{self._left()} stay")
                 self._look_into_logs()
         finally:
-            self._master.kill()
+            self._master.end()
             self._folder.cleanup()
 
     def type(self, command: str) -> None:
@@ -159,7 +162,7 @@ class Typist:
     def _run(self, command: str) -> None:
         """Run a command that ends."""
         refused = _REFUSED in command and not command.startswith("rosparam")
-        job = self._start(command)
+        job = self._start(command, goes_on=False)
         if not job.ended_by(time.monotonic() + self.timeout):
             job.kill()
             raise PageError(f"it does not end:\n{job.output()}")
@@ -181,7 +184,7 @@ class Typist:
         """Start a command that goes on."""
         _look_at_arguments(command)
         graph = Graph()
-        job = self._start(command)
+        job = self._start(command, goes_on=True)
         words = shlex.split(command, comments=True)
 
         def up() -> bool:
@@ -233,14 +236,16 @@ class Typist:
     def _wait(self, condition: Callable[[], bool], what: Callable[[], str]) -> None:
         wait_until(condition, what, self.timeout)
 
-    def _start(self, command: str) -> Job:
+    def _start(self, command: str, goes_on: bool) -> Job:
         line, hash_, comment = command.partition(" #")
         if "topic_scope scope." in line:  # beside one that somebody may have open
             port = free_port()
             line += f" port:={port}" if line.startswith("roslaunch") else f" --port {port}"
         self._count += 1
         output = self._home / f"output{self._count}"
-        return Job(line + hash_ + comment, self._home, self._environment, output)
+        return Job(
+            line + hash_ + comment, self._home, self._environment, output, goes_on, self._python
+        )
 
 
 def _look_at_arguments(command: str) -> None:

@@ -1,23 +1,15 @@
-#!/usr/bin/env python3
 """What the documentation shows without its output, in blocks of the language sh, can be typed."""
 
-import signal
-import unittest
-from concurrent.futures import Future, ProcessPoolExecutor
-from typing import Callable, Dict, List
+from concurrent.futures import Future
+from typing import Dict, List
 
-from helpers.page_commands import Line, Typist, lines_of
-from helpers.tutorial import WORKSPACE, PageError
+import pytest
+from pages import texts_of_pages
+from reader import PageError
+from typist import Line, Typist, lines_of
+from warm_python import WarmPython
 
-from nodekit.testing.running import rosrun
-
-PAGES = {
-    str(page.relative_to(WORKSPACE)): page.read_text()
-    for page in [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
-}
-
-#: They wait for nodes most of the time.
-PAGES_AT_A_TIME = 3
+PAGES = texts_of_pages()
 
 #: What a reader of the page has at that point, as lines to be typed.
 BEFORE: Dict[str, List[str]] = {
@@ -98,22 +90,6 @@ NOT_TYPED = {
 }
 
 
-class Pages(unittest.TestCase):
-    """One more test for each page with a line to type is added below."""
-
-    def test_what_is_not_typed_is_still_there(self) -> None:
-        for page, starts in NOT_TYPED.items():
-            lines = [line.command for line in lines_of(PAGES[page])]
-            self.assertTrue(starts, page)
-            for start in starts:
-                self.assertTrue(any(line.startswith(start) for line in lines), f"{page}: {start}")
-
-    def test_no_block_for_a_shell_is_overlooked(self) -> None:
-        for page, text in PAGES.items():
-            for language in ("bash", "shell", "zsh", "shell-session"):
-                self.assertEqual(lines_of(text, language), [], page)
-
-
 def typed_lines(page: str) -> List[Line]:
     """List the lines of a page that are typed."""
     not_typed = tuple(NOT_TYPED.get(page, {}))
@@ -121,9 +97,14 @@ def typed_lines(page: str) -> List[Line]:
     return [line for line in lines if not line.command.startswith(not_typed)]
 
 
-def type_page(page: str) -> None:
+def effort(page: str) -> int:
+    """Estimate how long a page takes."""
+    return sum(10 if "launch" in line.command else 1 for line in typed_lines(page))
+
+
+def type_page(page: str, python: WarmPython) -> None:
     """Do all that a page says."""
-    with Typist() as typist:
+    with Typist(python) as typist:
         for command in BEFORE.get(page, []):
             typist.type(command)
         for line in typed_lines(page):
@@ -133,15 +114,20 @@ def type_page(page: str) -> None:
                 raise PageError(f"{page}:{line.number}: {line.command}\n{error}") from None
 
 
-def _types(result: "Future[None]") -> Callable[[unittest.TestCase], None]:
-    return lambda self: result.result()
+@pytest.mark.parametrize("page", [page for page in PAGES if typed_lines(page)])
+def test_page_commands_succeed(page: str, typed: "Future[None]") -> None:
+    typed.result()
 
 
-if __name__ == "__main__":
-    # A program started in the background ignores Ctrl-C, and so would all that it starts.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    with ProcessPoolExecutor(PAGES_AT_A_TIME) as pool:
-        for name in filter(typed_lines, PAGES):
-            test_name = "test_" + name.replace("/", "_").replace(".md", "")
-            setattr(Pages, test_name, _types(pool.submit(type_page, name)))
-        rosrun("basic_comms", "page_commands", Pages)
+def test_line_that_is_not_typed_is_still_there() -> None:
+    assert NOT_TYPED
+    for page, starts in NOT_TYPED.items():
+        lines = [line.command for line in lines_of(PAGES[page])]
+        assert starts, page
+        for start in starts:
+            assert any(line.startswith(start) for line in lines), f"{page}: {start}"
+
+
+@pytest.mark.parametrize("language", ["bash", "shell", "zsh", "shell-session"])
+def test_no_page_has_a_block_of_another_shell_language(language: str) -> None:
+    assert [page for page, text in PAGES.items() if lines_of(text, language)] == []

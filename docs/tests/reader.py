@@ -1,18 +1,16 @@
 """Do what a page of the documentation tells its reader to do."""
 
-import os
 import tempfile
 import time
 from pathlib import Path
 from typing import Callable, Dict, List, Optional
 
-from helpers.job import Job
+from job import Job
+from pages import WORKSPACE, environment_of_reader
+from warm_python import WarmPython
 
 from nodekit.testing.console import INTERRUPT, Instruction, find, instructions_of, is_all
 from nodekit.testing.processes import free_ports
-
-#: The root of the workspace, where a reader is.
-WORKSPACE = Path(__file__).resolve().parents[4]
 
 
 class PageError(AssertionError):
@@ -25,18 +23,23 @@ class Reader:
     :param timeout: how long to wait for what the page shows, s; generous, as
         everything goes on at once when it is there
     :param limit: how long a page may take in all, s
+    :param python: runs the commands that are Python programs; all are started anew without it
     """
 
-    def __init__(self, timeout: float = 100.0, limit: float = 300.0) -> None:
+    def __init__(
+        self,
+        timeout: float = 100.0,
+        limit: float = 300.0,
+        python: Optional[WarmPython] = None,
+    ) -> None:
+        self._python = python
         self._timeout = timeout
         self._limit = limit
         self._home = tempfile.TemporaryDirectory()
         self._port, self._scope_port = free_ports(2)
-        self._environment = dict(
-            os.environ,
+        self._environment = environment_of_reader(
             COLUMNS="80",
             HOME=self._home.name,
-            PYTHONUNBUFFERED="1",
             ROS_MASTER_URI=f"http://localhost:{self._port}",
             TERM="dumb",
         )
@@ -81,7 +84,7 @@ class Reader:
         deadline = time.monotonic() + self._timeout
         tried: Optional[Job] = None
         while tried is None or time.monotonic() < deadline:
-            job = self._start(instruction.typed)
+            job = self._start(instruction.typed, goes_on=False)
             if not job.ended_by(deadline):
                 job.kill()
                 tried = tried or job
@@ -101,7 +104,7 @@ class Reader:
             previous = self._terminals.get(terminal)
             if previous and not previous.ended_by(time.monotonic() + self._timeout):
                 raise _wrong(instruction, f"{terminal} is busy", previous.output())
-            self._terminals[terminal] = self._start(instruction.typed)
+            self._terminals[terminal] = self._start(instruction.typed, goes_on=True)
         job = self._job(instruction, terminal)
         self._wait_for(instruction, job, lambda: find(instruction.expected, job.output(), job.seen))
 
@@ -133,13 +136,13 @@ class Reader:
             raise _wrong(instruction, f"nothing was started in {terminal}", "")
         return self._terminals[terminal]
 
-    def _start(self, command: str) -> Job:
+    def _start(self, command: str, goes_on: bool) -> Job:
         if command.split()[0] == "roscore":  # alone among the tools it ignores ROS_MASTER_URI
             command += f" -p {self._port}"
         if "topic_scope scope.py" in command:  # beside one that somebody may have open
             command += f" --port {self._scope_port}"
         output = Path(self._home.name, f"output{len(self._jobs)}")
-        job = Job(command, WORKSPACE, self._environment, output)
+        job = Job(command, WORKSPACE, self._environment, output, goes_on, self._python)
         self._jobs.append(job)
         return job
 

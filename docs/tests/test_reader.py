@@ -1,23 +1,13 @@
 """The reader of tutorials does what a page says, and notices what is wrong on it."""
 
 import re
-import signal
 from pathlib import Path
-from typing import Iterator
 
 import pytest
-from helpers.tutorial import PageError, Reader
+from reader import PageError, Reader
 
 TERMINAL = "```{code-block} console\n:caption: Terminal 1\n\n%s\n```\n"
 CONSOLE = "```console\n%s\n```\n"
-
-
-@pytest.fixture(autouse=True)
-def interruptible() -> Iterator[None]:
-    """Let programs heed Ctrl-C also where the tests run in the background."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 def assert_wrong(page: str, reason: str) -> None:

@@ -1,0 +1,37 @@
+"""What the documentation shows of a console is what its readers see."""
+
+from concurrent.futures import Future
+
+import pytest
+from pages import texts_of_pages
+from reader import Reader
+from warm_python import WarmPython
+
+from nodekit.testing.console import instructions_of
+
+#: Needs ROS 2: typed by a test of ros2_bridge.
+IN_ROS2 = "docs/tutorials/robot_from_ros2.md"
+PAGES = {page: text for page, text in texts_of_pages().items() if page != IN_ROS2}
+
+
+def effort(page: str) -> int:
+    """Estimate how long a page takes."""
+    typed = [instruction.typed or "" for instruction in instructions_of(PAGES[page])]
+    return sum(10 if "launch" in command or "judge" in command else 1 for command in typed)
+
+
+def type_page(page: str, python: WarmPython) -> None:
+    """Do all that a page says."""
+    with Reader(python=python) as reader:
+        reader.follow(PAGES[page])
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if instructions_of(PAGES[page])])
+def test_page_shows_what_its_commands_print(page: str, typed: "Future[None]") -> None:
+    typed.result()
+
+
+def test_every_tutorial_has_a_command() -> None:
+    silent = [page for page in PAGES if not instructions_of(PAGES[page])]
+    tutorials = [page for page in silent if page.startswith("docs/tutorials/")]
+    assert tutorials == ["docs/tutorials/index.md"]

@@ -3,7 +3,7 @@
 import tempfile
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, Iterable, List, Optional
 
 from job import Job
 from pages import WORKSPACE, environment_of_reader
@@ -11,6 +11,9 @@ from warm_python import WarmPython
 
 from nodekit.testing.console import INTERRUPT, Instruction, find, instructions_of, is_all
 from nodekit.testing.processes import free_ports
+
+#: First and longest pause before a command is run again [s].
+_SHORTEST_S, _LONGEST_S = 0.1, 1.0
 
 
 class PageError(AssertionError):
@@ -20,10 +23,11 @@ class PageError(AssertionError):
 class Reader:
     """Follows pages on a master of its own, in a home directory of its own.
 
-    :param timeout: how long to wait for what the page shows, s; generous, as
-        everything goes on at once when it is there
-    :param limit: how long a page may take in all, s
+    :param timeout: how long to wait for what the page shows [s]; generous, as everything goes on at
+        once when it is there. A command that ends may take longer: the rest of the limit
+    :param limit: how long a page may take in all [s]
     :param python: runs the commands that are Python programs; all are started anew without it
+    :param started_anew: beginnings of commands that are started anew even so
     """
 
     def __init__(
@@ -31,8 +35,11 @@ class Reader:
         timeout: float = 100.0,
         limit: float = 300.0,
         python: Optional[WarmPython] = None,
+        started_anew: Iterable[str] = (),
     ) -> None:
         self._python = python
+        self._started_anew = tuple(started_anew)
+        self._end = float("inf")
         self._timeout = timeout
         self._limit = limit
         self._home = tempfile.TemporaryDirectory()
@@ -65,10 +72,10 @@ class Reader:
         :raises PageError: if one does not show what the page says
         """
         instructions = instructions_of(page)
-        end = time.monotonic() + self._limit
+        self._end = time.monotonic() + self._limit
         for instruction in instructions:
-            if time.monotonic() > end:
-                raise _wrong(instruction, f"the page takes longer than {self._limit:g} s", "")
+            if time.monotonic() > self._end:
+                raise self._too_long(instruction, "")
             if instruction.terminal is None:
                 self._run(instruction)
             elif instruction.typed == INTERRUPT:
@@ -83,19 +90,20 @@ class Reader:
             raise _wrong(instruction, "there is nothing to type outside of a terminal", "")
         deadline = time.monotonic() + self._timeout
         tried: Optional[Job] = None
+        pause = _SHORTEST_S
         while tried is None or time.monotonic() < deadline:
             job = self._start(instruction.typed, goes_on=False)
-            if not job.ended_by(deadline):
+            if not job.ended_by(self._end):
                 job.kill()
-                tried = tried or job
-                break
+                raise self._too_long(instruction, (tried or job).output())
             tried = job
             # A failure is fine where the page shows it.
             if is_all(instruction.expected, job.output()) and (
                 instruction.expected or job.status == 0
             ):
                 return
-            time.sleep(0.1)
+            time.sleep(pause)
+            pause = min(2.0 * pause, _LONGEST_S)
         raise _wrong(instruction, f"status {tried.status}", tried.output())
 
     def _watch(self, instruction: Instruction, terminal: str) -> None:
@@ -131,6 +139,9 @@ class Reader:
                 raise _wrong(instruction, f"status {job.status}", job.output()[job.seen :])
             time.sleep(0.05)
 
+    def _too_long(self, instruction: Instruction, output: str) -> PageError:
+        return _wrong(instruction, f"the page takes longer than {self._limit:g} s", output)
+
     def _job(self, instruction: Instruction, terminal: str) -> Job:
         if terminal not in self._terminals:
             raise _wrong(instruction, f"nothing was started in {terminal}", "")
@@ -142,7 +153,8 @@ class Reader:
         if "topic_scope scope.py" in command:  # beside one that somebody may have open
             command += f" --port {self._scope_port}"
         output = Path(self._home.name, f"output{len(self._jobs)}")
-        job = Job(command, WORKSPACE, self._environment, output, goes_on, self._python)
+        python = None if command.startswith(self._started_anew) else self._python
+        job = Job(command, WORKSPACE, self._environment, output, goes_on, python)
         self._jobs.append(job)
         return job
 

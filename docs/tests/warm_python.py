@@ -38,9 +38,7 @@ PRELOADED = (
     "matplotlib.backends.backend_svg",
     "matplotlib.figure",
     "nav_msgs.msg",
-    "nodekit.commands.change",
-    "nodekit.commands.describe",
-    "nodekit.process.run",
+    "nodekit",
     "numpy",
     "rosbag",
     "roscpp.srv",
@@ -273,6 +271,9 @@ def _become(program: Program) -> None:
 def _main() -> None:
     for name in PRELOADED:
         importlib.import_module(name)
+    nodekit = sys.modules["nodekit"]
+    for name in nodekit.__all__:  # which it imports when it is asked for them
+        getattr(nodekit, name)
     assert threading.active_count() == 1, "a fork would be without the other threads"
     gc.collect()
     gc.freeze()

@@ -8,7 +8,7 @@ import genpy
 import pytest
 import rosbag
 from bags import BEGIN, serialized, write_bag
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, Int32, String
 
@@ -48,6 +48,7 @@ def as_read_by_rosbag(path: str, wanted: Set[str]) -> List[Tuple[int, str, bytes
         )
 
 
+@settings(max_examples=30)
 @given(
     messages, st.sets(st.sampled_from(["/a", "/b", "/c"])), st.sampled_from(["none", "bz2", "lz4"])
 )
@@ -66,6 +67,7 @@ def test_all_messages_of_the_wanted_topics_come(
     bag.close()
 
 
+@settings(max_examples=30)
 @given(messages, st.integers(0, 10**10))
 def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
     tmp_path_factory: "pytest.TempPathFactory", told: List[Tuple[str, int, int]], after: int
@@ -124,6 +126,7 @@ def in_order(chunks: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
     return found
 
 
+@settings(max_examples=30)
 @given(messages, st.integers(0, 10**10), st.none() | st.integers(0, 10**10))
 def test_messages_of_a_range_come_in_order_with_exact_times(
     tmp_path_factory: "pytest.TempPathFactory",
@@ -235,6 +238,7 @@ def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
     assert "x.bag is broken (" in refusal(path)
 
 
+@settings(max_examples=30)
 @given(st.data())
 def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
     tmp_path_factory: "pytest.TempPathFactory", data: st.DataObject

@@ -8,7 +8,7 @@ import genpy
 import pytest
 import rosbag
 from bags import BEGIN
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Int32
 
@@ -92,6 +92,7 @@ steps = st.lists(
 )
 
 
+@settings(max_examples=30)
 @given(steps, st.sampled_from([0.0, 1e-3]))
 def test_what_comes_out_is_what_the_clock_has_passed(
     bag: BagFile, steps: List[Tuple[str, int]], step: float

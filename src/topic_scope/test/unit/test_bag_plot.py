@@ -140,7 +140,7 @@ def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
     assert [line.get_marker() for line in axes.lines] == [".", ""]
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(st.lists(st.floats(), min_size=1, max_size=5))
 @pytest.mark.filterwarnings("error")
 def test_any_values_can_be_plotted(

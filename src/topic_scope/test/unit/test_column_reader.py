@@ -8,7 +8,7 @@ from typing import List, Tuple
 
 import genpy
 from bags import Told, reading, slices
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
 
@@ -27,6 +27,7 @@ def same(one: float, other: float) -> bool:
     return one == other or math.isnan(one) and math.isnan(other)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.integers(0, 10**15), st.floats()), min_size=1).map(sorted))
 def test_every_float_and_every_time_can_be_read_back_exactly(
     recorded: List[Tuple[int, float]]
@@ -38,11 +39,13 @@ def test_every_float_and_every_time_can_be_read_back_exactly(
     assert all(same(float(w), value) for (_, w), (_, value) in zip(written, recorded))
 
 
+@settings(max_examples=30)
 @given(st.integers(-(2**63), 2**63 - 1))
 def test_whole_numbers_are_not_rounded(value: int) -> None:
     assert rows([Column("/x", ("data",))], [(0, "/x", Int64(value))])[1][1] == str(value)
 
 
+@settings(max_examples=30)
 @given(st.integers(-(10**18), 10**18))
 def test_seconds_are_not_rounded(nanoseconds: int) -> None:
     assert Decimal(exact_seconds(nanoseconds)) == Decimal(nanoseconds).scaleb(-9)

@@ -5,7 +5,7 @@ import io
 from typing import List
 
 import numpy
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
@@ -19,6 +19,7 @@ def both(time: object, received: object) -> str:
 TIMES = st.lists(st.floats(0.0, 2e9), max_size=30, unique=True).map(sorted)
 
 
+@settings(max_examples=30)
 @given(TIMES, TIMES, st.randoms(use_true_random=False))
 def test_the_numbers_come_back_exactly(
     one: List[float], other: List[float], random: object

@@ -1,7 +1,7 @@
 """A robot moves as long as it is told to: one zero, then silence."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.robots.dead_man import HOLD_S, STOP, DeadMan, Velocity
@@ -61,6 +61,7 @@ def test_clocks_that_drift_apart_do_not_count(drift: float) -> None:
         assert switch.accept(AHEAD, now * (1.0 + drift), now) == AHEAD
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), max_size=50))
 def test_whatever_comes_a_robot_never_moves_on_for_longer(steps: list) -> None:
     """Told of each moment at which a zero is due, nothing is in force for longer than HOLD_S."""

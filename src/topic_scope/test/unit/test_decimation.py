@@ -4,7 +4,7 @@ import math
 from typing import Dict, List, Tuple
 
 import numpy
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.decimation import FEW, PLACES, all_bins, as_json, bin_of, extremes
@@ -38,6 +38,7 @@ def expected_bins(samples: Samples, width: float) -> Dict[int, List[float]]:
     }
 
 
+@settings(max_examples=30)
 @given(SAMPLES, st.floats(0.001, 2.0), st.integers(-5, 100), st.integers(0, 200))
 def test_each_bin_has_the_extremes_of_its_samples(
     pairs: list, width: float, skipped: int, count: int
@@ -52,6 +53,7 @@ def test_each_bin_has_the_extremes_of_its_samples(
         assert result[2 * index : 2 * index + 2] == bounds
 
 
+@settings(max_examples=30)
 @given(st.lists(SAMPLES, min_size=1, max_size=3), st.floats(0.001, 2.0), st.integers(-5, 50))
 def test_samples_that_are_few_in_their_bin_have_their_places(
     traces: list, width: float, skipped: int
@@ -74,6 +76,7 @@ def test_samples_that_are_few_in_their_bin_have_their_places(
                 assert [one for _, one in told] == [-1, -1]
 
 
+@settings(max_examples=30)
 @given(SAMPLES, st.floats(0.1, 2.0), st.lists(st.floats(0.0, 5.0), max_size=12))
 def test_lines_end_where_samples_are_missing_however_the_frames_fall(
     pairs: list, longest: float, moments: list
@@ -126,6 +129,7 @@ def _same(moment: float) -> float:
     return moment
 
 
+@settings(max_examples=30)
 @given(SAMPLES, st.lists(st.floats(0.0, 5.0), max_size=12), st.sampled_from([0.5, 2.0, 4.0]))
 def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, window: float) -> None:
     """However the frames fall, nothing is lost and nothing is left over."""
@@ -236,6 +240,7 @@ def test_a_span_that_ends_later_goes_on_until_then() -> None:
     assert [frame is not None for frame in frames] == [True, True, True, True, False]
 
 
+@settings(max_examples=30)
 @given(SAMPLES, st.lists(st.floats(0.0, 2.0), max_size=60), st.lists(st.floats(0.0, 5.0)))
 def test_samples_that_come_late_are_shown_where_they_belong(
     pairs: list, delays: list, moments: list

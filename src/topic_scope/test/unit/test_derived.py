@@ -83,6 +83,7 @@ def test_an_angle_turns_on_and_on(cuts: List[int], step: float, start: float) ->
     assert found == pytest.approx(turned, abs=1e-9)
 
 
+@settings(max_examples=30)
 @given(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1), st.floats(0.1, 10.0))
 def test_the_yaw_of_a_quaternion(yaw: float, pitch: float, roll: float, length: float) -> None:
     (cy, sy), (cp, sp), (cr, sr) = (
@@ -95,6 +96,7 @@ def test_the_yaw_of_a_quaternion(yaw: float, pitch: float, roll: float, length: 
     assert numpy.isnan(make("yaw")(numpy.zeros(1), numpy.zeros((4, 1)), math.inf)[1][0])
 
 
+@settings(max_examples=30)
 @given(st.sampled_from(FUNCTIONS), st.lists(st.floats(), max_size=30))
 def test_anything_can_be_computed(name: str, values: List[float]) -> None:
     rows = numpy.array([values] * len(parts(name)), float)

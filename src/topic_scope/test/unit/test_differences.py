@@ -149,7 +149,7 @@ names = st.sampled_from(
 
 
 @given(names, moments, regular, st.lists(st.floats(0.0, 3.5), max_size=8), st.booleans())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_frames_add_up_whichever_comes_late(
     name: str, first: List[float], second: List[float], looks: List[float], is_forgotten: bool
 ) -> None:

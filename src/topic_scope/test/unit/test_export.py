@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.export import Export, export_of
@@ -30,6 +30,7 @@ def test_a_time_that_is_none_is_refused(time: Any) -> None:
 ANYTHING = st.none() | st.text(max_size=8) | st.floats() | st.lists(st.text(max_size=8), max_size=3)
 
 
+@settings(max_examples=30)
 @given(st.dictionaries(st.sampled_from(["fields", "start", "end"]), ANYTHING))
 def test_whatever_comes_is_understood_or_refused(request: Any) -> None:
     try:

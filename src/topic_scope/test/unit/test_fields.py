@@ -5,7 +5,7 @@ import math
 from typing import Any, List
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosgraph_msgs.msg import Log, TopicStatistics
 from sensor_msgs.msg import JointState
@@ -65,6 +65,7 @@ def test_what_is_no_name_is_refused(name: str) -> None:
         fields.expand(name)
 
 
+@settings(max_examples=30)
 @given(st.lists(NAMES, min_size=1, max_size=4), st.lists(NAMES, max_size=3))
 def test_the_longest_topic_is_taken(topic: List[str], rest: List[str]) -> None:
     name = "/" + "/".join(topic)
@@ -76,6 +77,7 @@ def test_a_name_without_a_topic_stands_for_nothing() -> None:
     assert fields.split("/signal/signal_y", ["/sig", "/signal/signal_y/more"]) is None
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(NAMES, st.lists(st.integers(0, 999), max_size=2)), max_size=4))
 def test_path_and_text_are_the_same(parts: List[tuple]) -> None:
     path = tuple(item for name, indices in parts for item in (name, *indices))
@@ -155,6 +157,7 @@ def test_what_is_decoded_is_what_the_object_has() -> None:
     assert (stamp.value(wire(messages[0])), stamp.is_time) == (12500000000, True)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.lists(st.floats(width=64), max_size=5), min_size=1, max_size=5))
 def test_elements_are_read_also_behind_text(rows: List[List[float]]) -> None:
     messages = [Float64MultiArray(data=row) for row in rows]
@@ -197,6 +200,7 @@ def test_what_is_behind_an_array_is_none_of_its_elements() -> None:
     assert [repr(value) for value in values.tolist()] == ["nan", "8.0"]
 
 
+@settings(max_examples=30)
 @given(st.binary(max_size=200))
 def test_garbage_is_no_number_but_no_error_either(data: bytes) -> None:
     for message_class in (Log, TopicStatistics, Float64MultiArray):

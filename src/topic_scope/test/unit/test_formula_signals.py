@@ -54,7 +54,7 @@ def one_by_one(times: numpy.ndarray, values: numpy.ndarray, cutoff: float) -> nu
     st.lists(st.tuples(st.floats(1e-4, 2.0), st.floats(-5.0, 5.0)), min_size=1, max_size=60),
     st.floats(0.02, 1e4),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_a_low_pass_is_what_it_is_sample_by_sample(
     samples: List[Tuple[float, float]], cutoff: float
 ) -> None:
@@ -104,7 +104,7 @@ def test_a_signal_is_known_between_its_samples_and_not_beyond_them_or_in_a_gap()
     st.lists(st.tuples(st.floats(0.01, 1.0), st.floats(-5.0, 5.0)), min_size=2, max_size=40),
     st.floats(0.0, 3.0),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_the_highest_and_the_lowest_value_around_a_time(
     samples: List[Tuple[float, float]], seconds: float
 ) -> None:

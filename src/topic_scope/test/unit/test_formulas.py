@@ -128,7 +128,7 @@ SPANS = st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0))
     ),
     SPANS,
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_a_part_of_it_is_the_same_as_that_part_of_all(text: str, span: List[float]) -> None:
     tree = read_formula(text).tree
     start, end = span[0], span[0] + span[1]
@@ -270,7 +270,7 @@ FRAGMENTS = st.lists(
 @example("(" * 500)
 @example("-" * 499 + "1")
 @example("9" * 500)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_whatever_is_typed_it_is_read_or_refused_and_only_listed_nodes_are_used(text: str) -> None:
     try:
         formula = read_formula(text)
@@ -328,6 +328,7 @@ def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None
         with_letters("=b", ["/s/y"])
 
 
+@settings(max_examples=30)
 @given(st.sampled_from([*TRUTHS, "delay(/p/x,-.5)", "a - 2*b"]))
 def test_a_formula_that_was_written_is_read_as_the_same(text: str) -> None:
     words = words_of(text)

@@ -4,7 +4,7 @@ import math
 
 import numpy
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.robots.frames import IDENTITY, Frames, Transform, transform_of
@@ -32,6 +32,7 @@ transforms = st.builds(
 )
 
 
+@settings(max_examples=30)
 @given(transforms, transforms)
 def test_transforms_are_put_together_as_matrices_are(one: Transform, other: Transform) -> None:
     expected = matrix(one) @ matrix(other)
@@ -40,6 +41,7 @@ def test_transforms_are_put_together_as_matrices_are(one: Transform, other: Tran
     assert numpy.allclose(flat, [*expected[:2, 0], *expected[:2, 1], *expected[:2, 3]], atol=1e-9)
 
 
+@settings(max_examples=30)
 @given(st.floats(-3.1, 3.1))
 def test_a_heading_is_the_angle_of_the_nose(angle: float) -> None:
     assert turned(angle).heading == pytest.approx(angle, abs=1e-12)

@@ -3,7 +3,7 @@
 from typing import List
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.graph.graph import Rates, graph_message
@@ -42,6 +42,7 @@ def test_the_log_and_the_scope_itself_are_left_out() -> None:
     ]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.integers(0, 1000), min_size=1, max_size=10), st.floats(0.5, 5.0))
 def test_a_rate_is_messages_by_time(steps: List[int], period: float) -> None:
     rates, count = Rates(), 0

@@ -5,7 +5,7 @@ from typing import List
 
 import numpy
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.measurements import figures, phase
@@ -24,6 +24,7 @@ def step(damping: float) -> numpy.ndarray:
     return 1.0 - numpy.exp(-damping * omega * times) * values
 
 
+@settings(max_examples=30)
 @given(st.floats(0.05, 0.8), scales, st.floats(-1e3, 1e3))
 def test_a_step_of_first_order(tau: float, height: float, low: float) -> None:
     values = low + height * (1.0 - numpy.exp(-numpy.maximum(TIMES, 0.0) / tau))
@@ -35,6 +36,7 @@ def test_a_step_of_first_order(tau: float, height: float, low: float) -> None:
     assert found["duty"].value is None
 
 
+@settings(max_examples=30)
 @given(st.floats(0.4, 0.9), scales)
 def test_a_step_of_second_order_overshoots(damping: float, height: float) -> None:
     found = figures(EPOCH + TIMES, height * step(damping))
@@ -42,6 +44,7 @@ def test_a_step_of_second_order_overshoots(damping: float, height: float) -> Non
     assert found["overshoot"].value == pytest.approx(expected, abs=0.2)
 
 
+@settings(max_examples=30)
 @given(st.floats(0.6, 20.0), st.floats(0.0, 6.28), scales)
 def test_a_sine_rises_as_it_does(frequency: float, at: float, peak: float) -> None:
     found = figures(EPOCH + TIMES, peak * numpy.sin(2 * math.pi * frequency * TIMES + at))
@@ -50,6 +53,7 @@ def test_a_sine_rises_as_it_does(frequency: float, at: float, peak: float) -> No
     assert found["settling"].value is None
 
 
+@settings(max_examples=30)
 @given(st.floats(0.1, 0.9), scales, st.floats(-1e3, 1e3))
 def test_a_pulse_train_has_its_duty(duty: float, height: float, low: float) -> None:
     values = low + height * (TIMES % 0.5 < 0.5 * duty)
@@ -57,6 +61,7 @@ def test_a_pulse_train_has_its_duty(duty: float, height: float, low: float) -> N
     assert figures(EPOCH + TIMES, values)["duty"].value == pytest.approx(100.0 * expected, abs=0.5)
 
 
+@settings(max_examples=30)
 @given(st.floats(0.1, 0.9), st.floats(0.0, 0.5))
 def test_nothing_is_measured_across_a_gap(duty: float, at: float) -> None:
     values = ((TIMES - at) % 0.5 < 0.5 * duty).astype(float)
@@ -66,6 +71,7 @@ def test_nothing_is_measured_across_a_gap(duty: float, at: float) -> None:
     assert found["rise"].value == pytest.approx(0.8 * 0.002, abs=1e-4)
 
 
+@settings(max_examples=30)
 @given(st.floats(0.6, 20.0), st.floats(-179.0, 179.0), scales, st.integers(0, 2**32 - 1))
 def test_a_phase_is_told_whatever_the_samples(
     frequency: float, degrees: float, mean: float, seed: int
@@ -98,6 +104,7 @@ def test_no_phase_without_a_wave() -> None:
     assert phase((TIMES[:2], TIMES[:2]), wave).reason == "there are too few samples"
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats() | st.sampled_from([0.0, 1.0, 2.0]), max_size=60), st.integers(0, 20))
 @example([-1.2e308, 0.0, -1.2e308, -1.2e308, 0.0], 0)  # whose sum is not finite
 @example([0.0, 2.0, 0.0, 2.0, 0.0, 2.0], 4)

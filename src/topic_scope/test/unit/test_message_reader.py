@@ -6,7 +6,7 @@ from typing import Any
 import numpy
 import pytest
 from geometry_msgs.msg import Point
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState, LaserScan
@@ -50,6 +50,7 @@ def test_reads_what_was_written(message: Any) -> None:
     assert set(read) == set(message.__slots__) and same(read, message)
 
 
+@settings(max_examples=30)
 @given(st.sampled_from(messages()), st.data())
 def test_what_is_cut_off_or_wrong_is_refused_and_costs_nothing(message: Any, data: Any) -> None:
     reader, whole = MessageReader(layout_of(type(message))), serialized(message)

@@ -5,7 +5,7 @@ import statistics
 from typing import Any, Dict, List
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.page.over_time import OverTime, Variation
@@ -13,6 +13,7 @@ from topic_scope.page.over_time import OverTime, Variation
 numbers = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=50)
 
 
+@settings(max_examples=30)
 @given(numbers, st.sampled_from([0.0, 1e9]))
 def test_a_variation_is_that_of_all_numbers(values: List[float], middle: float) -> None:
     variation, values = Variation(), [middle + value for value in values]

@@ -7,7 +7,7 @@ from typing import List
 import numpy
 import pytest
 from geometry_msgs.msg import PointStamped
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float32
 from test_recorder import FakeSource, header, recording
@@ -124,6 +124,7 @@ def values_in(made: Recorder, start: float, end: float) -> List[float]:
     return [value for value in found.tolist() if not math.isnan(value)]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 3.0), min_size=1, max_size=50, unique=True).map(sorted))
 def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
     """Own times are finer than the scope's, which are large."""

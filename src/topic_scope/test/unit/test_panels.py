@@ -5,7 +5,7 @@ import math
 from typing import Any, Mapping
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodekit import (
@@ -93,6 +93,7 @@ VALUES = (
 )
 
 
+@settings(max_examples=30)
 @given(st.sampled_from([name for name in Gauge.declared if name != "marks"]), VALUES)
 def test_values_are_judged_as_the_node_does(name: str, value: Any) -> None:
     try:

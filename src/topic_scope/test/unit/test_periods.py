@@ -24,6 +24,7 @@ def hertz_of(
     return found.value
 
 
+@settings(max_examples=30)
 @given(st.floats(0.5, 20.0), st.floats(0.0, 6.28), st.floats(-3.0, 3.0))
 def test_a_sine_has_its_frequency(hertz: float, angle: float, mean: float) -> None:
     times = 1.7e9 + numpy.arange(0, math.ceil(10 * hertz) / hertz, 0.002)
@@ -31,6 +32,7 @@ def test_a_sine_has_its_frequency(hertz: float, angle: float, mean: float) -> No
     assert hertz_of(times, values) == pytest.approx(hertz, rel=2e-3)
 
 
+@settings(max_examples=30)
 @given(st.floats(100.0, 2000.0), st.floats(0.0, 1.0), st.floats(1e-3, 1e3), st.floats(-3.0, 3.0))
 @example(100.0, 0.0, 1.0, 0.0)
 def test_two_periods_tell_the_frequency_wherever_they_begin(
@@ -55,6 +57,7 @@ def test_a_square_wave_has_its_frequency() -> None:
     assert hertz_of(times, values) == pytest.approx(2.0, rel=1e-2)
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 390), st.integers(20, 300), st.floats(0.5, 2.0))
 @example(297, 300, 0.5)  # one rise before the gap, one behind it
 @example(305, 264, 0.5113)  # a rise that begins before the gap
@@ -89,7 +92,7 @@ def test_what_crosses_its_mean_twice_in_a_period_has_the_whole_one(other: float)
 
 
 @given(seeds, st.integers(10, 2000))
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_noise_has_no_frequency(seed: int, count: int) -> None:
     values = numpy.random.RandomState(seed).standard_normal(count)
     found = frequency(numpy.arange(count) / 100.0, values)

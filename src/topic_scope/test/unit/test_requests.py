@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.masks.mask import Mask
@@ -220,6 +220,7 @@ def test_a_mask_that_could_never_judge_is_refused(changes: Any, sentence: str) -
         understood(json.dumps({**mask, **changes}))
 
 
+@settings(max_examples=30)
 @given(st.text(max_size=200) | st.binary(max_size=50))
 def test_garbage_is_refused(text: Any) -> None:
     with pytest.raises(RequestError):
@@ -231,6 +232,7 @@ def test_json_that_is_nested_too_deeply_is_refused() -> None:
         understood("[" * 60000)
 
 
+@settings(max_examples=30)
 @given(
     st.sampled_from(["select", "view", "trigger", "set", "call", "graph", "overlay"]),
     st.dictionaries(

@@ -5,7 +5,7 @@ from typing import List, Tuple
 
 import numpy
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.ring import LIMIT, Ring
@@ -35,6 +35,7 @@ def content(ring: Ring, start: float = -9.0, end: float = 1e9) -> List[Tuple[flo
     return list(zip(times.tolist(), values.tolist()))
 
 
+@settings(max_examples=30)
 @given(BATCHES)
 def test_what_is_younger_than_the_history_is_kept(batches: list) -> None:
     ring = Ring(HISTORY)
@@ -46,6 +47,7 @@ def test_what_is_younger_than_the_history_is_kept(batches: list) -> None:
     assert len(kept) == len(ring)
 
 
+@settings(max_examples=30)
 @given(BATCHES, st.integers(1, 50))
 def test_no_more_samples_are_kept_than_allowed(batches: list, limit: int) -> None:
     ring = Ring(1e6, limit)
@@ -53,6 +55,7 @@ def test_no_more_samples_are_kept_than_allowed(batches: list, limit: int) -> Non
     assert content(ring) == everything[-limit:]
 
 
+@settings(max_examples=30)
 @given(BATCHES, st.floats(0.0, 50.0), st.floats(0.0, 50.0))
 def test_a_span_has_its_samples(batches: list, start: float, length: float) -> None:
     ring = Ring(1e6)
@@ -102,6 +105,7 @@ def test_memory_goes_back_when_a_topic_is_quick_no_more(slow: int) -> None:
     assert content(ring) == [(at, at) for at in everything if at >= times[-1] - HISTORY]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.lists(st.floats(0.0, 9.0), max_size=20), max_size=20))
 def test_what_is_late_is_sorted_in_with_the_time_it_was_received(batches: list) -> None:
     ring, everything = Ring(1e6), []
@@ -121,6 +125,7 @@ def test_what_is_moved_makes_a_line_of_its_own() -> None:
     assert repr(content(ring)) == "[(-1.5, 1.0), (-0.5, 2.0), (-0.5, nan), (0.5, 3.0)]"
 
 
+@settings(max_examples=30)
 @given(BATCHES, BATCHES, st.floats(0.0, 40.0), st.floats(0.0, 40.0))
 def test_what_is_pinned_is_kept_however_long_ago_it_was(
     first: list, later: list, start: float, length: float
@@ -140,6 +145,7 @@ def test_what_is_pinned_is_kept_however_long_ago_it_was(
     assert len(content(ring)) == len(ring)
 
 
+@settings(max_examples=30)
 @given(
     BATCHES,
     st.lists(st.lists(st.floats(0.0, 1.0), max_size=20), max_size=20),

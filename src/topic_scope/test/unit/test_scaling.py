@@ -5,7 +5,7 @@ from typing import Any, Tuple
 
 import numpy
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.decimation import as_json, bin_of, lasts
@@ -48,6 +48,7 @@ def test_steps() -> None:
     assert [looks.is_stepped(name) for name in ("/a", "/b", "/c")] == [True, False, False]
 
 
+@settings(max_examples=30)
 @given(
     st.lists(st.tuples(st.floats(0.0, 4.0), st.floats(allow_nan=True)), max_size=60),
     st.floats(0.01, 2.0),

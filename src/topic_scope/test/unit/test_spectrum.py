@@ -98,7 +98,7 @@ def test_a_part_of_few_periods_has_no_figures(averages: int) -> None:
     st.sampled_from([1, 2, 4, 8, 16, 32, 64]),
     st.integers(0, 1000),
 )
-@settings(max_examples=300)
+@settings(max_examples=100)
 @example(1.0, 0.0, "hann", 4, 0)
 def test_a_peak_is_as_sure_as_it_says_or_not_measurable(
     frequency: float, angle: float, window: str, averages: int, seed: int
@@ -135,6 +135,7 @@ def test_a_gap_ends_what_a_spectrum_is_made_of() -> None:
     assert found.amplitudes.max() == pytest.approx(1.0, rel=1e-3)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(), max_size=40), windows, st.integers(1, 5))
 def test_anything_has_a_spectrum_or_none(values: list, window: str, averages: int) -> None:
     with numpy.errstate(all="ignore"):

@@ -5,12 +5,13 @@ from typing import List
 
 import numpy
 import pytest
-from hypothesis import assume, example, given
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.statistics import measure
 
 
+@settings(max_examples=30)
 @given(st.floats(0.5, 20.0), st.floats(0.0, 6.28), st.floats(1e-3, 1e3), st.floats(-1e3, 1e3))
 def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: float) -> None:
     times = 1.7e9 + numpy.arange(0, math.ceil(10 * frequency) / frequency, 0.002)
@@ -24,6 +25,7 @@ def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: f
     assert result["rms"] == pytest.approx(math.hypot(mean, peak / math.sqrt(2)), rel=1e-2)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(), max_size=50), st.sampled_from([1.0, 0.0]))
 @example([0.0, 2.0, 0.0, 2.0, 0.0], 0.0)
 def test_anything_is_measured_and_the_result_is_finite(values: List[float], step: float) -> None:

@@ -5,7 +5,7 @@ from typing import List
 import numpy
 import pytest
 from geometry_msgs.msg import PoseStamped
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float32
 
@@ -50,6 +50,7 @@ def test_what_is_named_is_taken_or_refused_in_words() -> None:
             timestamp_source.path_of(name, layout)
 
 
+@settings(max_examples=30)
 @given(
     st.floats(-1e9, 1e9),
     st.lists(st.floats(0.0, 0.04), min_size=20, max_size=200),

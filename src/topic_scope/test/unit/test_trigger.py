@@ -5,7 +5,7 @@ from typing import List, Optional
 
 import numpy
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.ring import Samples
@@ -20,6 +20,7 @@ def sine(end: float, frequency: float = 1.0, rate: float = 1000.0) -> Samples:
     return times, numpy.sin(2 * math.pi * frequency * times)
 
 
+@settings(max_examples=30)
 @given(st.floats(-0.9, 0.9), st.booleans(), st.floats(0.5, 5.0))
 def test_a_sine_crosses_where_it_does(level: float, rising: bool, frequency: float) -> None:
     found = crossings(*sine(3.0, frequency), level, rising)
@@ -31,6 +32,7 @@ def test_a_sine_crosses_where_it_does(level: float, rising: bool, frequency: flo
     assert inner == pytest.approx(expected, abs=1e-4)
 
 
+@settings(max_examples=30)
 @given(
     st.lists(st.floats(allow_nan=True), max_size=50),
     st.floats(allow_nan=False, allow_infinity=False),
@@ -120,12 +122,14 @@ def test_off_says_so_once() -> None:
     assert told("off", MOMENTS, sine(5.0)) == [("off", None)]
 
 
+@settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 4.9), min_size=1, max_size=30))
 def test_no_crossing_is_missed_however_often_one_looks(moments: List[float]) -> None:
     found = told("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
     assert found[-1] == ("triggered", pytest.approx(1 / 3, abs=1e-5))
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 1000), st.lists(st.floats(0.0, 4.9), max_size=10))
 def test_noise_within_the_hysteresis_makes_no_crossings(seed: int, moments: List[float]) -> None:
     times, values = sine(4.9)

@@ -5,7 +5,7 @@ from typing import List
 
 import numpy
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.analysis.xy import LONGEST, paired, thinned
@@ -19,6 +19,7 @@ def test_fields_of_one_message_are_paired_exactly() -> None:
     assert (paired((TIMES, x), (TIMES, y), 0.05) == [x, y]).all()
 
 
+@settings(max_examples=30)
 @given(st.floats(0.001, 0.009), st.floats(0.5, 2.0))
 def test_what_comes_at_other_times_lies_on_the_line(late: float, radius: float) -> None:
     moments = TIMES[:-1] + late
@@ -35,6 +36,7 @@ def test_nothing_is_made_up() -> None:
     assert paired((TIMES[:0], TIMES[:0]), y, 1.0).shape == (2, 7)
 
 
+@settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(), st.floats()), max_size=50))
 def test_thinned_points_are_some_of_them(pairs: List[tuple]) -> None:
     numbers = numpy.array(pairs, float).reshape(-1, 2).T

@@ -18,8 +18,31 @@ WIDTH, HEIGHT = 1280, 720
 
 #: Where Debian installs it.
 _DRIVER = "/usr/bin/chromedriver"
-#: What is painted: grid and traces.
-_PICTURE = "return document.querySelector('#plot canvas').toDataURL()"
+#: Lets frames be drawn at least so many ms apart; the first one after a pause at once.
+_SLOW_FRAMES = """
+const native = window.requestAnimationFrame.bind(window);
+let drawn = 0;
+window.requestAnimationFrame = (draw) => {
+  const wait = drawn + %d - performance.now();
+  const next = () => native((now) => {
+    drawn = now;
+    draw(now);
+  });
+  return wait > 0 ? setTimeout(next, wait) : next();
+};
+"""
+#: A number that differs where something else is painted: grid and traces.
+_PICTURE = """
+const painted = document.querySelector(arguments[0]);
+const { width, height } = painted;
+const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+copy.drawImage(painted, 0, 0);
+let sum = 0;
+for (const pixel of new Uint32Array(copy.getImageData(0, 0, width, height).data.buffer)) {
+  sum = (Math.imul(sum, 31) + pixel) | 0;
+}
+return sum;
+"""
 #: Ends chromedriver, and removes the profile.
 _GUARD = 'read -r _; kill -KILL "$0"; sleep 1; rm -rf "$1"'
 _TEXT = (
@@ -33,9 +56,11 @@ class Browser:
 
     :param width: of the page, pixels
     :param height: of the page, pixels
+    :param frame_ms: shortest time between two frames [ms]; 0 for as many as the browser draws,
+        which without a graphics card takes most of a core
     """
 
-    def __init__(self, width: int = WIDTH, height: int = HEIGHT) -> None:
+    def __init__(self, width: int = WIDTH, height: int = HEIGHT, frame_ms: int = 0) -> None:
         self._profile = tempfile.mkdtemp()
         self.downloads = Path(self._profile, "downloads")
         options = webdriver.ChromeOptions()
@@ -62,6 +87,9 @@ class Browser:
             start_new_session=True,
         )
         atexit.register(self.close)
+        if frame_ms:
+            script = {"source": _SLOW_FRAMES % frame_ms}
+            self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", script)
         self.resize(width, height)
 
     def close(self) -> None:
@@ -119,6 +147,11 @@ class Browser:
         )
         return path
 
+    def remove_downloads(self) -> None:
+        """Remove the files that pages have saved."""
+        for path in self.downloads.glob("*"):
+            path.unlink()
+
     def text(self, selector: str) -> str:
         """Return the text of all elements that a selector finds, as it is shown at one moment."""
         return str(self.run(_TEXT, selector))
@@ -166,9 +199,12 @@ class Browser:
             if not node["ignored"]
         ]
 
-    def picture(self) -> str:
-        """Return what is painted in the plot, to be compared."""
-        return str(self.run(_PICTURE))
+    def picture(self, selector: str = "#plot canvas") -> int:
+        """Return a number that stands for what is painted in the plot, to be compared.
+
+        :param selector: of another canvas
+        """
+        return int(self.run(_PICTURE, selector))
 
     def errors(self) -> List[str]:
         """Return what the page has complained about since this was asked last."""

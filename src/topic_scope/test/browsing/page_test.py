@@ -1,16 +1,71 @@
-"""What the tests of the page share: one browser and one scope for all tests of a case."""
+"""What the tests of the page share: one browser, and one scope for each command line."""
 
+import csv
+import functools
+import io
+import math
 import unittest
-from typing import ClassVar, List, Sequence
+from typing import Any, ClassVar, Dict, List, Sequence, Tuple
+from urllib.request import urlopen
 
 from browsing.browser import Browser
-from browsing.scope_process import ScopeProcess
+from browsing.scope_process import ScopeProcess, shared_scope
+from browsing.waiting import wait_until
 
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
+#: Time between two frames of the page [ms]: few tests are about the drawing itself.
+FRAME_MS = 150
+_AXIS = {"title": "", "low": None, "high": None}
+#: What a page of the two signals begins with, as a set-up.
+FRESH: Dict[str, Any] = {
+    "fields": [SIGNAL, PROCESSED],
+    **{"hidden": [], "right": [], "colours": {}, "traces": {}},
+    **{"window": 5, "baseWindow": 5, "persistence": 0, "cursors": None, "levels": None},
+    "trigger": {"mode": "off", "field": "", "level": 0, "edge": "rising"},
+    "axes": {"x": {"title": "time, s", "clock": False}, "y": _AXIS, "y2": _AXIS},
+    "chart": {
+        **{"kind": "time", "x": "", "window": "hann", "scale": "dB"},
+        **{"averages": 1, "equal": False},
+    },
+    "measures": {
+        "figures": ["rate", "value", "min", "max", "mean", "rms", "frequency"],
+        **{"against": "", "between": False, "overTime": 0},
+    },
+    **{"panels": True, "view": "scope"},
+}
+FRESH["trigger"].update({"hysteresis": 0, "holdoff": 0, "position": 0.5})
+#: Shows a set-up on a page that is open; references and masks go with the traces before.
+_SHOW = """
+const [setup, done] = arguments;
+for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close();
+document.activeElement.blur();
+document.getElementById("mask-end").click();
+document.getElementById("notice").textContent = "";
+const filter = document.getElementById("filter");
+filter.value = "";
+filter.dispatchEvent(new Event("input", { bubbles: true }));
+window.shownSetups = window.shownSetups ?? 0;
+const show = (part) => new Promise((resolve) => {
+  addEventListener("hashchange", resolve, { once: true });
+  window.shownSetups += 1; // spaces, so that no address is like the one before
+  location.hash = encodeURIComponent(JSON.stringify(part) + " ".repeat(window.shownSetups));
+});
+show({ view: "scope", fields: [] }).then(() => show(setup)).then(() => {
+  const run = document.getElementById("run");
+  if (run.textContent === "Run") run.click();
+  done();
+});
+"""
+
+
+@functools.lru_cache(maxsize=None)
+def shared_browser() -> Browser:
+    """Return the browser that all tests of a process share."""
+    return Browser(frame_ms=FRAME_MS)
 
 
 class BrowserTest(unittest.TestCase):
-    """Has a scope and a browser, which shows nothing yet."""
+    """Has a scope and a browser, which shows what the test before has left."""
 
     #: What the scope's command line says besides the port.
     ARGUMENTS: ClassVar[Sequence[str]] = ()
@@ -19,15 +74,28 @@ class BrowserTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.scope = ScopeProcess(*cls.ARGUMENTS)
-        cls.addClassCleanup(cls.scope.stop)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+        cls.scope = shared_scope(*cls.ARGUMENTS)
+        cls.browser = shared_browser()
         cls.scope.wait_until_served()
+        cls.browser.errors()  # of the tests before
+
+    @classmethod
+    def leave_page(cls) -> None:
+        """Leave the page, after what a set-up does not undo: the next test loads it again."""
+        cls.browser.driver.get("about:blank")
+
+    @classmethod
+    def is_open(cls) -> bool:
+        """Tell whether the browser shows a page of this scope."""
+        return str(cls.browser.driver.current_url).startswith(cls.scope.url + "/")
 
 
 class PageTest(BrowserTest):
-    """Shows the two signals of the course, and checks after each test that nothing was wrong."""
+    """Shows the two signals of the course, and checks after each test that nothing was wrong.
+
+    The page stays open from test to test, and only its set-up begins anew. A test that changes more
+    than a set-up has calls :meth:`leave_page` in the end.
+    """
 
     ARGUMENTS = (SIGNAL, PROCESSED, "--window", "5")
     #: Complaints of the browser that a test provokes.
@@ -35,7 +103,11 @@ class PageTest(BrowserTest):
 
     def setUp(self) -> None:
         self.expected_errors = []
-        self.browser.open(self.scope.url)
+        self.browser.remove_downloads()
+        if self.is_open():
+            self.show()
+        else:
+            self.browser.open(self.scope.url)
         self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
 
     def tearDown(self) -> None:
@@ -45,3 +117,63 @@ class PageTest(BrowserTest):
             if not any(expected in error for expected in self.expected_errors)
         ]
         self.assertEqual(errors, [])
+
+    def show(self, **parts: Any) -> None:
+        """Show a set-up on the page that is open.
+
+        :param parts: of the set-up, in place of those of a new page
+        """
+        self.browser.driver.execute_async_script(_SHOW, {**FRESH, **parts})
+
+    def watch_writing(self) -> None:
+        """Keep what is written on canvases until the end of the test, as they cannot be read."""
+        self.browser.run(
+            "const kind = CanvasRenderingContext2D.prototype; window.written = [];"
+            "window.writeOnCanvas = kind.fillText; kind.fillText = function(text, ...place) {"
+            " window.written.push(text); return window.writeOnCanvas.call(this, text, ...place); };"
+        )
+        self.addCleanup(
+            self.browser.run,
+            "if (window.writeOnCanvas)"
+            " CanvasRenderingContext2D.prototype.fillText = window.writeOnCanvas;",
+        )
+
+    def cell(self, field: str, name: str) -> float:
+        """Return a number of the table; NaN for a dash."""
+        text = self.browser.text(f"#legend tr[data-field='{field}'] [data-cell='{name}']")
+        return math.nan if text in ("", "–") else float(text.replace("−", "-"))
+
+    def csv(self) -> str:
+        """Return the address of the CSV file of what is visible."""
+        link = self.browser.find("#csv")
+        self.browser.run("arguments[0].dispatchEvent(new Event('focus'))", link)
+        return str(link.get_property("href"))
+
+    def samples(self) -> List[Tuple[float, List[str]]]:
+        """Return the rows of the CSV that the page links to."""
+        with urlopen(self.csv()) as answer:
+            head, *rows = csv.reader(io.TextIOWrapper(answer, "utf-8"))
+        self.assertEqual(head[:2], ["time", "received"])
+        return [(float(row[0]), row[2:]) for row in rows]
+
+    def wait_moving(self) -> None:
+        """Wait until the picture changes."""
+        first = self.browser.picture()
+        wait_until(lambda: self.browser.picture() != first, lambda: "the picture stands still")
+
+    def wait_still(self) -> None:
+        """Wait until the picture has been the same for some frames."""
+        seen = [self.browser.picture()]
+
+        def still() -> bool:
+            seen.append(self.browser.picture())
+            return len(seen) > 6 and len(set(seen[-6:])) == 1
+
+        wait_until(still, lambda: "the picture changes")
+
+    def wait_banner(self, text: str) -> None:
+        """Wait until the banner says something; nothing to have it gone."""
+        banner = "#banner:not([hidden]) #banner-text"
+        wait_until(
+            lambda: self.browser.text(banner) == text, lambda: self.browser.text("#banner-text")
+        )

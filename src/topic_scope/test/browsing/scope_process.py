@@ -1,5 +1,7 @@
 """The scope as a process of its own, which a test can end and start again."""
 
+import atexit
+import functools
 import os
 import subprocess
 from urllib.request import urlopen
@@ -50,3 +52,14 @@ class ScopeProcess:
         """End it, and return its exit status."""
         self._process.terminate()
         return self._process.wait(30.0)
+
+
+@functools.lru_cache(maxsize=None)
+def shared_scope(*arguments: str) -> ScopeProcess:
+    """Return the scope that all tests of a process share; it may still be starting.
+
+    :param arguments: what its command line says besides the port
+    """
+    scope = ScopeProcess(*arguments)
+    atexit.register(scope.stop)
+    return scope

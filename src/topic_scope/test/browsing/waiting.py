@@ -1,12 +1,17 @@
 """Wait for a condition on a page that replaces its elements meanwhile."""
 
+import time
 from typing import Callable, Optional, TypeVar
 
 from selenium.common.exceptions import StaleElementReferenceException
 
-from nodekit.testing import waiting
+from nodekit.testing.waiting import TIMEOUT_S
 
 Value = TypeVar("Value")
+
+#: First and longest pause before a condition is asked again [s]. A question to the page takes some
+#: hundredths of a second of processor time, so these are longer than nodekit's.
+_SHORTEST_S, _LONGEST_S = 0.02, 0.16
 
 
 def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], object]) -> Value:
@@ -18,11 +23,15 @@ def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], obje
     :returns: the truthy answer
     :raises AssertionError: when the time is over
     """
-
-    def answer() -> Optional[Value]:
+    deadline, pause = time.monotonic() + TIMEOUT_S, _SHORTEST_S
+    while True:
         try:
-            return condition()
+            answer = condition()
         except StaleElementReferenceException:
-            return None
-
-    return waiting.wait_until(answer, lambda: str(what()))
+            answer = None
+        if answer:
+            return answer
+        if time.monotonic() > deadline:
+            raise AssertionError(f"after {TIMEOUT_S:g} s: {what()}")
+        time.sleep(pause)
+        pause = min(2.0 * pause, _LONGEST_S)

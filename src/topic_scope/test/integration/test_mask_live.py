@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The command that judges a trace by a mask, as a test of a robot would call it on a live graph."""
 
 import csv
@@ -8,10 +7,9 @@ import threading
 import unittest
 from pathlib import Path
 
+import roslib.packages
 import rospy
 from std_msgs.msg import Float64
-
-from nodekit.testing.running import rosrun
 
 PERIOD_S = 0.01
 
@@ -21,7 +19,6 @@ class MaskLive(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        rospy.init_node("test_mask_live")
         cls.error = 0.0
         cls.publishers = [
             rospy.Publisher(f"/{name}", Float64, queue_size=10) for name in ("wanted", "actual")
@@ -41,7 +38,13 @@ class MaskLive(unittest.TestCase):
 
     def judge(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
-            ["rosrun", "topic_scope", "mask.py", "/actual", "--around", "/wanted", *arguments],
+            [
+                roslib.packages.find_node("topic_scope", "mask.py")[0],
+                "/actual",
+                "--around",
+                "/wanted",
+                *arguments,
+            ],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             universal_newlines=True,
@@ -51,7 +54,10 @@ class MaskLive(unittest.TestCase):
 
     def test_the_status_says_whether_it_keeps_within(self) -> None:
         type(self).error = 0.05
-        inside = self.judge("--value", "0.1", "--seconds", "8")
+        for seconds in ("2", "8", "30"):  # longer where a busy machine takes longer to subscribe
+            inside = self.judge("--value", "0.1", "--seconds", seconds)
+            if inside.returncode != 2:
+                break
         self.assertEqual(inside.returncode, 0, inside)
         self.assertRegex(inside.stdout, r"mask: \d{2,} samples inside, 0 outside")
         with tempfile.TemporaryDirectory() as folder:
@@ -68,7 +74,3 @@ class MaskLive(unittest.TestCase):
         nothing = self.judge("--seconds", "1", "--around", "/nobody/data")
         self.assertEqual(nothing.returncode, 2, nothing)
         self.assertIn("nothing could be judged: there is no such topic yet", nothing.stderr)
-
-
-if __name__ == "__main__":
-    rosrun("topic_scope", "mask_live", MaskLive)

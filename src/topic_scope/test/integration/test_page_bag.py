@@ -1,27 +1,22 @@
-#!/usr/bin/env python3
 """A bag is shown as a graph is, on the wire and on the page, where no master is."""
 
-import json
 import math
 import os
 import pathlib
 import re
 import signal
-import subprocess
 import tempfile
 import unittest
-from typing import Any, Dict, List
+from typing import Any, Dict
 from unittest import mock
-from urllib.parse import quote
 
 import genpy
 import rosbag
-import roslib.packages
-import rosunit
 from browsing.browser import Browser
+from browsing.page_test import shared_browser
 from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
-from geometry_msgs.msg import Point, PointStamped, PoseStamped
+from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from selenium.webdriver.common.keys import Keys
 from sensor_msgs.msg import JointState, LaserScan
@@ -33,8 +28,6 @@ from basic_comms.msg import signal_msg
 #: 2023-11-14, 22:13:20 UTC.
 BEGIN, LENGTH_S, RATE_HZ = 1700000000, 20.0, 100.0
 FIELD = "/signal/signal_y"
-#: A sine of 1 Hz, whose messages were recorded late, by these times in turn, s.
-LATE, LATENESS_S = "/late/point/x@stamp", (0.8, 0.4, 0.6)
 
 
 def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
@@ -75,11 +68,6 @@ def record(path: str) -> None:
             message = signal_msg(2.0, 6.2832, 5.0 + time, value)
             received = genpy.Time(BEGIN, index * round(1e9 / RATE_HZ))
             bag.write("signal", message, received)
-            stamped = PointStamped(point=Point(x=math.sin(2.0 * math.pi * time)))
-            stamped.header.stamp = received
-            lateness = genpy.Duration.from_sec(LATENESS_S[index % len(LATENESS_S)])
-            if time < LENGTH_S - 1.0:
-                bag.write("late", stamped, received + lateness)
             if index % RATE_HZ == 50:
                 bag.write("joints", JointState(name=["wheel"], position=[time]), received)
             write_robot(bag, time, received)
@@ -269,99 +257,15 @@ class Bag(unittest.TestCase):
             self.assertIn("this is a bag", page.wait_for("error")["text"])
         self.assertEqual(page.messages("panels"), [])
 
-    def test_a_file_that_is_no_bag_is_told_in_a_sentence(self) -> None:
-        node = roslib.packages.find_node("topic_scope", "scope.py")[0]
-        reasons = {__file__: "is not a bag", self.path + "x": "No such file"}
-        started = {
-            path: subprocess.Popen(
-                [node, "--next-port", "--bag", path],
-                stderr=subprocess.PIPE,
-                universal_newlines=True,
-            )
-            for path in reasons
-        }
-        for path, process in started.items():
-            text = process.communicate(timeout=30.0)[1]
-            self.assertEqual(process.returncode, 1, text)
-            self.assertRegex(text, rf"\Ascope.py: {path}:? {reasons[path]}.*\n\Z")
-
-    def test_late_messages_stand_at_their_stamps(self) -> None:
-        """In the picture, under the cursors and in the file."""
-        page = self.page()
-        page.send("select", fields=[LATE])
-        self.play(page, time=BEGIN + 10.0, playing=False, speed=1.0)
-        browser = Browser()
-        self.addCleanup(browser.close)
-        setup = {"fields": [LATE], "cursors": {"a": -2.75, "b": -2.25}}
-        browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
-        row = f"#legend tr[data-field='{LATE}'] "
-        wait_until(
-            lambda: [browser.text(f"{row}[data-cell={one}]") for one in "ab"]
-            == ["1.0000", "−1.0000"],
-            lambda: browser.text("#legend"),
-        )
-        self.assertEqual(browser.text(f"{row}.badge"), "")
-        start, end = browser.run(
-            "const link = document.querySelector('#csv'); link.dispatchEvent(new Event('focus'));"
-            "const query = new URL(link.href).searchParams;"
-            "return [query.get('start'), query.get('end')].map(Number)"
-        )
-        crests = [moment % 1.0 for moment in self.crests(browser, start, end)]
-        self.assertGreaterEqual(len(crests), 4)
-        for crest in crests:
-            self.assertAlmostEqual(crest, 0.25, delta=0.02)
-        status, text = fetch(f"{self.scope.url}/data.csv?field={quote(LATE)}&start={BEGIN + 6}")
-        self.assertEqual(status, 200, text)
-        lines = text.split()
-        rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
-        self.assertGreater(len(rows), 300)
-        for moment, received, value in rows:
-            self.assertAlmostEqual(value, math.sin(2.0 * math.pi * moment), delta=1e-5)
-            self.assertIn(round(received - moment, 3), LATENESS_S)
-
-    def crests(self, browser: Browser, start: float, end: float) -> List[float]:
-        """Return the times of the crests that are painted, s.
-
-        :param start: the time at the left edge of the plot, s
-        :param end: that at the right edge, s
-        """
-        code = """
-          const colour = document.querySelector("#legend input[type=color]").value;
-          const wanted = colour.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
-          const canvas = document.querySelector("#plot canvas");
-          const place = canvas.getBoundingClientRect();
-          const plot = document.querySelector("#overlay").getBoundingClientRect();
-          const { width, height } = canvas;
-          const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
-          const tops = [];
-          for (let x = 0; x < width; x += 1) {
-            for (let y = 0; y < height; y += 1) {
-              const at = 4 * (y * width + x);
-              const other = wanted.some((part, one) => Math.abs(data[at + one] - part) > 24);
-              if (other || data[at + 3] < 200) continue;
-              tops.push([((x + 0.5) * place.width / width + place.x - plot.x) / plot.width, y]);
-              break;
-            }
-          }
-          return tops;
-        """
-        tops = browser.run(code)
-        highest = min(y for _, y in tops)
-        high = [x for x, y in tops if y <= highest + 1]
-        groups: List[List[float]] = []
-        for place in high:  # each crest is some columns wide
-            if groups and place - groups[-1][-1] < 0.05:
-                groups[-1].append(place)
-            else:
-                groups.append([place])
-        return [start + sum(group) / len(group) * (end - start) for group in groups]
-
     def test_the_page_shows_it_with_its_own_clock(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
-        browser = Browser()
-        self.addCleanup(browser.close)
-        browser.driver.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "UTC"})
+        browser = shared_browser()
+        self.addCleanup(browser.driver.get, "about:blank")
+        zone = "Emulation.setTimezoneOverride"
+        self.addCleanup(browser.driver.execute_cdp_cmd, zone, {"timezoneId": ""})
+        browser.driver.execute_cdp_cmd(zone, {"timezoneId": "UTC"})
+        browser.errors()  # of the tests before
         browser.open(self.scope.url)
         browser.wait_for(f"#legend tr[data-field='{FIELD}']")
         wait_until(
@@ -426,7 +330,3 @@ class Bag(unittest.TestCase):
         browser.find("#playback-place").send_keys(Keys.HOME)
         self.wait_text(browser, "#robot-list", "odom: 0.00, 0.00 m, 0°, 0.1 m/s")
         self.assertEqual(browser.errors(), [])
-
-
-if __name__ == "__main__":
-    rosunit.unitrun("topic_scope", "page_bag", Bag)

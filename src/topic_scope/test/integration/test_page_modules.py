@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """The parts of the page that only compute, called one by one in the browser."""
 
 import math
@@ -6,9 +5,8 @@ import random
 from typing import Any, Dict, List
 
 import numpy
-from browsing.page_test import BrowserTest
+from browsing.page_test import BrowserTest, PageTest
 
-from nodekit.testing.running import rosrun
 from topic_scope.analysis.ring import Samples
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.requests import View
@@ -17,10 +15,13 @@ from topic_scope.protocol.requests import View
 class Modules(BrowserTest):
     """Numbers, bins, sliders and the layout of the graph."""
 
+    ARGUMENTS = PageTest.ARGUMENTS
+
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
         cls.browser.open(cls.scope.url)
+        cls.addClassCleanup(cls.leave_page)
 
     def test_ticks_are_round_and_inside(self) -> None:
         ranges = [[0, 1], [-5, 0], [1e-6, 3e-6], [999.9, 1000.1], [-2e7, 3e7], [-0.03, 0.02]]
@@ -83,19 +84,19 @@ class Modules(BrowserTest):
             # What stands for a topic is in the plot that the topic was put in.
             (["/a", "/t/x", "/t/y", "/tt"], {"/t": 2}, [1, 2, 2, 1], {"y": first, "y2": free}),
         ]
-        for fields, plots, expected, axes_then in cases:
-            told = self.browser.call(
-                "state/traces.js",
-                "(() => { const [fields, plots, axes] = a;"
-                " const traces = module.readTraces("
-                "Object.fromEntries(Object.entries(plots).map(([f, plot]) => [f, { plot }])));"
-                " const now = module.arranged({ fields, traces, axes });"
-                " return { plots: [...now.traces.values()].map(({ plot }) => plot),"
-                " fields: [...now.traces.keys()], axes: now.axes }; })()",
-                fields,
-                plots,
-                axes,
-            )
+        answers = self.browser.call(
+            "state/traces.js",
+            "a[0].map(([fields, plots]) => { const axes = a[1];"
+            " const traces = module.readTraces("
+            "Object.fromEntries(Object.entries(plots).map(([f, plot]) => [f, { plot }])));"
+            " const now = module.arranged({ fields, traces, axes });"
+            " return { plots: [...now.traces.values()].map(({ plot }) => plot),"
+            " fields: [...now.traces.keys()], axes: now.axes }; })",
+            [case[:2] for case in cases],
+            axes,
+        )
+        self.assertEqual(len(answers), len(cases))
+        for (fields, _, expected, axes_then), told in zip(cases, answers):
             self.assertEqual((told["fields"], told["plots"]), (fields, expected))
             self.assertEqual(told["axes"], {"x": axes["x"], **axes_then})
 
@@ -183,13 +184,13 @@ class Modules(BrowserTest):
                 self.assertAlmostEqual(value, expected, places=9)
 
     def test_the_wheel_sends_a_stop_with_each_release_and_no_limit_reverses_it(self) -> None:
-        code = """(() => {
+        code = """a[0].map((text) => {
           const sent = [];
           const wheel = new module.Wheel((message) => sent.push(message));
           wheel.onSteering({ topic: "/cmd_vel", datatype: "geometry_msgs/Twist" });
           const limit = document.getElementById("drive-speed");
           const before = limit.value;
-          limit.value = a[0];
+          limit.value = text;
           wheel.hold("w", 1, 0);
           wheel.hold("a", 0, 1);
           wheel.command();
@@ -198,10 +199,12 @@ class Modules(BrowserTest):
           wheel.drop("a");
           limit.value = before;
           return { held: sent.slice(0, count), released: sent.slice(count) };
-        })()"""
-        for limit, speed in (("0.5", 0.5), ("-0.5", 0.0), ("fast", 0.0)):
+        })"""
+        limits = {"0.5": 0.5, "-0.5": 0.0, "fast": 0.0}
+        answers = self.browser.call("robots/wheel.js", code, list(limits))
+        self.assertEqual(len(answers), len(limits))
+        for (limit, speed), told in zip(limits.items(), answers):
             with self.subTest(limit=limit):
-                told = self.browser.call("robots/wheel.js", code, limit)
                 held, released = (
                     [(each["speed"], each["turn"]) for each in told[name]]
                     for name in ("held", "released")
@@ -535,13 +538,9 @@ class Modules(BrowserTest):
     def test_samples_are_drawn_where_they_stand_as_long_as_they_are_few(self) -> None:
         """A sine, at rates around that of the bins: what is drawn is the curve itself."""
         width, start, last = 0.0105, 1.7e9, 1.7e9 + 3.0
-        for rate, is_exact in (
-            (30.0, True),
-            (95.0, True),
-            (100.0, True),
-            (180.0, True),
-            (1e3, False),
-        ):
+        rates = {30.0: True, 95.0: True, 100.0: True, 180.0: True, 1e3: False}
+        signals, runs = [], []
+        for rate in rates:
             times = start + numpy.arange(0.0, 3.0, 1.0 / rate)
             # With a slope, so that no two values are the same.
             values = numpy.sin(2.0 * math.pi * (times - start)) + 0.1 * (times - start)
@@ -552,23 +551,27 @@ class Modules(BrowserTest):
                 return times[times <= moment], values[times <= moment]
 
             moments = numpy.append(numpy.arange(start, last, 0.03), last).tolist()
-            frames = [
-                view.frame(moment, lambda *_: until(moment), lambda since: since)
-                for moment in moments
-            ]
-            rows = self.browser.call(
-                "state/buffer.js",
-                "(() => { const buffer = new module.TraceBuffer();"
-                " a[0].forEach((frame) => frame && buffer.apply(frame, 2.1));"
-                " return buffer.rows(['/f'], a[1]); })()",
-                frames,
-                start,
+            signals.append(dict(zip(values.tolist(), times.tolist())))
+            runs.append(
+                [
+                    view.frame(moment, lambda *_: until(moment), lambda since: since)
+                    for moment in moments
+                ]
             )
+        answers = self.browser.call(
+            "state/buffer.js",
+            "a[0].map((frames) => { const buffer = new module.TraceBuffer();"
+            " frames.forEach((frame) => frame && buffer.apply(frame, 2.1));"
+            " return buffer.rows(['/f'], a[1]); })",
+            runs,
+            start,
+        )
+        self.assertEqual(len(answers), len(rates))
+        for (rate, is_exact), known, rows in zip(rates.items(), signals, answers):
             drawn = numpy.array(rows, float)
             self.assertGreater(len(drawn), 0.8 * min(rate * 2.1, 400))
             self.assertTrue((numpy.diff(drawn[:, 0]) >= 0.0).all())
-            known = {value: time - start for time, value in zip(times.tolist(), values.tolist())}
-            apart = [abs(time - known[value]) / width for time, value in drawn.tolist()]
+            apart = [abs(start + time - known[value]) / width for time, value in drawn.tolist()]
             self.assertLess(max(apart), 0.07 if is_exact else 1.0, rate)
 
     def test_a_reference_is_named_by_what_it_is_and_no_more_are_kept_than_eight(self) -> None:
@@ -619,10 +622,11 @@ class Modules(BrowserTest):
             {"kind": "float", "value": 0},
             {"kind": "float", "minimum": 100, "maximum": 1e6, "value": 150},
         ]
-        for case in cases:
-            travel = self.browser.call(
-                "controls/slider.js", "module.travel(a[0], a[0].value)", case
-            )
+        answers = self.browser.call(
+            "controls/slider.js", "a[0].map((one) => module.travel(one, one.value))", cases
+        )
+        self.assertEqual(len(answers), len(cases))
+        for case, travel in zip(cases, answers):
             low, high = travel["low"], travel["high"]
             self.assertTrue(low <= case["value"] <= high, (case, travel))
             self.assertTrue(case.get("minimum", low) <= low < high <= case.get("maximum", high))
@@ -690,30 +694,35 @@ class Modules(BrowserTest):
             for field in fields
         ]
 
-        def found(text: str, everything: bool = False) -> Any:
-            told = self.browser.call(
-                "choose/choices.js", "module.found(...a)", choices, types, text, everything
-            )
-            return [[one["field"] for one in group["fields"]] for group in told["groups"]], told[
-                "hidden"
-            ]
-
-        groups, hidden = found("")
-        self.assertEqual(hidden, 2)
         robot = ["/robot2/j/position[arm]", "/robot2/j/position[leg]", "/robot2/j/header/stamp"]
-        self.assertEqual(groups[0], robot)
-        self.assertEqual(
-            [group[0] for group in groups],
-            [robot[0], "/robot10/j/position[arm]", "/scan/ranges[0]"],
-        )
-        self.assertEqual(found("rosout"), ([], 1))
-        self.assertEqual(found("rosout", True), ([["/rosout/level"]], 0))
-        self.assertEqual(len(found("", True)[0]), 5)
+        # Typed text, whether all are wanted, what is found first of each group, and what is hidden.
+        firsts = [robot[0], "/robot10/j/position[arm]", "/scan/ranges[0]"]
+        cases: List[Any] = [("", False, firsts, 2), ("rosout", False, [], 1)]
+        cases += [("rosout", True, ["/rosout/level"], 0)]
         # Any element can be found, by its index or by its name.
-        self.assertEqual(found("ranges[359]")[0], [["/scan/ranges[359]"]])
-        self.assertEqual(found("robot2 LEG")[0], [["/robot2/j/position[leg]"]])
-        self.assertEqual(found("robot2 [tail]")[0], [["/robot2/j/position[tail]"]])
-        self.assertEqual(found("laserscan seq")[0], [["/scan/header/seq"]])
+        cases += [("ranges[359]", False, ["/scan/ranges[359]"], 0)]
+        cases += [("robot2 LEG", False, ["/robot2/j/position[leg]"], 0)]
+        cases += [("robot2 [tail]", False, ["/robot2/j/position[tail]"], 0)]
+        cases += [("laserscan seq", False, ["/scan/header/seq"], 0), ("", True, None, 0)]
+        answers = self.browser.call(
+            "choose/choices.js",
+            "a[2].map(([text, all]) => module.found(a[0], a[1], text, all))",
+            choices,
+            types,
+            [case[:2] for case in cases],
+        )
+        groups = [
+            [[one["field"] for one in group["fields"]] for group in told["groups"]]
+            for told in answers
+        ]
+        self.assertEqual(len(answers), len(cases))
+        for (text, _, expected, hidden), told, found in zip(cases, answers, groups):
+            self.assertEqual(told["hidden"], hidden, text)
+            if expected is not None:
+                self.assertEqual([group[0] for group in found], expected, text)
+        self.assertEqual(groups[0][0], robot)
+        self.assertTrue(all(len(group) == 1 for found in groups[2:-1] for group in found), groups)
+        self.assertEqual(len(groups[-1]), 5)
 
     def test_layers_go_forward_but_for_ways_back(self) -> None:
         items = [{"id": name} for name in "abcd"]
@@ -803,7 +812,3 @@ def _box(place: Dict[str, float]) -> Any:
 
 def _overlap(one: Any, other: Any) -> bool:
     return bool(one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3])
-
-
-if __name__ == "__main__":
-    rosrun("topic_scope", "page_modules", Modules)

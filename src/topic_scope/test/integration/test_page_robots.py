@@ -1,41 +1,32 @@
-#!/usr/bin/env python3
-"""The page shows robots, sends them to goals, drives them, and has managed nodes' transitions."""
+"""The page shows robots, sends them to goals and drives them."""
 
 import math
-import subprocess
 
 import genpy.dynamic
-import roslib.packages
 import rospy
-from browsing.page_test import BrowserTest
+from browsing.page_test import PageTest
 from browsing.waiting import wait_until
 from geometry_msgs.msg import Point
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.robot import Robot
-from nodekit.testing.running import rosrun
 
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
-PICTURE = "return document.querySelector('#robot-canvas').toDataURL()"
+CANVAS = "#robot-canvas"
 
 
-class PageRobots(BrowserTest):
+class PageRobots(PageTest):
     """What a user does with a robot."""
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        super().setUpClass()
-        cls.browser.open(cls.scope.url)
 
     def wait_text(self, selector: str, text: str) -> None:
         """Wait until something is said."""
         wait_until(lambda: text in self.browser.text(selector), lambda: self.browser.text(selector))
 
-    def changed(self, picture: str) -> str:
+    def changed(self, picture: int) -> int:
         """Wait until the picture is another one."""
-        wait_until(lambda: self.browser.run(PICTURE) != picture, lambda: "the same picture")
-        return str(self.browser.run(PICTURE))
+        wait_until(lambda: self.browser.picture(CANVAS) != picture, lambda: "the same picture")
+        return self.browser.picture(CANVAS)
 
     def test_a_robot_is_seen_sent_and_driven(self) -> None:
         browser, robot = self.browser, Robot("/")
@@ -44,7 +35,7 @@ class PageRobots(BrowserTest):
         browser.keys("r")
         self.wait_text("#robot-list", "odom: 0.00, 0.00 m, 0°, 0 m/s")
         browser.wait_for("#drive-topic option[value='/cmd_vel']")
-        picture = browser.run(PICTURE)
+        picture = browser.picture(CANVAS)
         walls = [Point(*place) for place in ((-2, -1, 0), (-2, 1, 0), (2, -1, 0), (2, 1, 0))]
         world.publish(MarkerArray([Marker(type=Marker.LINE_LIST, points=walls)]))
         picture = self.changed(picture)
@@ -126,7 +117,6 @@ class PageRobots(BrowserTest):
         wait_until(lambda: not browser.count(row), lambda: browser.text("#robot-list"))
         self.assertFalse(middle())
         self.fleet_has_tiles()
-        self.assertEqual(browser.errors(), [])
         self.assertIn("robots", str(browser.run("return location.hash")))
         browser.keys("r")
 
@@ -145,19 +135,3 @@ class PageRobots(BrowserTest):
         self.assertEqual(self.browser.text(f"{tile} dd"), "12.50 V 21.00 °C")
         status.publish("al", 4, [11.0, 21.0])
         self.wait_text(f"{tile}[data-mode='error'] dd", "11.00 V")
-
-    def test_a_managed_node_has_its_state_and_a_button_for_each_transition(self) -> None:
-        program = roslib.packages.find_node("basic_comms", "talker.py")[0]
-        talker = subprocess.Popen([program, "_managed:=true"])
-        self.addCleanup(talker.wait, 30.0)
-        self.addCleanup(talker.terminate)
-        for label, state in (("configure", "inactive"), ("activate", "active")):
-            self.browser.wait_for(f"[aria-label='/talker: {label}']").click()
-            status = f".managed-node[data-node='/talker'] [data-state='{state}']"
-            self.assertEqual(self.browser.wait_for(status).text, state)
-        self.assertEqual(self.browser.errors(), [])
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_page_robots")
-    rosrun("topic_scope", "page_robots", PageRobots)

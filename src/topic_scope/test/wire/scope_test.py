@@ -1,17 +1,17 @@
-"""A test with a scope of its own."""
+"""A test of a scope by what it sends to its pages."""
 
 import unittest
 from typing import Any, ClassVar, List
 
 import rospy
-from browsing.scope_process import ScopeProcess
+from browsing.scope_process import ScopeProcess, shared_scope
 from wire.client import Client
 
 from nodekit.testing.waiting import wait_until
 
 
 class ScopeTest(unittest.TestCase):
-    """Has a scope, and pages of it that are closed with the test."""
+    """Has a scope, shared by all tests with its command line, and pages that end with the test."""
 
     #: What its command line says besides the port.
     ARGUMENTS: ClassVar[List[str]] = []
@@ -19,12 +19,8 @@ class ScopeTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.scope = ScopeProcess(*cls.ARGUMENTS)
+        cls.scope = shared_scope(*cls.ARGUMENTS)
         cls.scope.wait_until_served()
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        cls.scope.stop()
 
     def page(self, *fields: str, **arguments: Any) -> Client:
         """Open a page.

@@ -1,26 +1,19 @@
-#!/usr/bin/env python3
-"""The scope feeds pages that show robots, and lets them drive: with a dead man's switch."""
+"""What pages that show robots are fed with, and who has the wheel of a robot."""
 
-import math
 import threading
 import time
-from typing import Any, Callable, Dict, List, Tuple
+from typing import List
 
 import genpy.dynamic
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
 from visualization_msgs.msg import Marker, MarkerArray
-from wire.client import Client, Message
-from wire.robot import Command, Robot
-from wire.scope_test import ScopeTest
+from wire.client import Message
+from wire.robot import Command
+from wire.robots_test import RobotsTest
 
-from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-#: What docs/nodes/scope.md promises, s.
-STOPS_WITHIN_S = 0.3
-#: How often something is tried on a machine that is busy with other things.
-ATTEMPTS = 8
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
@@ -32,25 +25,6 @@ def has(told: Message, *topics: str) -> bool:
 def moves(commands: List[Command]) -> bool:
     """Tell whether there was no pause in some commands."""
     return bool(commands) and all(command.speed for command in commands)
-
-
-class RobotsTest(ScopeTest):
-    """Has a robot for each test."""
-
-    def robot(self, space: str, kind: Any = Twist) -> Robot:
-        """Return a robot in a namespace."""
-        robot = Robot(space, kind)
-        self.addCleanup(robot.close)
-        return robot
-
-    def driver(self, topic: str) -> Client:
-        """Open a page that has the wheel of a robot."""
-        page = self.page()
-        page.send("robots", on=True)
-        page.wait_for("targets", lambda told: topic in told["commands"])
-        page.send("steer", topic=topic)
-        page.wait_for("steering", lambda told: told["topic"] == topic)
-        return page
 
 
 class Feed(RobotsTest):
@@ -118,71 +92,6 @@ class Feed(RobotsTest):
 class DeadMan(RobotsTest):
     """A robot stops when nobody tells it to move any more: one zero, then silence."""
 
-    #: What ends the driving, and what the robot takes.
-    ENDS: Dict[str, Tuple[Any, Callable[[Client], Any]]] = {
-        # So is a link that is cut or stalls: nothing tells the scope that it is.
-        "says nothing any more": (Twist, lambda page: None),
-        "lets go": (
-            Twist,
-            lambda page: page.send("drive", speed=0, turn=0, sent=time.monotonic()),
-        ),
-        "closes": (TwistStamped, Client.close),
-        "is gone without a word": (Twist, Client.cut),
-        "looks at something else": (Twist, lambda page: page.send("robots", on=False)),
-    }
-
-    def drive(self, *pages: Client) -> None:
-        """Command as a page does while a key is held."""
-        end = time.monotonic() + 0.5
-        while time.monotonic() < end:
-            for page in pages:
-                page.send("drive", speed=0.2, turn=0.5, sent=time.monotonic())
-            time.sleep(0.05)
-
-    def stopped(self, robot: Robot) -> List[Command]:
-        """Wait until a robot was told to stop, and return what it was told."""
-        wait_until(
-            lambda: robot.commands and robot.commands[-1].speed == 0.0,
-            lambda: f"the last commands were {robot.commands[-3:]}",
-        )
-        return list(robot.commands)
-
-    def test_robots_stop_in_time_whatever_ends_the_driving(self) -> None:
-        robots = {
-            end: self.robot(f"/end{number}/", kind)
-            for number, (end, (kind, _)) in enumerate(self.ENDS.items())
-        }
-        # It is tried again where the machine was too busy; what is too slow is so always.
-        best = dict.fromkeys(robots, math.inf)
-        for _ in range(ATTEMPTS):
-            for end, late in self.driven(robots).items():
-                best[end] = min(best[end], late)
-            if max(best.values()) < STOPS_WITHIN_S:
-                break
-        self.assertLess(max(best.values()), STOPS_WITHIN_S, best)
-
-    def driven(self, robots: Dict[str, Robot]) -> Dict[str, float]:
-        """Drive robots, and return how long after the last command each was told to stop, s.
-
-        It is infinite where there was a pause before, or anything after the one zero.
-        """
-        for robot in robots.values():
-            robot.commands.clear()
-        pages = {end: self.driver(f"/end{n}/cmd_vel") for n, end in enumerate(robots)}
-        self.drive(*pages.values())
-        for end, page in pages.items():
-            self.ENDS[end][1](page)
-        for robot in robots.values():
-            self.stopped(robot)
-        time.sleep(0.5)  # longer than any command counts
-        took = {}
-        for end, robot in robots.items():
-            *moving, last = list(robot.commands)
-            self.assertEqual(last[1:], (0.0, 0.0), end)
-            is_once = {told[1:] for told in moving} == {(0.2, 0.5)}
-            took[end] = last.when - moving[-1].when if is_once else math.inf
-        return took
-
     def test_another_page_takes_the_wheel(self) -> None:
         robot = self.robot("/two/")
         first = self.driver("/two/cmd_vel")
@@ -249,8 +158,3 @@ class DeadMan(RobotsTest):
         holding.join(TIMEOUT_S)
         commands = self.stopped(robot)
         self.assertEqual([command.speed for command in commands[-2:]], [0.2, 0.0])
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_scope_robots")
-    rosrun("topic_scope", "scope_robots", "test_scope_robots")

@@ -1,16 +1,16 @@
-#!/usr/bin/env python3
 """Nothing on the page covers anything else, or is cut off, on screens as people have them."""
 
-from typing import Any, ClassVar, Dict, List, Sequence
+import json
+from typing import Any, Dict, List
+from urllib.parse import quote
 
 import rospy
-from browsing.page_test import PROCESSED, SIGNAL, BrowserTest
+from browsing.browser import HEIGHT, WIDTH
+from browsing.page_test import PROCESSED, SIGNAL, BrowserTest, PageTest
 from browsing.waiting import wait_until
 from nav_msgs.msg import Odometry
 from selenium.webdriver.common.keys import Keys
 from wire.robot import Robot
-
-from nodekit.testing.running import rosrun
 
 LAPTOP, SCREEN, PHONE = (1366, 768), (1920, 1080), (390, 844)
 #: Nobody publishes it: its row has words in the place of figures.
@@ -58,13 +58,22 @@ def overlap(one: Box, other: Box) -> bool:
 class Layout(BrowserTest):
     """How the page looks; all in one session."""
 
-    ARGUMENTS: ClassVar[Sequence[str]] = (SIGNAL, PROCESSED, LONG)
+    ARGUMENTS = PageTest.ARGUMENTS
 
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
-        cls.browser.open(cls.scope.url)
+        cls.addClassCleanup(cls.leave_page)
+        cls.addClassCleanup(cls.browser.resize, WIDTH, HEIGHT)
+        cls.open_page()
         cls.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+
+    @classmethod
+    def open_page(cls) -> None:
+        """Load the page with two traces, and one that has no data."""
+        cls.leave_page()
+        setup = {"fields": [SIGNAL, PROCESSED, LONG]}
+        cls.browser.open(f"{cls.scope.url}#{quote(json.dumps(setup))}")
 
     def tearDown(self) -> None:
         self.browser.resize(*LAPTOP)
@@ -156,8 +165,7 @@ class Layout(BrowserTest):
     def test_on_a_phone_the_plot_is_first_and_all_is_as_large_as_a_finger(self) -> None:
         browser = self.browser
         self.resize(*PHONE)
-        browser.driver.get("about:blank")
-        browser.open(self.scope.url)
+        self.open_page()
         browser.wait_for(f"#legend tr.gone[data-field='{LONG}']")  # which has no choices then
         self.fits_a_phone("folded")
         (stage,) = self.boxes("#stage")
@@ -204,8 +212,3 @@ class Layout(BrowserTest):
             self.assertEqual(self.boxes(own), [], key)
             self.browser.keys(key)
         self.assertEqual(len(self.boxes(own)), 4)
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_page_layout")
-    rosrun("topic_scope", "page_layout", Layout)

@@ -1,10 +1,10 @@
-#!/usr/bin/env python3
 """What lies over one another on the page: sweeps of the trigger, and a bag over another one."""
 
 import json
 import math
 import os
 import pathlib
+import subprocess
 import tempfile
 import unittest
 from typing import Any, Dict, List, Tuple
@@ -13,13 +13,15 @@ from urllib.parse import quote
 
 import genpy
 import rosbag
-import rosunit
+import roslib.packages
 from browsing.browser import Browser
+from browsing.page_test import FRESH, shared_browser
 from browsing.scope_process import ScopeProcess
 from browsing.waiting import wait_until
+from geometry_msgs.msg import Point, PointStamped
 from selenium.webdriver.common.keys import Keys
 from std_msgs.msg import Float32, Float64
-from wire.client import Client
+from wire.client import Client, fetch
 
 BEGIN, LENGTH_S, RATE_HZ, PERIOD_S = 1700000000, 40.0, 500, 0.1
 #: A sine of 1 Hz in a run, and in an older one that is shorter, where it is late by some time, s.
@@ -27,6 +29,8 @@ SINE_HZ, OLD_BEGIN, OLD_S, LATE_S = 100, BEGIN - 604800, 30.0, 0.37
 SINE, OLD = "/sine/data", "/old/sine/data"
 APART = f"={SINE} - {OLD}"
 OFFSET = "[aria-label='offset of old, s']"
+#: A sine of 1 Hz, whose messages were recorded late, by these times in turn, s.
+LATE, LATENESS_S, LATE_LENGTH_S = "/late/point/x@stamp", (0.8, 0.4, 0.6), 12.0
 FIELD = "/square/data"
 #: When a square wave falls after it has risen, and by how much later than that in turn, s.
 FALLS_S, JITTER_S = 0.03, (0.0, 0.008, 0.012, 0.004)
@@ -54,6 +58,7 @@ for (let place = 0; place < data.length; place += 4) {
 return found;
 """
 SETUP: Dict[str, Any] = {
+    **FRESH,
     "fields": [FIELD],
     "window": WINDOW_S,
     "baseWindow": WINDOW_S,
@@ -76,6 +81,12 @@ def record(path: str) -> None:
             bag.write("square", Float32(value), time_at(BEGIN, index, RATE_HZ))
 
         write_sine(bag, BEGIN, LENGTH_S, 0.0)
+        for index in range(round(LATE_LENGTH_S * SINE_HZ)):
+            received = time_at(BEGIN, index, SINE_HZ)
+            late = PointStamped(point=Point(x=math.sin(2.0 * math.pi * index / SINE_HZ)))
+            late.header.stamp = received
+            lateness = genpy.Duration.from_sec(LATENESS_S[index % len(LATENESS_S)])
+            bag.write("late", late, received + lateness)
 
 
 def write_sine(bag: Any, begin: int, length: float, late: float) -> None:
@@ -114,8 +125,9 @@ class Over(unittest.TestCase):
         cls.addClassCleanup(patch.stop)
         cls.scope = ScopeProcess("--bag", run, "--over", f"{old}:old", FIELD)
         cls.addClassCleanup(cls.scope.stop)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
+        cls.browser = shared_browser()
+        cls.addClassCleanup(cls.browser.driver.get, "about:blank")
+        cls.browser.errors()  # of the tests before
         cls.scope.wait_until_served()
 
     def go_to(self, seconds: float) -> None:
@@ -165,7 +177,9 @@ class Over(unittest.TestCase):
         most = max(JITTER_S)
         wait_until(lambda: abs(self.band() - most) < 0.001 and all(self.boldness()), self.falling)
         # It stays while one looks at it, and in a set-up.
-        browser.find("#playback-run").send_keys(Keys.ENTER)
+        page = Client(self.scope.url)
+        self.addCleanup(page.close)
+        page.send("playback", playing=False)
         browser.wait_for("#playback-run[aria-pressed='false']")
         self.assertAlmostEqual(self.band(), most, delta=0.001)
         # The latest edge is bold, others are paler.
@@ -177,9 +191,79 @@ class Over(unittest.TestCase):
         wait_until(lambda: self.band() < 0.001, self.falling)
         self.assertEqual(browser.errors(), [])
 
+    def test_late_messages_stand_at_their_stamps(self) -> None:
+        """In the picture, under the cursors and in the file."""
+        browser = self.browser
+        setup = {**FRESH, "fields": [LATE], "window": 10, "cursors": {"a": -2.75, "b": -2.25}}
+        browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
+        self.go_to(10.0)
+        row = f"#legend tr[data-field='{LATE}'] "
+        wait_until(
+            lambda: [browser.text(f"{row}[data-cell={one}]") for one in "ab"]
+            == ["1.0000", "−1.0000"],
+            lambda: browser.text("#legend"),
+        )
+        self.assertEqual(browser.text(f"{row}.badge"), "")
+        start, end = browser.run(
+            "const link = document.querySelector('#csv'); link.dispatchEvent(new Event('focus'));"
+            "const query = new URL(link.href).searchParams;"
+            "return [query.get('start'), query.get('end')].map(Number)"
+        )
+        wait_until(
+            lambda: len(self.crests(browser, start, end)) >= 4
+            and all(abs(moment % 1.0 - 0.25) < 0.02 for moment in self.crests(browser, start, end)),
+            lambda: self.crests(browser, start, end),
+        )
+        status, text = fetch(f"{self.scope.url}/data.csv?field={quote(LATE)}&start={BEGIN + 6}")
+        self.assertEqual(status, 200, text)
+        lines = text.split()
+        rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+        self.assertGreater(len(rows), 300)
+        for moment, received, value in rows:
+            self.assertAlmostEqual(value, math.sin(2.0 * math.pi * moment), delta=1e-5)
+            self.assertIn(round(received - moment, 3), LATENESS_S)
+
+    def crests(self, browser: Browser, start: float, end: float) -> List[float]:
+        """Return the times of the crests that are painted, s.
+
+        :param start: the time at the left edge of the plot, s
+        :param end: that at the right edge, s
+        """
+        code = """
+          const colour = document.querySelector("#legend input[type=color]").value;
+          const wanted = colour.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+          const canvas = document.querySelector("#plot canvas");
+          const place = canvas.getBoundingClientRect();
+          const plot = document.querySelector("#overlay").getBoundingClientRect();
+          const { width, height } = canvas;
+          const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+          const tops = [];
+          for (let x = 0; x < width; x += 1) {
+            for (let y = 0; y < height; y += 1) {
+              const at = 4 * (y * width + x);
+              const other = wanted.some((part, one) => Math.abs(data[at + one] - part) > 24);
+              if (other || data[at + 3] < 200) continue;
+              tops.push([((x + 0.5) * place.width / width + place.x - plot.x) / plot.width, y]);
+              break;
+            }
+          }
+          return tops;
+        """
+        tops = browser.run(code) or [[0.0, 0.0]]  # before anything is drawn
+        highest = min(y for _, y in tops)
+        high = [x for x, y in tops if y <= highest + 1]
+        groups: List[List[float]] = []
+        for place in high:  # each crest is some columns wide
+            if groups and place - groups[-1][-1] < 0.05:
+                groups[-1].append(place)
+            else:
+                groups.append([place])
+        return [start + sum(group) / len(group) * (end - start) for group in groups]
+
     def test_an_older_bag_is_laid_over_it_with_an_offset_and_at_the_trigger(self) -> None:
         browser = self.browser
         setup = {
+            **FRESH,
             "fields": [SINE, OLD, APART],
             "window": 2.0,
             "trigger": {"mode": "off", "field": SINE, "level": 0.5, "edge": "rising"},
@@ -225,5 +309,21 @@ class Over(unittest.TestCase):
         )
 
 
-if __name__ == "__main__":
-    rosunit.unitrun("topic_scope", "page_over", Over)
+class BrokenBags(unittest.TestCase):
+    """Files that are no bags."""
+
+    def test_a_file_that_is_no_bag_is_told_in_a_sentence(self) -> None:
+        node = roslib.packages.find_node("topic_scope", "scope.py")[0]
+        reasons = {__file__: "is not a bag", __file__ + "x": "No such file"}
+        started = {
+            path: subprocess.Popen(
+                [node, "--next-port", "--bag", path],
+                stderr=subprocess.PIPE,
+                universal_newlines=True,
+            )
+            for path in reasons
+        }
+        for path, process in started.items():
+            text = process.communicate(timeout=30.0)[1]
+            self.assertEqual(process.returncode, 1, text)
+            self.assertRegex(text, rf"\Ascope.py: {path}:? {reasons[path]}.*\n\Z")

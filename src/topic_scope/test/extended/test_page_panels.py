@@ -1,31 +1,18 @@
-#!/usr/bin/env python3
 """The page sets parameters, calls services and shows the graph, for several users at once."""
 
-import json
 import re
 import subprocess
 from contextlib import contextmanager
 from typing import Iterator, List
-from urllib.parse import quote
 
 import roslib.packages
 import rospy
 from browsing.browser import HEIGHT, WIDTH
-from browsing.page_test import PageTest
+from browsing.panel_test import GENERATOR, PanelTest, row
 from browsing.waiting import wait_until
 from selenium.webdriver.common.keys import Keys
 from sensor_msgs.msg import JointState
 from wire.foreign import Foreign
-
-from basic_comms.msg import signal_msg
-from nodekit.testing.running import rosrun
-
-GENERATOR = "/signal_generator"
-
-
-def _row(name: str) -> str:
-    return f".panel[data-node='{GENERATOR}'] .parameter[data-name='{name}']"
-
 
 #: All that can be used on the page as it is.
 _CONTROLS = (
@@ -51,93 +38,17 @@ _ROLES = (
 )
 
 
-class Panels(PageTest):
+class Panels(PanelTest):
     """What a user does beside the plot."""
 
-    def setUp(self) -> None:
-        for name, value in (("amplitude", 2.0), ("frequency", 6.28), ("waveform", "sine")):
-            rospy.set_param(f"{GENERATOR}/{name}", value)
-        super().setUp()
-        self.browser.wait_for(_row("frequency"))
-        self.wait_value("frequency", 6.28)
-
-    def slider(self, name: str) -> float:
-        """Return where a slider is."""
-        return float(self.browser.value(_row(name) + " input[type=range]"))
-
-    def wait_value(self, name: str, value: float) -> None:
-        """Wait until the page shows a value, at the slider and beside it."""
-
-        def shown() -> bool:
-            typed = float(self.browser.value(_row(name) + " .value"))
-            return abs(typed - value) < 1e-9 and abs(self.slider(name) - value) < 0.05
-
-        wait_until(shown, lambda: self.browser.value(_row(name) + " .value"))
-
-    def wait_parameter(self, name: str, value: object) -> None:
-        """Wait until the parameter server has a value."""
-        key = f"{GENERATOR}/{name}"
-        wait_until(lambda: rospy.get_param(key) == value, lambda: rospy.get_param(key))
-
-    def test_a_slider_changes_the_parameter_and_the_topic(self) -> None:
-        slider = self.browser.find(_row("frequency") + " input[type=range]")
-        before = self.slider("frequency")
-        slider.send_keys(*[Keys.ARROW_RIGHT] * 5)
-        after = self.slider("frequency")
-        self.assertGreater(after, before)
-        self.wait_parameter("frequency", after)
-        wait_until(
-            lambda: abs(
-                rospy.wait_for_message("/signal", signal_msg, timeout=10.0).frequency - after
-            )
-            < 1e-6,
-            lambda: f"the topic has another frequency than {after:g}",
-        )
-
-    def test_rosparam_set_moves_the_slider(self) -> None:
-        subprocess.run(["rosparam", "set", GENERATOR + "/frequency", "11.5"], check=True)
-        self.wait_value("frequency", 11.5)
-        subprocess.run(["rosparam", "set", GENERATOR + "/waveform", "square"], check=True)
-        select = _row("waveform") + " select"
-        wait_until(lambda: self.browser.value(select) == "square", lambda: "no square")
-
     def test_a_list_and_a_switch(self) -> None:
-        self.browser.choose(_row("waveform") + " select", "triangle")
+        self.browser.choose(row("waveform") + " select", "triangle")
         self.wait_parameter("waveform", "triangle")
         switch = ".panel[data-node='/process'] [data-name='keep_positive'] input"
         self.browser.find(switch).click()
         wait_until(lambda: not rospy.get_param("/process/keep_positive"), lambda: "still on")
         self.browser.find(switch).click()
         wait_until(lambda: rospy.get_param("/process/keep_positive"), lambda: "still off")
-
-    def type_in(self, name: str, text: str) -> str:
-        """Type a value and Enter; return the selector of the control."""
-        control = _row(name) + " .value"
-        self.browser.find(control).send_keys(Keys.CONTROL, "a")
-        self.browser.find(control).send_keys(text, Keys.ENTER)
-        return control
-
-    def wait_refused(self, name: str, *parts: str) -> None:
-        """Wait until the refusal has some words."""
-        refusal = _row(name) + " .refusal"
-        wait_until(
-            lambda: all(part in self.browser.text(refusal) for part in parts),
-            lambda: self.browser.text(_row(name)),
-        )
-
-    def test_a_refused_value_is_told_in_words_and_stays_to_be_mended(self) -> None:
-        for nonsense in ("-1", "large"):
-            field = self.type_in("amplitude", nonsense)
-            self.wait_refused("amplitude", nonsense, "must be", "In force: 2;")
-            self.assertEqual(self.browser.value(field), nonsense)
-            self.assertEqual(self.slider("amplitude"), 2.0)
-            self.assertEqual(rospy.get_param(GENERATOR + "/amplitude"), 2.0)
-        self.browser.find(field).send_keys(Keys.BACKSPACE)
-        self.browser.find(field).send_keys(Keys.ESCAPE)
-        self.wait_value("amplitude", 2.0)
-        self.type_in("amplitude", "3")
-        self.wait_parameter("amplitude", 3.0)
-        self.assertEqual(self.browser.text(_row("amplitude") + " .refusal"), "")
 
     def test_what_goes_together_only_is_set_together(self) -> None:
         names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
@@ -151,9 +62,9 @@ class Panels(PageTest):
         for name in names:
             self.wait_parameter(name, [1.0, 2.0, 3.0])
             wait_until(
-                lambda: self.browser.value(_row(name) + " .value") == "[1.0, 2.0, 3.0]"
-                and self.browser.text(_row(name) + " .refusal") == "",
-                lambda: self.browser.text(_row(name)),
+                lambda: self.browser.value(row(name) + " .value") == "[1.0, 2.0, 3.0]"
+                and self.browser.text(row(name) + " .refusal") == "",
+                lambda: self.browser.text(row(name)),
             )
 
     def test_a_foreign_node_with_dynamic_reconfigure_has_a_panel(self) -> None:
@@ -183,30 +94,9 @@ class Panels(PageTest):
             lambda: self.browser.text(row("count")),
         )
 
-    def test_enable_and_reset(self) -> None:
-        panel = f".panel[data-node='{GENERATOR}'] "
-        status = panel + "summary .status"
-        wait_until(
-            lambda: self.browser.text(status) == "running", lambda: self.browser.text(status)
-        )
-        self.browser.find(panel + "[aria-label$='enable: Disable']").click()
-        wait_until(lambda: self.browser.text(status) == "idle", lambda: self.browser.text(status))
-        wait_until(
-            lambda: "stopped" in self.browser.text(panel + ".services"),
-            lambda: self.browser.text(panel + ".services"),
-        )
-        stopped = rospy.wait_for_message("/signal", signal_msg, timeout=10.0)
-        self.assertEqual(stopped.amplitude, 0.0)
-        self.browser.find(panel + "[aria-label$='enable: Enable']").click()
-        self.browser.find(panel + "[aria-label$='reset: Reset']").click()
-        wait_until(
-            lambda: "start at 0 again" in self.browser.text(panel + ".services"),
-            lambda: self.browser.text(panel + ".services"),
-        )
-
     def test_two_users_see_the_same(self) -> None:
         with self.second_page():
-            self.browser.find(_row("frequency") + " input[type=range]").send_keys(Keys.ARROW_LEFT)
+            self.browser.find(row("frequency") + " input[type=range]").send_keys(Keys.ARROW_LEFT)
             wanted = self.slider("frequency")
             self.wait_parameter("frequency", wanted)
             self.browser.choose("#window", "1")
@@ -229,7 +119,7 @@ class Panels(PageTest):
         driver.switch_to.window(second)
         self.browser.resize(WIDTH, HEIGHT)
         self.browser.open(self.scope.url)
-        self.browser.wait_for(_row("frequency"))
+        self.browser.wait_for(row("frequency"))
         yield
         self.assertEqual(self.browser.errors(), [])
         driver.close()
@@ -238,9 +128,9 @@ class Panels(PageTest):
     def test_finds_a_parameter_by_a_word(self) -> None:
         self.browser.find("#filter").send_keys("peak of the signal")
         wait_until(
-            lambda: not self.browser.find(_row("frequency")).is_displayed(), lambda: "all shown"
+            lambda: not self.browser.find(row("frequency")).is_displayed(), lambda: "all shown"
         )
-        self.assertTrue(self.browser.find(_row("amplitude")).is_displayed())
+        self.assertTrue(self.browser.find(row("amplitude")).is_displayed())
 
     def test_any_field_is_found_by_topic_and_a_joint_by_its_name(self) -> None:
         publisher = rospy.Publisher("/robot/joint_states", JointState, queue_size=1, latch=True)
@@ -264,8 +154,7 @@ class Panels(PageTest):
         )
         self.browser.keys(Keys.ESCAPE)
         fields = [f"/many/data[{index}]" for index in range(32)]
-        self.browser.driver.get("about:blank")
-        self.browser.open(f"{self.scope.url}#{quote(json.dumps({'fields': fields}))}")
+        self.show(fields=fields)
         self.browser.keys("a")
         self.browser.find("#chooser-search").send_keys("/many/data[99]", Keys.ENTER)
         sentence = "A page shows at most 32 traces: remove one first."
@@ -293,9 +182,12 @@ class Panels(PageTest):
             self.browser.wait_for("#graph .node[data-name='/lab/desk/talker']")
             self.assertEqual(self.browser.text("#graph .group"), "/lab/desk")
             self.browser.keys("g")
-            row = ".managed-node[data-node='/lab/desk/talker'] "
-            self.browser.wait_for(row + "[aria-label='/lab/desk/talker: configure']").click()
-            self.browser.wait_for(row + "[data-state='inactive']")
+            managed = ".managed-node[data-node='/lab/desk/talker'] "
+            self.browser.wait_for(managed + "[aria-label='/lab/desk/talker: configure']").click()
+            self.browser.wait_for(managed + "[data-state='inactive']")
+            self.browser.wait_for(managed + "[aria-label='/lab/desk/talker: activate']").click()
+            state = self.browser.wait_for(managed + "[data-state='active']")
+            self.assertEqual(state.text, "active")
             self.browser.keys("g")
         finally:
             talker.terminate()
@@ -342,6 +234,7 @@ class Panels(PageTest):
         return sorted(edge for edge in found if "/process" in edge.split(" > "))
 
     def test_all_is_reached_by_keys_and_has_a_name(self) -> None:
+        self.addCleanup(self.leave_page)
         self.browser.keys("t", "c", "v", "l")  # a trigger and cursors: all that can be on the plot
         self.browser.wait_for(".handle.cursor")
         self.browser.wait_for(".handle.level-cursor")
@@ -413,6 +306,7 @@ class Panels(PageTest):
         self.assertEqual(nameless, [], what)
 
     def test_reading_only_there_is_nothing_to_set(self) -> None:
+        self.addCleanup(self.leave_page)
         # As from a scope that is open to a network, which a test had better not be.
         script = self.browser.driver.execute_cdp_cmd(
             "Page.addScriptToEvaluateOnNewDocument",
@@ -424,14 +318,9 @@ class Panels(PageTest):
         )
         try:
             self.browser.open(self.scope.url)
-            self.browser.wait_for(_row("amplitude"))
+            self.browser.wait_for(row("amplitude"))
             self.assertTrue(self.browser.find("#readonly").is_displayed())
-            self.assertEqual(self.browser.text(_row("amplitude") + " output"), "2")
+            self.assertEqual(self.browser.text(row("amplitude") + " output"), "2")
             self.assertEqual(self.browser.count(".panel input, .panel select, .panel button"), 0)
         finally:
             self.browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_page_panels")
-    rosrun("topic_scope", "page_panels", Panels)

@@ -1,88 +1,20 @@
-#!/usr/bin/env python3
-"""Panels: what nodes say of themselves, values that are set and refused, services, the graph."""
+"""Panels of nodes that come, go and fail, services, and managed nodes."""
 
 import subprocess
 import time
 from typing import Any, List
 
 import roslib.packages
-import rosnode
 import rospy
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from std_srvs.srv import Trigger
-from wire.client import Client
-from wire.scope_test import ScopeTest
+from wire.controls_test import NODE, ControlsTest, describe_guest
 
-from nodekit.testing.changing import change
-from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
-NODE = "/signal_generator"
 
-
-class Controls(ScopeTest):
+class Controls(ControlsTest):
     """A scope beside the course's nodes; each test leaves their parameters as they were."""
-
-    def panelled(self) -> Client:
-        """Return a page that has the panels of both nodes."""
-        page = self.page()
-
-        def is_complete(message: Any) -> bool:
-            return {"/process", NODE} <= {panel["node"] for panel in message["panels"]}
-
-        self.panels = {
-            panel["node"]: panel for panel in page.wait_for("panels", is_complete)["panels"]
-        }
-        return page
-
-    def set(self, page: Client, name: str, value: Any) -> None:
-        page.send("set", node=NODE, name=name, value=value)
-
-    def restore(self, name: str) -> None:
-        """Put a parameter back with the end of the test."""
-        self.addCleanup(rospy.set_param, f"{NODE}/{name}", rospy.get_param(NODE + "/" + name))
-
-    def test_a_panel_shows_what_the_node_says(self) -> None:
-        self.panelled()
-        shown = {entry["name"]: entry for entry in self.panels[NODE]["parameters"]}
-        self.assertEqual(
-            {key: shown["rate"][key] for key in ("kind", "unit", "above", "maximum", "minimum")},
-            {"kind": "float", "unit": "Hz", "above": None, "maximum": 10000.0, "minimum": 1e-6},
-        )
-        self.assertEqual(shown["waveform"]["kind"], "enum")
-        self.assertIn("square", shown["waveform"]["choices"])
-        self.assertIs(shown["autostart"]["value"], True)
-        self.assertEqual(shown["seed"]["kind"], "int")
-        self.assertTrue(shown["amplitude"]["help"])
-        services = self.panels[NODE]["services"]
-        self.assertIn({"name": NODE + "/enable", "kind": "SetBool"}, services)
-        self.assertIn({"name": NODE + "/reset", "kind": "Trigger"}, services)
-        self.assertNotIn("describe", str(services))
-
-    def test_a_value_comes_into_force_and_all_pages_know(self) -> None:
-        one, other = self.panelled(), self.panelled()
-        self.restore("amplitude")
-        one.send("select", fields=["/signal/amplitude"])
-        self.set(one, "amplitude", 3.25)
-        for page in (one, other):
-            page.wait_for(
-                "value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.25)
-            )
-        self.assertEqual(rospy.get_param(NODE + "/amplitude"), 3.25)
-        wait_until(lambda: 3.25 in one.values("/signal/amplitude"), lambda: one.bins)
-        self.assertEqual(one.messages("refused"), [])
-
-    def test_a_value_out_of_range_is_refused_and_never_written(self) -> None:
-        page = self.panelled()
-        self.set(page, "rate", -1)
-        refused = page.wait_for("refused")
-        self.assertEqual((refused["node"], refused["name"], refused["value"]), (NODE, "rate", -1))
-        self.assertIn("must be a number in [1e-06, 10000]", refused["text"])
-        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("rate", 100.0))
-        self.set(page, "waveform", "wavy")
-        page.wait_for("refused", lambda told: "one of sine, square" in told["text"])
-        self.set(page, "autostart", 1)
-        page.wait_for("refused", lambda told: "true or false" in told["text"])
 
     def test_the_node_has_the_last_word(self) -> None:
         """A value that is in range, but not with the others: only the node knows."""
@@ -102,22 +34,6 @@ class Controls(ScopeTest):
         self.set(page, "amplitude", "1,000")
         page.wait_for("refused", lambda told: told["name"] == "amplitude")
         self.assertEqual(rospy.get_param(NODE + "/amplitude"), before)
-
-    def test_lists_that_must_have_one_length_are_changed_one_after_the_other(self) -> None:
-        page = self.panelled()
-        names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
-        # All at once: one by one, they would be of different lengths for a while.
-        before = {name: rospy.get_param(f"{NODE}/{name}") for name in names}
-        self.addCleanup(change, NODE, **before)
-        for name in names:
-            self.set(page, name, "[1.0, 2.0, 3.0]")
-            if name != names[-1]:
-                page.wait_for("refused", lambda told: told["name"] == name)
-        for name in names:
-            page.wait_for(
-                "value", lambda told: (told["name"], told["value"]) == (name, "[1.0, 2.0, 3.0]")
-            )
-            self.assertEqual(rospy.get_param(NODE + "/" + name), [1.0, 2.0, 3.0])
 
     def test_the_last_of_many_values_wins(self) -> None:
         page = self.panelled()
@@ -153,47 +69,9 @@ class Controls(ScopeTest):
         page.send("call", service=NODE + "/enable", data=True)
         self.assertTrue(page.wait_for("called")["success"])
 
-    def test_only_what_has_a_button_can_be_called_or_set(self) -> None:
-        page = self.panelled()
-        requests = [
-            ("call", {"service": "/signal_generator/set_logger_level"}),
-            ("call", {"service": "/rosout/get_loggers"}),
-            ("call", {"service": NODE + "/enable"}),
-            ("set", {"node": NODE, "name": "undeclared", "value": 1}),
-            ("set", {"node": "/", "name": "run_id", "value": 1}),
-        ]
-        for kind, content in requests:
-            page.forget()
-            page.send(kind, **content)
-            page.wait_for("error")
-
-    def test_the_graph_has_nodes_edges_and_rates(self) -> None:
-        page = self.panelled()
-        page.send("graph", on=True)
-        expected = {"from": NODE, "to": "/process", "topic": "/signal"}
-
-        def has_rate(graph: Any) -> bool:
-            rates = [edge["rate"] for edge in graph["edges"] if expected.items() <= edge.items()]
-            return len(rates) == 1 and rates[0] is not None and 80.0 < rates[0] < 120.0
-
-        graph = page.wait_for("graph", has_rate)
-        self.assertLessEqual({NODE, "/process"}, set(graph["nodes"]))
-        self.assertIn({"name": "/signal", "datatype": "basic_comms/signal_msg"}, graph["topics"])
-        own = "/scope_" + self.scope.url.rpartition(":")[2]
-        self.assertIn(own, rosnode.get_node_names())
-        self.assertNotIn(own, graph["nodes"])
-        page.send("graph", on=False)
-        page.send("foo")  # answered after that
-        page.wait_for("error")
-        page.forget()
-        self.restore("phase")
-        rospy.set_param(NODE + "/phase", 0.5)
-        page.wait_for("value")
-        self.assertEqual(page.messages("graph"), [])
-
     def test_a_node_that_ends_takes_its_panel_along(self) -> None:
         page = self.panelled()
-        service = rospy.Service("/guest/describe", Trigger, _describe_guest)
+        service = rospy.Service("/guest/describe", Trigger, describe_guest)
         page.wait_for(
             "panels", lambda told: "/guest" in [panel["node"] for panel in told["panels"]]
         )
@@ -215,7 +93,7 @@ class Controls(ScopeTest):
             # this one, it has learnt of the one before, and has no description yet.
             rospy.set_param(NODE + "/amplitude", 3.5)
             page.wait_for("value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.5))
-            return _describe_guest(request)
+            return describe_guest(request)
 
         service = rospy.Service("/slow/describe", Trigger, describe)
         self.addCleanup(service.shutdown)
@@ -227,7 +105,7 @@ class Controls(ScopeTest):
             "/babbler/describe", Trigger, lambda _: (True, "[!!python/object/new:os.system [id]]")
         )
         self.addCleanup(service.shutdown)
-        guest = rospy.Service("/later/describe", Trigger, _describe_guest)
+        guest = rospy.Service("/later/describe", Trigger, describe_guest)
         self.addCleanup(guest.shutdown)
         page.wait_for(
             "panels", lambda told: "/later" in [panel["node"] for panel in told["panels"]]
@@ -288,12 +166,3 @@ class Controls(ScopeTest):
         self.assertGreater(asked[2] - asked[0], 3.0)
         # A page is told of others nevertheless.
         self.assertNotIn("/unwell", str(self.page().wait_for("managed")))
-
-
-def _describe_guest(_request: Any) -> Any:
-    return True, "- {name: a, value: 1, type: int, unit: '', range: '[0, 5]', help: ''}"
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_scope_controls")
-    rosrun("topic_scope", "scope_controls", Controls)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """How the scope starts and ends, and what it does when the master does not stay."""
 
 import os
@@ -8,39 +7,23 @@ import socket
 import subprocess
 import tempfile
 import unittest
-import xmlrpc.client
 from typing import Any, Dict, List
 
+import rosgraph
 import roslib.packages
-import rosunit
 from wire.client import Client, fetch
 
-from nodekit.testing.processes import free_port
+from nodekit.testing.processes import Master, free_port
 from nodekit.testing.waiting import wait_until
 
 
 class Life(unittest.TestCase):
-    """Each test has a master of its own."""
+    """Starts scopes, on the master of the test unless it needs one of its own."""
 
     def setUp(self) -> None:
-        self.master_uri = f"http://localhost:{free_port()}"
-        self.master = self.start_master()
+        self.master_uri = rosgraph.get_master_uri()
         self.port = free_port()
         self.url = f"http://localhost:{self.port}"
-
-    def start_master(self) -> "subprocess.Popen[str]":
-        port = self.master_uri.rpartition(":")[2]
-        master = self.start("rosmaster", "--core", "-p", port)
-        proxy = xmlrpc.client.ServerProxy(self.master_uri)
-
-        def answers() -> bool:
-            try:
-                return bool(proxy.getPid("/test")[0] == 1)
-            except OSError:
-                return False
-
-        wait_until(answers, lambda: "the master does not answer")
-        return master
 
     def start(self, *command: str, **variables: str) -> "subprocess.Popen[str]":
         environment: Dict[str, str] = {
@@ -98,9 +81,12 @@ class Life(unittest.TestCase):
         scope = self.start_scope(PATH=folder + os.pathsep + os.environ["PATH"])
         self.assertNotIn("Traceback", self.end(scope))
 
-    def test_says_where_it_is_and_ends_cleanly(self) -> None:
+    def test_says_where_it_is_listens_on_this_machine_only_and_ends_cleanly(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
             scope = self.start_scope()
+            self.assertEqual(self.listening(), ["127.0.0.1"])
+            if number == signal.SIGINT:
+                self.second_scope_says_that_the_port_is_taken()
             page = self.page("/a/x")
             page.wait_for("frame")
             text = self.end(scope, number)
@@ -109,8 +95,8 @@ class Life(unittest.TestCase):
             self.assertNotIn("Traceback", text)
             wait_until(lambda: page.is_closed, lambda: "the page is still connected")
 
-    def test_a_port_that_is_taken_is_told_with_what_to_do(self) -> None:
-        self.start_scope()
+    def second_scope_says_that_the_port_is_taken(self) -> None:
+        """Start another scope, which says what to do and ends."""
         second = self.start_node("topic_scope", "scope.py", f"_port:={self.port}")
         text = self.end_of(second)
         self.assertEqual(second.returncode, 1, text)
@@ -146,10 +132,6 @@ class Life(unittest.TestCase):
         process.stdout = None
         return str(text)
 
-    def test_listens_on_this_machine_only_unless_told_otherwise(self) -> None:
-        self.start_scope()
-        self.assertEqual(self.listening(), ["127.0.0.1"])
-
     def listening(self) -> List[str]:
         """Return the addresses that the scope's port is open at."""
         found = []
@@ -163,15 +145,18 @@ class Life(unittest.TestCase):
         return found
 
     def test_survives_a_restart_of_the_master(self) -> None:
+        master = Master()
+        self.addCleanup(master.kill)
+        self.master_uri = master.uri
         self.start_node("basic_comms", "signal_generator.py", "_rate:=50")
         self.start_scope("/signal/signal_y")
         page = self.page("/signal/signal_y", "/proc_signal/data")
         wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
-        self.end(self.master)
+        master.kill()
         page.wait_for("master", lambda told: "does not answer" in told["text"])
         page.forget()
         page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
-        self.start_master()
+        master.start()
         page.wait_for("master", lambda told: told["text"] == "")
         # What comes only now is found, and its parameters too.
         self.start_node("basic_comms", "process.py")
@@ -184,7 +169,3 @@ class Life(unittest.TestCase):
             lambda: max(page.values("/proc_signal/data")) > 5.0,
             lambda: (page.messages("refused"), page.messages("error")),
         )
-
-
-if __name__ == "__main__":
-    rosunit.unitrun("topic_scope", "scope_life", Life)

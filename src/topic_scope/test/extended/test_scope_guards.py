@@ -1,8 +1,6 @@
-#!/usr/bin/env python3
-"""Who is let in, what garbage does, and that a page that does not read costs nobody anything."""
+"""Limits: pages that are let in, what an export takes, a page that does not read."""
 
 import base64
-import http.client
 import json
 import os
 import socket
@@ -13,11 +11,9 @@ from typing import Any, Dict
 import rospy
 from geometry_msgs.msg import Point, PointStamped
 from std_msgs.msg import Float32, Header
-from tornado.httpclient import HTTPClientError
 from wire.client import Client, fetch
 from wire.scope_test import ScopeTest
 
-from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 FIELDS = [f"/signal/{name}" for name in ("signal_y", "time_x", "amplitude", "frequency")]
@@ -27,47 +23,6 @@ class Guards(ScopeTest):
     """A scope of this machine's own."""
 
     ARGUMENTS = [*FIELDS, "--history", "3"]
-
-    def test_a_page_of_another_site_is_refused(self) -> None:
-        for headers in (
-            {"Origin": "http://example.com"},
-            {"Origin": self.scope.url + "0"},
-            {"Origin": "null"},
-            {"Origin": "http://rebound.example.com:80", "Host": "rebound.example.com:80"},
-        ):
-            with self.assertRaises(HTTPClientError) as caught:
-                Client(self.scope.url, headers)
-            self.assertEqual(caught.exception.code, 403, headers)
-        self.page(headers={"Origin": self.scope.url})
-
-    def test_names_of_others_are_refused_everywhere(self) -> None:
-        for path in ("/", "/static/index.html", "/dygraphs/dygraph.min.js", "/data.csv?field=/a/x"):
-            self.assertEqual(fetch(self.scope.url + path)[0], 200, path)
-            self.assertEqual(fetch(self.scope.url + path, {"Host": "example.com"})[0], 403, path)
-
-    def test_a_page_is_told_to_be_strict(self) -> None:
-        connection = http.client.HTTPConnection(self.scope.url.partition("//")[2])
-        self.addCleanup(connection.close)
-        connection.request("GET", "/")
-        answer = connection.getresponse()
-        self.assertIn("frame-ancestors 'none'", answer.headers["Content-Security-Policy"])
-        self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
-
-    def test_nothing_outside_of_the_folders_is_served(self) -> None:
-        for folder in ("/static/", "/dygraphs/", "/"):
-            for way in (
-                "../package.xml",
-                "..%2fpackage.xml",
-                "%2e%2e/package.xml",
-                "/etc/passwd",
-                "..\\package.xml",
-                "js/../../package.xml",
-                "../" * 12 + "etc/passwd",
-            ):
-                status, text = fetch(self.scope.url + folder + way)
-                self.assertIn(status, (400, 403, 404), folder + way)
-                self.assertNotIn("<package", text)
-                self.assertNotIn("root:", text)
 
     def test_bad_exports_are_refused(self) -> None:
         for query in (
@@ -85,33 +40,6 @@ class Guards(ScopeTest):
             status, text = fetch(f"{self.scope.url}/data.csv?{query}")
             self.assertEqual(status, 200, name)
             self.assertEqual(text.splitlines()[0], f"time,received,{FIELDS[0]},{name}")
-
-    def test_garbage_is_answered_and_the_page_stays(self) -> None:
-        page = self.page()
-        for text in (
-            "",
-            "{",
-            "[]",
-            "null",
-            "\x00",
-            b"\xff\x00",
-            '{"type": "view"}',
-            "[" * 60000,
-            '{"type": "set", "node": 1}',
-            '{"type": "view", "window": 1e999, "width": 5}',
-        ):
-            page.forget()
-            page.send_text(text)
-            page.wait_for("error")
-            page.wait_for("frame")
-        self.assertFalse(page.is_closed)
-
-    def test_a_request_that_is_too_long_ends_that_page_only(self) -> None:
-        page, other = self.page(), self.page()
-        page.send_text("x" * 1000000)
-        wait_until(lambda: page.is_closed, lambda: "it is still open")
-        other.forget()
-        other.wait_for("frame")
 
     def test_there_is_a_limit_to_pages(self) -> None:
         for _ in range(32):  # those of the tests before may not have gone yet
@@ -196,26 +124,6 @@ class ReadOnly(ScopeTest):
 
     ARGUMENTS = ["/signal/signal_y", "--address", "0.0.0.0"]
 
-    def test_watches_and_sets_nothing(self) -> None:
-        page = self.page()
-        self.assertTrue(page.wait_for("hello")["readonly"])
-        page.wait_for("panels", lambda told: "/signal_generator" in str(told["panels"]))
-        wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
-        before = rospy.get_param("/signal_generator/amplitude")
-        for request in (
-            {"type": "set", "node": "/signal_generator", "name": "amplitude", "value": 7.0},
-            {"type": "call", "service": "/signal_generator/enable", "data": False},
-            {"type": "transition", "node": "/n", "label": "configure"},
-            {"type": "steer", "topic": "/cmd_vel"},
-            {"type": "drive", "speed": 0.1, "turn": 0, "sent": 0},
-            {"type": "goal", "topic": "/goal", "frame": "odom", "x": 0, "y": 0, "heading": 0},
-        ):
-            page.forget()
-            page.send_text(json.dumps(request))
-            self.assertIn("read-only", page.wait_for("error")["text"])
-        self.assertEqual(page.messages("called"), [])
-        self.assertEqual(rospy.get_param("/signal_generator/amplitude"), before)
-
     def test_is_reached_by_address_but_not_by_a_strange_name(self) -> None:
         port = urllib.parse.urlsplit(self.scope.url).port
         address = f"http://{socket.gethostbyname(socket.gethostname())}:{port}/"
@@ -259,8 +167,3 @@ class NotReading:
 
     def close(self) -> None:
         self._socket.close()
-
-
-if __name__ == "__main__":
-    rospy.init_node("test_scope_guards")
-    rosrun("topic_scope", "scope_guards", "test_scope_guards")

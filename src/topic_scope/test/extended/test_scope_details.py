@@ -1,0 +1,15 @@
+#!/usr/bin/env python3
+"""Details of what pages are told and may ask for, and how the scope starts and ends."""
+
+import rospy
+from test_scope_controls import Controls  # noqa: F401
+from test_scope_guards import Guards, ReadOnly  # noqa: F401
+from test_scope_life import Life  # noqa: F401
+from test_scope_robots import DeadMan, Feed  # noqa: F401
+from test_scope_signals import Signals  # noqa: F401
+
+from nodekit.testing.running import rosrun
+
+if __name__ == "__main__":
+    rospy.init_node("test_scope_details")
+    rosrun("topic_scope", "scope_details", "test_scope_details")

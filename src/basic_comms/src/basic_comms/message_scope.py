@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Where a talker looks up its message: the namespaces of ROS names.
 
 The candidates of a node ``/Group1/talker``, nearest first, are

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The parameters of a robot; their defaults are those of a TurtleBot3 Burger."""
 
 from diff_drive_sim.simulation.kinematics import Pose

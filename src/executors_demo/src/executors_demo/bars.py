@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """From lines to bars: which call ran from when to when, and which ran at the same time."""
 
 from typing import Dict, Iterable, List, NamedTuple, Tuple

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Says which call runs when, and in which thread."""
 
 import itertools

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The lines that a demo prints: who begins or ends, in which thread, and when."""
 
 import re

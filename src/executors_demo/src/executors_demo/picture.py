@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The timeline picture: a row for each thread, a bar for each call."""
 
 from itertools import cycle

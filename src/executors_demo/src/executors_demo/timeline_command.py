@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The command ``rosrun executors_demo timeline LOG… -o picture.svg``."""
 
 import argparse

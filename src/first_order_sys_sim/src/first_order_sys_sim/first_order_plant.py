@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """A first-order plant, tau dy/dt + y = K u, whose input is held from one moment to the next.
 
 While the held input u and the settings stay the same, the state is known in closed form::

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """A plant behind a sampler that holds its input."""
 
 import math

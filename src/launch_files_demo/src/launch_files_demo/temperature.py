@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """A temperature that rises and falls, as a sensor with noise measures it."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The commands that a manager takes, which are nav2's."""
 
 from typing import NamedTuple, Sequence

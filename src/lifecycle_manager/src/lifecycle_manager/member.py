@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a manager knows of one node; time is that of any clock that never goes back, s."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a system of managed nodes needs next: two rules, which know neither ROS nor time.
 
 All nodes are configured in order, then all are activated in order. So a node may be configured

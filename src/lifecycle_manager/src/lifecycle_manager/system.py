@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a manager knows of its nodes, and what it requests of them.
 
 It is told what happens, and the time: that of any clock that never goes back, s.

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """When a set point asks for its motor to be enabled, and when it may publish."""
 
 from typing import Optional

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The parameters of the motor, under the names that the course gave them."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Judge what a node's class hands to nodekit, so that an error comes at its own line.
 
 Otherwise it would come at the node's start or at the first message, where nothing names that line.

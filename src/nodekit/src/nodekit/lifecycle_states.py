@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The states of a managed node and the ways between them, with ROS 2's ids and labels."""
 
 import enum

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What the definition of a message says, line by line; its notation: http://wiki.ros.org/msg.
 
 It is read, and no code is made of it: it may come from somebody else. Pure: it knows no ROS.

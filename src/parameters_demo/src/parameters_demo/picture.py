@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What the camera of the demos sees: a test card on which something moves.
 
 Colour bars and a grey ramp show whether colours are right, the name whose picture it is, the number

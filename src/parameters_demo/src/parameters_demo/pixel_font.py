@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Letters of 5 by 7 pixels, so that a picture can have text without a library for it."""
 
 import functools

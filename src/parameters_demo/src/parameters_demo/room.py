@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a lidar sees: a hall with a door, a cabinet, a pillar, and somebody who walks around.
 
 The lidar stands at the origin and looks along x. Lengths are in m, angles in rad, times in s.

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a radar sees: cars that come and go, and somebody who walks in front of it.
 
 The radar is at the origin and looks along x; y is to the left, z is up. Lengths are in m, angles in

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a robot does: the constants of RobotStatus, for code that knows no ROS."""
 
 import enum

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """A robot that drains its battery, warms up and passes obstacles, and its faults."""
 
 import math

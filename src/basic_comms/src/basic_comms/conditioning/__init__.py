@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """What the process node does to a signal. It knows no ROS."""

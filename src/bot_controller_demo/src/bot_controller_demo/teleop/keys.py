@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What the keys of a teleoperation mean, and for how long.
 
 A terminal reports a key when it goes down, and repeatedly while it is held, for the first time

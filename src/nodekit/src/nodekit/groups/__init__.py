@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """Callback groups, and what waits for a thread of an executor."""

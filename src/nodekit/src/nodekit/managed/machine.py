@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """In which state a managed node is: one transition at a time, and none that the table lacks."""
 
 import threading

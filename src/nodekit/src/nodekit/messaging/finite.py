@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Messages whose numbers are all finite."""
 
 import math

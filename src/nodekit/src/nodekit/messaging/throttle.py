@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Log the same thing now and then only, each for itself. Pure: it knows no ROS.
 
 rospy's own throttles know lines of code: of two topics, one keeps the other quiet; and what counts

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Absolute deadlines on an even grid, so that periodic work does not drift."""
 
 import math

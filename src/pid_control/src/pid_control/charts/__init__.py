@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """Plots as SVG: pure."""

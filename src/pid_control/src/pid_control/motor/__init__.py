@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """The motor: pure, with time as an argument."""

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Numbers in messages, named by their topic and their place: ``/motor_output/output``. Pure."""
 
 import re

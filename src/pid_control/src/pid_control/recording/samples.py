@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Samples of outputs, by the plant's own time where they carry it. Pure."""
 
 from typing import Any, List, Optional

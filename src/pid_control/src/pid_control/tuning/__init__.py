@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """From a model to the gains of a controller: pure."""

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Parameters as ROS 2 has them: kinds by number, ranges, names with dots. Knows neither ROS."""
 
 import math

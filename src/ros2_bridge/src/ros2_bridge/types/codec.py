@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Bytes of a ROS 1 message into bytes of ROS 2's (CDR) and back, without a message in between.
 
 A definition is compiled once into instructions; after that a codec holds no state, so any number of

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Whether a type of ROS 1 and one of ROS 2 have the same fields, and if not, which differ."""
 
 import re

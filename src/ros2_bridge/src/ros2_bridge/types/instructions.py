@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """How pieces of a message are converted: see :mod:`ros2_bridge.types.codec`.
 
 An instruction knows where it reads and how much was written before, and nothing else.

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """A parameter as a board can take it. Pure."""
 
 import math

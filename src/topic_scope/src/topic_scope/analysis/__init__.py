@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """What is computed of samples: bins, measures, spectra."""

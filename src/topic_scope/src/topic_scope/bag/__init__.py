@@ -1,1 +1,2 @@
+# Pure: knows no ROS.
 """Samples from bags: played, plotted, written as CSV."""

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """From what a node says of its parameters to a panel, and from a panel's value to the node's.
 
 The descriptions are those of the service ``~describe`` of nodekit: a YAML list. The parameters are

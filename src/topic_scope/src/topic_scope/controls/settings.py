@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Set parameters of nodes, and learn what the nodes make of it.
 
 A value goes to the node's service ``~change``, which answers at once whether it is in force, and

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The arrays of serialized messages: how long they are, and what their elements are called."""
 
 import re

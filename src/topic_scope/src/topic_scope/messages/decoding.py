@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Take numbers out of serialized messages, without making objects of them.
 
 A scope reads thousands of messages a second and wants one number of each. Messages of a fixed size

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The layout of a message in memory, read from its definition.
 
 A definition is the text that a publisher sends to each subscriber and that a bag holds: it suffices

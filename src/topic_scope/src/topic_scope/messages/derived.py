@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Traces that are computed of others: a fixed list, nothing of a name is ever evaluated."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Names of numeric fields, such as ``/signal/signal_y``, and what they stand for.
 
 The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Read whole messages by their layout: as dictionaries, lists and arrays of numbers.
 
 What a plot needs of a message is a number, see :mod:`topic_scope.messages.decoding`; a map with

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """When a sample was taken: when its message was received, or when the message says so itself.
 
 A stamp that the user has named is what it says: the sample stands there, however late it comes, as

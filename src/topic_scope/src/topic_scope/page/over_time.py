@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """How the figures of traces have varied since somebody has asked for it."""
 
 import math

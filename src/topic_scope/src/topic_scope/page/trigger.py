@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Find the moments at which a trace crosses a level, and tell a page of them."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What one page sees: which bins it has, and which it needs next."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What is checked of a request, part by part."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Requests about what is computed of traces: formulas and masks."""
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The request about a bag that is laid over what is shown."""
 
 from typing import Any, Dict, NamedTuple, Optional

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a page may ask for: one JSON object a request, checked field by field.
 
 Whoever serves pages has a table of handlers. In it stands beside each type of request what checks

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """With which gain and offset a page wants its traces, and whether in steps.
 
 All that a page is told of a trace is of the scaled values: what is drawn, measured and triggered on

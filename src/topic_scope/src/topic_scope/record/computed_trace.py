@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Traces that are computed of others by a formula."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Traces that are there as a whole, and are laid somewhere on the scope's clock: those of a bag."""
 
 import math

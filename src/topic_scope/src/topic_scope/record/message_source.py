@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Where messages come from, a node's subscriptions or a bag: what both have in common."""
 
 from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The samples of fields, by the times of their messages."""
 
 import math

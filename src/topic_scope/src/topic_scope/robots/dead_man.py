@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """The dead man's switch: a robot moves only as long as somebody keeps telling it to."""
 
 from typing import NamedTuple, Optional

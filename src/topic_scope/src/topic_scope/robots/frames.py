@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Where things are: frames that hang on one another, as ``/tf`` tells them, seen from above."""
 
 import math

@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Markers as a page draws them: visualization_msgs/Marker and MarkerArray, seen from above."""
 
 import math

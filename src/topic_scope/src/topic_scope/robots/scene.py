@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """What a page sees of robots and their world: made of messages, in the frame that all hang on."""
 
 import math

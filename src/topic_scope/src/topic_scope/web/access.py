@@ -1,3 +1,4 @@
+# Pure: knows no ROS.
 """Who may connect: requests that some other site has made a browser send are refused.
 
 A page of another site can open a WebSocket to this machine, and by pointing its own name to

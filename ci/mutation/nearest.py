@@ -1,4 +1,4 @@
-"""Which unit tests of a package import a module, the nearest first."""
+"""The unit tests of a package that import a module, the nearest first."""
 
 import ast
 import functools
@@ -9,49 +9,53 @@ from typing import Dict, List, Set
 from ..lint import code_rules
 
 
-class UnitTests:
-    """The unit tests of all packages."""
+@functools.lru_cache(maxsize=None)
+def graph() -> Dict[str, Set[str]]:
+    """Return what each module imports of the others."""
+    modules = code_rules.modules()
+    return code_rules.import_graph({name: ast.parse(path.read_bytes()) for name, path in modules})
 
-    def __init__(self) -> None:
-        self._names = {path: name for name, path in code_rules.modules()}
 
-    @functools.cached_property
-    def _graph(self) -> Dict[str, Set[str]]:
-        trees = {name: ast.parse(path.read_text("utf-8")) for path, name in self._names.items()}
-        return code_rules.import_graph(trees)
+def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
+    """Return the test files that import a module or name a script, even indirectly.
 
-    def all_of(self, package: str) -> List[pathlib.Path]:
-        """Return all files of a package, but for those that pytest is told to ignore here.
+    A test that conftest.py ignores is left out: pytest would run it if it is named.
 
-        It would not ignore them where they are named, and what they need is not installed.
-        """
-        place = code_rules.SOURCES / package / "test" / "unit"
-        told = place / "conftest.py"
-        ignored = runpy.run_path(str(told)).get("collect_ignore", ()) if told.is_file() else ()
-        return sorted(path for path in place.glob("test_*.py") if path.name not in ignored)
+    :param package: a folder with its tests
+    :param module: the module's path below src
+    """
+    path, folder = pathlib.Path(module), package / "test" / "unit"
+    conftest = folder / "conftest.py"
+    ignored = runpy.run_path(str(conftest))["collect_ignore"] if conftest.is_file() else ()
+    tests = sorted(test for test in folder.glob("test_*.py") if test.name not in ignored)
+    if path.suffix == ".js":
+        return [test for test in tests if path.name in test.read_text("utf-8")]
+    name = ".".join(path.with_suffix("").parts[2:])
+    distances = {test: distance(imported_by(test), name) for test in tests}
+    near = [test for test in tests if distances[test] < len(graph())]
+    return sorted(near, key=lambda test: (test.stem != f"test_{path.stem}", distances[test]))
 
-    def of(self, module: pathlib.Path) -> List[pathlib.Path]:
-        """Return the files in the module's package that import it, even by way of others."""
-        package = module.relative_to(code_rules.SOURCES).parts[0]
-        distances: Dict[pathlib.Path, int] = {}
-        for test in self.all_of(package):
-            distance = self._distance(test, self._names[module])
-            if distance:
-                distances[test] = distance
-        return sorted(distances, key=lambda test: distances[test])
 
-    def _distance(self, test: pathlib.Path, module: str) -> int:
-        """Return over how many imports a test has a module; 0 if it does not have it."""
-        tree = ast.parse(test.read_text("utf-8"))
-        level = {
-            name
-            for _, imported in code_rules.imports(tree)
-            for name in (imported, imported.rpartition(".")[0])
-        }
-        seen: Set[str] = set()
-        distance = 1
-        while level and module not in level:
-            seen |= level
-            level = {name for one in level for name in self._graph.get(one, ())} - seen
-            distance += 1
-        return distance if level else 0
+@functools.lru_cache(maxsize=None)
+def imported_by(test: pathlib.Path) -> Set[str]:
+    """Return what a test imports, itself or through a helper in its folder."""
+    names: Set[str] = set()
+    for _, imported in code_rules.imports(ast.parse(test.read_bytes())):
+        names |= {imported, imported.rpartition(".")[0]}
+        helper = test.with_name(imported.split(".")[0] + ".py")
+        if helper.is_file() and helper != test:
+            names |= imported_by(helper)
+    return names
+
+
+def distance(names: Set[str], module: str) -> int:
+    """Return over how many imports a module is reached from some names; a large number if not."""
+    seen: Set[str] = set()
+    steps = 0
+    while module not in names:
+        seen |= names
+        names = {name for one in names for name in graph().get(one, ())} - seen
+        steps += 1
+        if not names:
+            return len(graph())
+    return steps

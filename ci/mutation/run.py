@@ -1,0 +1,92 @@
+"""Draw mutants and see whether tests notice: ``run.py PYTHON [OPTION…]``, see ci/mutants."""
+
+import argparse
+import math
+import shutil
+import signal
+import sys
+import time
+
+from ..tiers.workspace import WORKSPACE
+from .evaluation import Evaluation
+from .mutants import Unfit, draw, modules_of
+from .results import Results
+
+PLACE = WORKSPACE / "build" / "mutants"
+
+
+def options() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(prog="ci/mutants")
+    parser.add_argument("tool", help=argparse.SUPPRESS)
+    parser.add_argument("--wiring", action="store_true")
+    parser.add_argument("--count", type=int)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", action="append", default=[], metavar="PACKAGE")
+    parser.add_argument("--minutes", type=float, default=math.inf)
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--again", action="store_true")
+    parser.add_argument("paths", nargs="*", metavar="PATH")
+    return parser.parse_args()
+
+
+def prepare(asked: argparse.Namespace) -> Results:
+    """Draw, and continue an earlier run or forget it.
+
+    :raises Unfit: if there is nothing to draw from
+    """
+    modules = modules_of(asked.wiring, asked.only, asked.paths)
+    count = asked.count or (120 if asked.wiring else sys.maxsize)
+    drawn = draw(asked.tool, modules, count, asked.seed)
+    if not (asked.resume or asked.again):
+        shutil.rmtree(str(PLACE), ignore_errors=True)
+    PLACE.mkdir(parents=True, exist_ok=True)
+    return Results(PLACE, drawn, asked.again)
+
+
+def evaluate(results: Results, asked: argparse.Namespace) -> None:
+    """Test the mutants that have no result, and clean up.
+
+    :raises KeyboardInterrupt: at Ctrl-C
+    :raises Unfit: if tests cannot be run
+    """
+    end = time.monotonic() + 60.0 * asked.minutes
+    waiting = results.waiting()
+    evaluation = Evaluation(PLACE, asked.wiring)
+    try:
+        for number, mutant in enumerate(waiting, start=1):
+            if time.monotonic() > end:
+                break
+            killer = evaluation.killer(mutant.module, mutant.text)
+            results.add(mutant, killer, evaluation.left_out())
+            found = "killed" if killer else "SURVIVED"
+            print(f"{number} of {len(waiting)} {found}: {mutant}", flush=True)
+    finally:
+        evaluation.close()
+
+
+def main(asked: argparse.Namespace) -> int:
+    """Draw, test, and print the survivors and the rates.
+
+    :returns: exit status
+    """
+    # A shell makes its background jobs ignore Ctrl-C and Ctrl-\\, and nodes would inherit that.
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
+    try:
+        results = prepare(asked)
+        try:
+            evaluate(results, asked)
+        finally:
+            print(results.summary())
+    except Unfit as error:
+        print(f"ci/mutants: {error}", file=sys.stderr)
+        return 125
+    except KeyboardInterrupt:
+        return 130
+    return 0 if results.is_good() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(options()))

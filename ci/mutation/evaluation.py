@@ -12,7 +12,7 @@ import time
 from typing import Dict, Iterator, List, NamedTuple, Sequence, Set
 from xml.etree import ElementTree
 
-from ..tiers.steps import Runner, Step, StepResult
+from ..tiers.steps import Runner, Step
 from ..tiers.workspace import WORKSPACE
 from .mutants import SOURCES, Unfit
 from .nearest import unit_tests
@@ -116,7 +116,9 @@ class Evaluation:
         ]
         if self._integration:
             known = {name: trial.seconds for name, trial in self._trials.items()}
-            others = [one for one in integration_steps(package) if not is_script or opens_page(one)]
+            others = [
+                one for one in integration_steps(package) if not is_script or one.tier == "page"
+            ]
             steps += sorted(others, key=lambda step: known.get(step.name, step.time_limit))
         for step in steps:
             trial = self._trial(step)
@@ -133,9 +135,9 @@ class Evaluation:
         """Run a test without a mutant, unless that has been done."""
         if step.name not in self._trials:
             if step.tier == "ros2":
-                made = self._run(Step("", "", [f"{WORKSPACE}/ci/ros2"], 1800.0), self._compiled)
-                if not made.good:
-                    raise Unfit(f"{step.name} needs ROS 2: {made.log.strip()}")
+                setup = Step("unit", "ros2", [f"{WORKSPACE}/ci/ros2"], 1800.0)
+                if self._trouble(setup, self._compiled):
+                    raise Unfit(f"{step.name} needs ROS 2, which ci/ros2 cannot set up")
             with tempfile.TemporaryDirectory(prefix="mutants-") as compiled:
                 began = time.monotonic()
                 trouble = self._trouble(step, pathlib.Path(compiled))
@@ -151,23 +153,19 @@ class Evaluation:
 
         On a busy machine a test that needs a master may fail by chance: it is run once more.
         """
+        os.environ.update({"PYTHONPYCACHEPREFIX": str(compiled), FAIL_FAST: "1"})
         for _ in range(1 if step.tier == "unit" else 2):
-            result = self._run(step, compiled)
+            directory = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
+            result = self._runner.run(step, directory / "run")
+            shutil.rmtree(str(directory), ignore_errors=True)
+            if self._is_interrupted:
+                raise KeyboardInterrupt
             if result.good:
                 return ""
         failed = [
             f"{case.name}: {case.reason}" for case in result.cases if case.outcome == "failed"
         ]
         return [*failed, "it was skipped"][0][:200]
-
-    def _run(self, step: Step, compiled: pathlib.Path) -> StepResult:
-        os.environ.update({"PYTHONPYCACHEPREFIX": str(compiled), FAIL_FAST: "1"})
-        directory = pathlib.Path(tempfile.mkdtemp(prefix="mutants-"))
-        result = self._runner.run(step, directory / "run")
-        shutil.rmtree(str(directory), ignore_errors=True)
-        if self._is_interrupted:
-            raise KeyboardInterrupt
-        return result
 
 
 def copy_sources(copy: pathlib.Path) -> None:
@@ -190,7 +188,7 @@ def pytest_step(tier: str, name: str, tests: Sequence[pathlib.Path], *python: st
 
 
 def integration_steps(package: pathlib.Path) -> List[Step]:
-    """Return the tests of a package in the copy that need a master.
+    """Return the tests of a package in the copy that need a master; some open the page.
 
     As rostest runs all test nodes of a file to their end, each node has a file of its own.
     """
@@ -207,18 +205,12 @@ def integration_steps(package: pathlib.Path) -> List[Step]:
             command = ["rostest", "--pkgdir", str(package), "--package", package.name]
             command += ["--results-base-dir", "{results}", "--results-filename", "it.xml"]
             name = f"{package.name}/{file.stem} {test.get('test-name')}"
+            script = file.with_name(test.get("type", ""))
+            text = script.read_text("utf-8") if script.is_file() else ""
+            tier = "page" if any(mark in text for mark in BROWSER) else "integration"
             limit = float(test.get("time-limit", "60")) + 60.0
-            steps.append(Step("integration", name, [*command, str(part)], limit, True))
+            steps.append(Step(tier, name, [*command, str(part)], limit, True))
     path = os.pathsep.join([*map(str, package.parent.glob("*/src")), str(GENERATED), DEBIAN])
     python = ("env", f"PYTHONPATH={path}", f"{WORKSPACE}/build/ros2/bin/python")
     tests = sorted((package / "test" / "ros2").glob("test_*.py"))
     return [*steps, *(pytest_step("ros2", package.name, [test], *python) for test in tests)]
-
-
-def opens_page(step: Step) -> bool:
-    """Tell whether a test opens the oscilloscope's page."""
-    file = pathlib.Path(step.command[-1])
-    tests = ElementTree.parse(str(file)).findall(".//test") if file.suffix == ".part" else ()
-    scripts = [file.with_name(test.get("type", "")) for test in tests]
-    texts = [script.read_text("utf-8") for script in scripts if script.is_file()]
-    return any(mark in text for text in texts for mark in BROWSER)

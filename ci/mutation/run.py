@@ -30,20 +30,6 @@ def options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def prepare(asked: argparse.Namespace) -> Results:
-    """Draw, and continue an earlier run or forget it.
-
-    :raises Unfit: if there is nothing to draw from
-    """
-    modules = modules_of(asked.wiring, asked.only, asked.paths)
-    count = asked.count or (120 if asked.wiring else sys.maxsize)
-    drawn = draw(asked.tool, modules, count, asked.seed)
-    if not (asked.resume or asked.again):
-        shutil.rmtree(str(PLACE), ignore_errors=True)
-    PLACE.mkdir(parents=True, exist_ok=True)
-    return Results(PLACE, drawn, asked.again)
-
-
 def evaluate(results: Results, asked: argparse.Namespace) -> None:
     """Test the mutants that have no result, and clean up.
 
@@ -75,7 +61,13 @@ def main(asked: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     try:
-        results = prepare(asked)
+        modules = modules_of(asked.wiring, asked.only, asked.paths)
+        count = asked.count or (120 if asked.wiring else sys.maxsize)
+        drawn = draw(asked.tool, modules, count, asked.seed)
+        if not (asked.resume or asked.again):
+            shutil.rmtree(str(PLACE), ignore_errors=True)
+        PLACE.mkdir(parents=True, exist_ok=True)
+        results = Results(PLACE, drawn, asked.again)
         try:
             evaluate(results, asked)
         finally:

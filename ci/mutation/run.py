@@ -27,7 +27,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("paths", nargs="*", metavar="PATH")
-    return parser.parse_args()
+    return parser.parse_intermixed_args()
 
 
 def evaluate(results: Results, asked: argparse.Namespace) -> None:
@@ -62,7 +62,7 @@ def main(asked: argparse.Namespace) -> int:
         signal.signal(number, signal.default_int_handler)
     try:
         modules = modules_of(asked.wiring, asked.only, asked.paths)
-        count = asked.count or (120 if asked.wiring else sys.maxsize)
+        count = asked.count or (sys.maxsize if asked.paths else 120)
         drawn = draw(asked.tool, modules, count, asked.seed)
         if not (asked.resume or asked.again):
             shutil.rmtree(str(PLACE), ignore_errors=True)

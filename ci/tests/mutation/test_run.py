@@ -36,7 +36,7 @@ class Stub:
 def stub(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(run, "PLACE", tmp_path)
     monkeypatch.setattr(run, "Evaluation", Stub)
-    monkeypatch.setattr(run, "draw", lambda *_: ASKED)
+    monkeypatch.setattr(run, "draw", lambda tool, modules, count, seed: ASKED[:count])
     monkeypatch.setattr(run.signal, "signal", lambda *_: None)
 
 
@@ -73,6 +73,20 @@ def test_no_mutant_is_started_when_the_time_is_up(
 ) -> None:
     assert main(monkeypatch, "--minutes", "-1") == 0
     assert capsys.readouterr().out.splitlines()[-1].startswith("0 of 0 killed")
+
+
+def test_paths_may_follow_options_and_are_drawn_from_without_a_limit(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    asked: List[Any] = []
+    monkeypatch.setattr(run, "draw", lambda *words: asked.extend(words) or ASKED)
+    monkeypatch.chdir(run.WORKSPACE)
+    main(
+        monkeypatch, "--seed", "3", "src/nodekit/src/nodekit/timing/timetable.py", "--minutes", "-1"
+    )
+    assert [path.name for path in asked[1]] == ["timetable.py"] and asked[2:] == [sys.maxsize, 3]
+    main(monkeypatch, "--minutes", "-1")
+    assert asked[6] == 120
 
 
 def test_unfit_request_is_reported(

@@ -8,13 +8,15 @@ import sys
 import tempfile
 import time
 
-from . import machine, report
-from . import peer_programs as peers
+from . import machine, page, peer_programs, report
 from .context import Bench
-from .measurements import MEASUREMENTS, chosen
+from .measurements import MEASUREMENTS, select
 from .processes import Session
 from .results import Results
-from .turns import LIMIT_S, Turns
+from .runner import Runner
+
+#: Of the main rows, only first rounds begin after this time [s].
+LIMIT_S = 260.0
 
 
 def main() -> int:
@@ -22,57 +24,51 @@ def main() -> int:
 
     :returns: exit status: 0 if everything could be measured, whatever it came to
     """
-    options = arguments()
-    wanted = chosen(options.only, options.all)
+    options = parse_arguments()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
-    began = time.monotonic()
-    facts = machine.describe()
+    began, facts, steal = time.monotonic(), machine.describe(), machine.Steal()
     if machine.is_busy():
         say(f"this machine is not idle (load {facts['load before']}): the figures will scatter")
     say("building the peers")
-    built = peers.prepare(fetch=not options.quick)
-    results = Results()
-    steal = machine.Steal()
+    left_out = peer_programs.prepare(fetch=not options.quick)
+    results, wanted = Results(), select(options.only, options.all)
     with tempfile.TemporaryDirectory(prefix="bench-") as directory:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
-            bench = Bench(session, built, options.quick)
-            limit = None if options.all or options.only else LIMIT_S
-            Turns(wanted, bench, results, options.repeats, say).take_all(limit)
-    names = [one.name for one in wanted]
-    facts["load after"] = machine.load()
+            runner = Runner(Bench(session, options.quick, left_out), results, options.rounds, say)
+            runner.run(wanted, began + (LIMIT_S if not (options.all or options.only) else 1e6))
     facts["taken by the host"] = f"{100.0 * steal.share():.1f} % of the time"
     facts["duration"] = f"{time.monotonic() - began:.0f} s"
-    print(report.tables(results, names, facts, built.left_out))
+    print(report.tables(results, [one.name for one in wanted], facts, left_out))
+    content = report.as_json(results, facts, left_out)
     if options.json:
-        report.write_json(options.json, results, facts, built.left_out)
-    if options.plot:
-        from . import plot  # matplotlib takes half a second and tens of megabytes
-
-        plot.draw(options.plot, results)
+        report.write_json(options.json, content)
+    if options.page:
+        report.write_json(options.page / "benchmark.json", {**content, "turns": []})
+        page.write(options.page)
     return 1 if results.failures else 0
 
 
-def arguments() -> argparse.Namespace:
-    """Read the command line."""
-    names = [one.name for one in MEASUREMENTS]
-    parser = argparse.ArgumentParser(prog="ci/bench")  # which has the help
+def parse_arguments() -> argparse.Namespace:
+    """Return the options; ci/bench has their help."""
+    parser = argparse.ArgumentParser(prog="ci/bench")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--all", action="store_true")
+    names = [one.name for one in MEASUREMENTS]
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME")
-    parser.add_argument("--repeats", type=int, metavar="N")
+    parser.add_argument("--rounds", type=int, metavar="N")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
-    parser.add_argument("--plot", type=pathlib.Path, metavar="FILE")
+    parser.add_argument("--page", type=pathlib.Path, metavar="FOLDER")
     options = parser.parse_args()
-    if options.quick and options.repeats is None:
-        options.repeats = 1
-    if options.repeats is not None and options.repeats < 1:
-        parser.error("--repeats: at least 1")
+    if options.rounds is None and options.quick:
+        options.rounds = 1
+    if options.rounds is not None and options.rounds < 1:
+        parser.error("--rounds: at least 1")
     return options
 
 
 def say(text: str) -> None:
-    """Tell what is going on."""
+    """Report progress."""
     print("ci/bench: " + text, file=sys.stderr, flush=True)
 
 

@@ -1,26 +1,21 @@
-"""What every measurement is given."""
+"""Context of a measurement."""
 
 from typing import Dict, NamedTuple
 
-from .peer_programs import Peers
 from .processes import Session
 
-#: names and values of what one measurement of one stack came to
+#: Names and values of what one turn of one subject came to.
 Figures = Dict[str, float]
 
 
 class Bench(NamedTuple):
-    """The surroundings of a measurement."""
+    """What each measurement is given."""
 
     session: Session
-    peers: Peers
-    #: whether it is to be short
-    quick: bool
+    is_quick: bool = False
+    #: reason for each peer that is left out, by its name
+    left_out: Dict[str, str] = {}
 
     def seconds(self, full: float, quick: float) -> float:
-        """Choose how long to measure.
-
-        :param full: s, where time matters less than the figure
-        :param quick: s, where it is the other way round
-        """
-        return quick if self.quick else full
+        """Return how long to measure, depending on whether it has to be quick [s]."""
+        return quick if self.is_quick else full

@@ -4,19 +4,24 @@ import array
 import mmap
 import pathlib
 import time
-from typing import Any, List
-
-from .analysis import Sample
+from typing import Any, List, NamedTuple
 
 #: How many numbers a record has room for, two for each sample; the rest of it is 0.
 ROOM = 1 << 20
 _BYTES = 8 * ROOM
 
 
-class Record:
-    """Puts samples into a file that others read meanwhile, at the least cost.
+class Sample(NamedTuple):
+    """A value and when it was sent or received, on the machine's monotonic clock [s]."""
 
-    :param file: where to, made anew
+    moment: float
+    value: float
+
+
+class Record:
+    """Writer of samples to a file that others read meanwhile, at the least cost.
+
+    :param file: its path; an existing file is overwritten
     """
 
     def __init__(self, file: str) -> None:
@@ -26,18 +31,17 @@ class Record:
         self._next = 0
 
     def add(self, value: float) -> None:
-        """Keep a sample of this moment."""
+        """Record a value with the present moment."""
         moment, at = time.monotonic(), self._next
         self._numbers[at + 1] = value
-        self._numbers[at] = moment  # last, as it tells that the sample is there
+        self._numbers[at] = moment  # last, as it shows that the sample is complete
         self._next = at + 2
 
 
 def read(file: pathlib.Path) -> List[Sample]:
-    """Return the samples that a process has put there so far.
-
-    :raises FileNotFoundError: if it has not come to that
-    """
+    """Return the samples recorded so far; none before the file exists."""
+    if not file.exists():
+        return []
     numbers = array.array("d")
     data = file.read_bytes()
     numbers.frombytes(data[: len(data) - len(data) % 16])

@@ -1,35 +1,48 @@
-"""How soon the first answer is there after roslaunch, and how much memory a node takes."""
+"""Time from roslaunch to the first answer, and the memory of a node."""
 
+import contextlib
 import time
+from typing import Callable, Iterator
 
 from . import stacks
 from .context import Bench, Figures
-from .cost import resident_memory
-from .observers import Recorder
-from .peer_programs import SCRIPTS
+from .cost import resident_mb
+from .peer_programs import SCRIPTS, executable, peer
+from .recorder import Recorder
 
 LAUNCH = {
     stacks.OURS: ["basic_comms", "cw1.launch"],
     stacks.COURSE: [str(SCRIPTS / "course" / "course.launch")],
 }
-
-GENERATOR, PROCESS, BARE = "signal_generator", "process", "bare_node"
-
-
-def launch(bench: Bench, stack: str) -> Figures:
-    """Launch two nodes; the master and an observer are there already."""
-    session = bench.session
-    with session.node() as node:
-        recorder = Recorder(node, "/proc_signal", "std_msgs/Float32")
-        began = time.monotonic()
-        with session.running(["roslaunch", *LAUNCH[stack]]):
-            first = recorder.wait()
-    return {"first_answer_s": first - began}
+NODES = {
+    stacks.OURS: {
+        "/signal_generator": executable("basic_comms", "signal_generator.py"),
+        "/process": executable("basic_comms", "process.py"),
+    },
+    "bare_node": {"/bare_node": peer("bare_node.py")},
+}
 
 
-def memory(bench: Bench, node: str) -> Figures:
-    """Measure a node that runs by itself, as started by default."""
-    command = stacks.peer("bare_node.py") if node == BARE else stacks.ours(node + ".py")
-    with bench.session.running(command) as pids:
-        bench.session.wait_for("/" + node)
-        return {"resident_mb": resident_memory(pids)}
+@contextlib.contextmanager
+def prepare_launch(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
+    """Measure the launch of two nodes; master and observer are up, and the files are cached."""
+
+    def take_turn() -> Figures:
+        with bench.session.node() as node:
+            recorder = Recorder(node, "/proc_signal", "std_msgs/Float32")
+            began = time.monotonic()
+            with bench.session.up(["roslaunch", *LAUNCH[stack]]):
+                return {"first_answer_s": recorder.wait() - began}
+
+    take_turn()
+    yield take_turn
+
+
+def measure_memory(bench: Bench, subject: str) -> Figures:
+    """Measure the largest of a subject's nodes, each by itself with its default parameters."""
+    sizes = []
+    for name, command in NODES[subject].items():
+        with bench.session.up(command) as (pid,):
+            bench.session.wait_for(name)
+            sizes.append(resident_mb(pid))
+    return {"resident_mb": max(sizes)}

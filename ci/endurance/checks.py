@@ -1,10 +1,8 @@
-"""What was found, against what is demanded, for people and for programs."""
+"""Figures and their bounds, as a table and as JSON."""
 
-import json
-import pathlib
 from typing import Any, Dict, List, NamedTuple
 
-from ..benchmark.results import table as rows_as_table
+from ..benchmark import report
 
 
 class Check(NamedTuple):
@@ -16,24 +14,28 @@ class Check(NamedTuple):
     passed: bool
 
 
+#: The checks of each run, by its name.
+Results = Dict[str, List[Check]]
+
+
 def at_most(what: str, value: float, limit: float, unit: str = "") -> Check:
-    """Demand that a figure does not exceed a limit."""
+    """Check that a figure does not exceed a limit."""
     return Check(what, "<= " + _text(limit, unit), _text(value, unit), value <= limit)
 
 
 def at_least(what: str, value: float, limit: float, unit: str = "") -> Check:
-    """Demand that a figure reaches a limit."""
+    """Check that a figure reaches a limit."""
     return Check(what, ">= " + _text(limit, unit), _text(value, unit), value >= limit)
 
 
 def none_of(what: str, found: List[str]) -> Check:
-    """Demand that nothing of a kind was found; the first few are shown."""
+    """Check that nothing of a kind was found; the first few are shown."""
     figure = "0" if not found else f"{len(found)}: {'; '.join(found[:3])}"
     return Check(what, "0", figure, not found)
 
 
 def reported(what: str, figure: str) -> Check:
-    """Report a figure that has no bound."""
+    """Report a figure without a bound."""
     return Check(what, "", figure, True)
 
 
@@ -41,30 +43,23 @@ def _text(value: float, unit: str) -> str:
     return f"{value:.6g} {unit}".strip()
 
 
-def table(results: Dict[str, List[Check]]) -> str:
-    """Return all checks in Markdown.
-
-    :param results: the checks of each run, by its name
-    """
+def table(results: Results) -> str:
+    """Return all checks in Markdown."""
     rows = [["run", "what", "bound", "figure", ""]]
     for name, checks in results.items():
         for check in checks:
             verdict = "" if not check.bound else "pass" if check.passed else "SHORT"
             rows.append([name, check.what, check.bound, check.figure, verdict])
-    return rows_as_table(rows)
+    return report.table(rows)
 
 
-def write_json(
-    file: pathlib.Path, results: Dict[str, List[Check]], machine: Dict[str, str]
-) -> None:
-    """Write all checks and what is known about the machine."""
-    content: Dict[str, Any] = {"machine": machine, "runs": {}}
-    for name, checks in results.items():
-        content["runs"][name] = [check._asdict() for check in checks]
-    file.write_text(json.dumps(content, indent=1) + "\n")
+def as_json(results: Results, machine: Dict[str, str]) -> Dict[str, Any]:
+    """Return all checks and what is known about the machine."""
+    runs = {name: [check._asdict() for check in checks] for name, checks in results.items()}
+    return {"machine": machine, "runs": runs}
 
 
-def all_kept(results: Dict[str, List[Check]]) -> bool:
-    """Tell whether something was checked, and every bound kept."""
+def all_kept(results: Results) -> bool:
+    """Return whether there are checks, and all bounds are kept."""
     checks = [check for of_run in results.values() for check in of_run]
     return bool(checks) and all(check.passed for check in checks)

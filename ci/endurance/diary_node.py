@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A managed node that writes down what becomes of it, in the file that DIARY names."""
+"""A managed node that writes its transitions to the file that DIARY names."""
 
 import os
 import time
@@ -8,14 +8,14 @@ from nodekit import Maker, ManagedNode, Node, run
 
 
 class DiaryNode(ManagedNode):
-    """Notes each step, with the machine's monotonic clock, which all processes share."""
+    """Writes each step, with the machine's monotonic clock, which all processes share."""
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
         self.write_down("started")
 
     def write_down(self, what: str) -> None:
-        """Write a line, in one go: others write there too."""
+        """Write a line at once: other processes write there too."""
         with open(os.environ["DIARY"], "ab", buffering=0) as diary:
             diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 

@@ -1,46 +1,35 @@
-"""What the master knows of a node."""
+"""Registrations of a node at the master."""
 
-from typing import Any, List, NamedTuple, Optional, Tuple
+import contextlib
+from typing import Any, List, Optional, Tuple
 
-from ..benchmark.tcpros import Node
+import rosgraph
 
+#: The names of topics published, topics subscribed and services.
+Registrations = Tuple[Tuple[str, ...], ...]
 
-class Registrations(NamedTuple):
-    """The names that a node is registered for."""
-
-    published: Tuple[str, ...]
-    subscribed: Tuple[str, ...]
-    services: Tuple[str, ...]
-
-
-NOTHING = Registrations((), (), ())
+NOTHING: Registrations = ((), (), ())
 
 
 def registrations(system_state: List[Any], name: str) -> Registrations:
-    """Return what a node is registered for; a name that stands there twice is there twice.
+    """Return what a node is registered for; a name that is registered twice appears twice.
 
-    :param system_state: what the master's getSystemState returns
+    :param system_state: the answer to the master's getSystemState
     :param name: of the node
     """
-    return Registrations(
-        *(
-            tuple(sorted(topic for topic, nodes in part for node in nodes if node == name))
-            for part in system_state
-        )
+    return tuple(
+        tuple(sorted(topic for topic, nodes in part for node in nodes if node == name))
+        for part in system_state
     )
 
 
-def of_node(observer: Node, name: str) -> Registrations:
-    """Ask the master what a node is registered for."""
-    return registrations(observer.master("getSystemState"), name)
+def of_node(master: rosgraph.Master, name: str) -> Registrations:
+    """Return what a node is registered for now."""
+    return registrations(master.getSystemState(), name)
 
 
-def address(observer: Node, name: str) -> Optional[str]:
-    """Ask the master where a node is.
-
-    :returns: its URI; None if it is not registered
-    """
-    try:
-        return str(observer.master("lookupNode", name))
-    except RuntimeError:
-        return None
+def address(master: rosgraph.Master, name: str) -> Optional[str]:
+    """Return a node's URI; None if it is not registered."""
+    with contextlib.suppress(rosgraph.MasterError):
+        return str(master.lookupNode(name))
+    return None

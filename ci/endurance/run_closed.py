@@ -1,4 +1,4 @@
-"""What another host can reach of nodes that were not meant to be reached."""
+"""Try from another host to reach nodes that it should not reach."""
 
 import re
 import socket
@@ -6,104 +6,98 @@ import subprocess
 import sys
 from typing import Dict, List, Set
 
-from ..benchmark.observers import wait_until
 from ..benchmark.peer_programs import WORKSPACE
+from ..benchmark.recorder import wait_until
 from . import ssh_server
 from .checks import Check, none_of, reported
 from .hosts import ADDRESSES, Hosts
 
-#: lets nobody in but by ssh; docs/security.md has the same line
+#: Admits only ssh; docs/security.md has the same line.
 FIREWALL = "iptables -I INPUT ! -i lo -p tcp --syn ! --dport 22 -j DROP"
 LAUNCH = ["roslaunch", "basic_comms", "cw1.launch"]
+ECHO = ["rostopic", "echo", "-n", "1", "/proc_signal"]
 _USER = re.compile(r'users:\(\("([^"]+)"')
 
 
 def run(hosts: Hosts) -> List[Check]:
     """Try the main job from the other host, with each of the means of docs/security.md."""
     ssh_server.start(hosts)
-    return bound_to_localhost(hosts) + in_a_network_of_its_own(hosts)
+    return bound_to_localhost(hosts) + in_own_network(hosts)
 
 
 def bound_to_localhost(hosts: Hosts) -> List[Check]:
     """Start the main job as ci/exec does: for its own host alone."""
-    launch = hosts.start("far", LAUNCH, for_itself(hosts))
+    launch = hosts.start_on("far", LAUNCH, local_environment(hosts))
     for program in ("process.py", "rosout"):
         wait_until(lambda: program in listening(hosts).values(), 60.0, program + " that listens")
     open_before = reachable(hosts, listening(hosts))
-    hosts.run("far", FIREWALL.split())
+    hosts.run_on("far", FIREWALL.split())
     open_behind = reachable(hosts, listening(hosts))
-    words = [str(WORKSPACE / "ci" / "exec"), "rostopic", "echo", "-n", "1", "/proc_signal"]
-    through_ssh = heard(hosts, "near", ssh_server.command(hosts, *words))
+    through_ssh = ssh_server.command(hosts, str(WORKSPACE / "ci" / "exec"), *ECHO)
     checks = [
         reported("listening there", ", ".join(sorted(set(listening(hosts).values())))),
         reported("of them reachable from here", ", ".join(sorted(set(open_before.values())))),
         none_of("reachable and neither sshd nor rosout", others(open_before, {"sshd", "rosout"})),
         none_of("reachable behind the firewall and not sshd", others(open_behind, {"sshd"})),
-        none_of("rostopic echo through ssh fails", through_ssh),
+        none_of("rostopic echo through ssh fails", failures(hosts, "near", through_ssh)),
     ]
-    hosts.run("far", ["iptables", "-F"])
+    hosts.run_on("far", ["iptables", "-F"])
     hosts.stop(launch)
     return checks
 
 
-def in_a_network_of_its_own(hosts: Hosts) -> List[Check]:
-    """Start the main job in a network that has no way out, and join it from the same host."""
+def in_own_network(hosts: Hosts) -> List[Check]:
+    """Start the main job in a network without a way out, and join it from the same host."""
     alone = ["unshare", "--map-root-user", "--net"]
     command = "ip link set lo up && exec " + " ".join(LAUNCH)
-    launch = hosts.start("far", [*alone, "sh", "-c", command], for_itself(hosts))
+    launch = hosts.start_on("far", [*alone, "sh", "-c", command], local_environment(hosts))
     join = ["nsenter", "--target", str(launch.pid), "--user", "--net", "--preserve-credentials"]
-    echo = ["rostopic", "echo", "-n", "1", "/proc_signal"]
-    wait_until(lambda: not heard(hosts, "far", join + echo), 60.0, "answer in its own network")
+    wait_until(lambda: not failures(hosts, "far", join + ECHO), 60.0, "answer in its own network")
+    found = failures(hosts, "far", join + ECHO)
     checks = [
         none_of("own network: reachable and not sshd", others(listening(hosts), {"sshd"})),
-        none_of(
-            "own network: rostopic echo through nsenter fails", heard(hosts, "far", join + echo)
-        ),
+        none_of("own network: rostopic echo through nsenter fails", found),
     ]
     hosts.stop(launch)
     return checks
 
 
-def for_itself(hosts: Hosts) -> Dict[str, str]:
-    """Return the far host's environment for nodes that only it can reach, as ci/exec has it."""
-    environment = dict(
-        hosts.environment("far"), ROS_MASTER_URI="http://localhost:11311", ROS_HOSTNAME="localhost"
-    )
+def local_environment(hosts: Hosts) -> Dict[str, str]:
+    """Return the far host's environment for nodes that only it can reach, as in ci/exec."""
+    environment = hosts.environment_of("far")
     del environment["ROS_IP"]
-    return environment
+    return {**environment, "ROS_MASTER_URI": "http://localhost:11311", "ROS_HOSTNAME": "localhost"}
 
 
-def heard(hosts: Hosts, host: str, command: List[str]) -> List[str]:
-    """Run rostopic echo.
-
-    :returns: nothing if it prints a message, or else what is wrong
-    """
+def failures(hosts: Hosts, host: str, command: List[str]) -> List[str]:
+    """Run rostopic echo, and return what is wrong; nothing if it prints a message."""
+    environment = local_environment(hosts) if host == "far" else None
     try:
-        printed = hosts.run(host, command, for_itself(hosts) if host == "far" else None)
+        printed = hosts.run_on(host, command, environment)
     except subprocess.SubprocessError as error:
         return [repr(error)]
     return [] if printed.startswith("data:") else [printed or "nothing received"]
 
 
 def listening(hosts: Hosts) -> Dict[int, str]:
-    """Return what listens on the far host: port and program."""
+    """Return the ports of the far host on which a program listens, and the program."""
     found = {}
-    for line in hosts.run("far", ["ss", "-Hltnp"]).splitlines():
+    for line in hosts.run_on("far", ["ss", "-Hltnp"]).splitlines():
         user = _USER.search(line)
         found[int(line.split()[3].rpartition(":")[2])] = user.group(1) if user else "unknown"
     return found
 
 
 def reachable(hosts: Hosts, ports: Dict[int, str]) -> Dict[int, str]:
-    """Return those ports that a connection from the near host comes through to."""
+    """Return those ports that accept a connection from the near host."""
     script = f"from ci.endurance.run_closed import knock; knock({sorted(ports)!r})"
-    environment = dict(hosts.environment("near"), PYTHONPATH=":".join(sys.path))
-    answers = hosts.run("near", [sys.executable, "-c", script], environment).split()
+    environment = dict(hosts.environment_of("near"), PYTHONPATH=":".join(sys.path))
+    answers = hosts.run_on("near", [sys.executable, "-c", script], environment).split()
     return {int(port): ports[int(port)] for port in answers}
 
 
 def knock(ports: List[int]) -> None:
-    """Print those ports of the far host that take a connection."""
+    """Print those ports of the far host that accept a connection."""
     for port in ports:
         try:
             with socket.create_connection((ADDRESSES["far"], port), 1.0):
@@ -113,5 +107,5 @@ def knock(ports: List[int]) -> None:
 
 
 def others(found: Dict[int, str], expected: Set[str]) -> List[str]:
-    """Return the programs that are not among those expected."""
+    """Return the programs that are not expected."""
     return sorted(set(found.values()) - expected)

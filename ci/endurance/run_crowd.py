@@ -1,4 +1,4 @@
-"""Have twenty subscribers come and go at random, in every way there is."""
+"""Let twenty subscribers come and go at random, in every way there is."""
 
 import contextlib
 import random
@@ -6,125 +6,83 @@ import socket
 import struct
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import List
 
 from ..benchmark.tcpros import Node
 from .checks import Check, at_least
-from .control import Control
-from .run_stalled import returned, undisturbed
-from .surroundings import Soak
-from .usage import settled_usage
-from .watching import ANSWER, SIGNAL, Watch
+from .context import Soak, signal_pair
+from .watching import ANSWER, SIGNAL
 
-RATE = 1000.0
 CROWD = 20
-#: how long they come and go, s
-SECONDS = 60.0
-#: how long they do so before anything is measured, s
-FIRST_SECONDS = 20.0
-#: longest stay of one of them, s
-LONGEST_STAY = 2.0
-#: how long everything has to come back to what it was, s
-RECOVERY = 15.0
-
-
-class Visitor:
-    """Subscribes for a while, reads or does not, and leaves politely or not.
-
-    :param soak: where
-    :param number: which of them
-    """
-
-    WAYS = (
-        "reads and unsubscribes",
-        "reads and is cut off",
-        "never reads and unsubscribes",
-        "never reads and is cut off",
-    )
-
-    def __init__(self, soak: Soak, number: int) -> None:
-        self._soak = soak
-        self._chance = random.Random(soak.seed + number)
-        self.visits = 0
-
-    def come_and_go(self, until: float) -> None:
-        """Pay one visit after the other.
-
-        :param until: monotonic time, s
-        """
-        while time.monotonic() < until:
-            way = self._chance.choice(self.WAYS)
-            stay = self._chance.uniform(0.0, LONGEST_STAY)
-            with self._soak.session.node() as node:
-                self._visit(node, way, min(until, time.monotonic() + stay))
-                self.visits += 1
-
-    @staticmethod
-    def _visit(node: Node, way: str, until: float) -> None:
-        connections: List[socket.socket] = []
-        gone = threading.Event()
-
-        def receive(connection: socket.socket) -> None:
-            connections.append(connection)
-            if gone.is_set():
-                connection.close()  # it took so long to come about
-            with contextlib.suppress(OSError):
-                while not way.startswith("never") and connection.recv(65536):
-                    pass
-
-        for topic, type_name in (("/signal", SIGNAL), ("/proc_signal", ANSWER)):
-            node.subscribe(topic, type_name, receive)
-        time.sleep(max(0.0, until - time.monotonic()))
-        gone.set()
-        if way.endswith("cut off"):
-            for connection in list(connections):
-                # Closed with a reset, as when a process or its machine dies.
-                linger = struct.pack("ii", 1, 0)
-                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
-                connection.close()
+#: How long they come and go, before the measurement and during it [s].
+FIRST_SECONDS, SECONDS = 20.0, 60.0
+#: Longest stay of a subscriber, and time for everything to recover [s].
+LONGEST_STAY, RECOVERY = 2.0, 15.0
+WAYS = (
+    "reads and unsubscribes",
+    "reads and is cut off",
+    "never reads and unsubscribes",
+    "never reads and is cut off",
+)
 
 
 def run(soak: Soak) -> List[Check]:
-    """Let the crowd in, while one subscriber listens all the time."""
-    session = soak.session
-    process = soak.start("process.py")
-    generator = soak.start("signal_generator.py", f"_rate:={RATE:g}")
-    session.wait_for("/signal_generator")
-    pids = {"signal_generator": generator.pid, "process": process.pid}
-    with session.node() as node:
-        watches = [Watch(node, "/signal", SIGNAL, RATE), Watch(node, "/proc_signal", ANSWER)]
-        # What a first crowd makes a process take from the system, it keeps for the next.
-        crowd(soak, 0, FIRST_SECONDS)
+    """Let the crowd in, while one good subscriber listens all the time."""
+    with signal_pair(soak) as pair:
+        # What the first crowd makes a process take from the system is kept for the next one.
+        visit_at_once(soak, 0, FIRST_SECONDS)
         time.sleep(RECOVERY)
-        before = {name: settled_usage(pid) for name, pid in pids.items()}
-        for watch in watches:
-            watch.restart()
-        control = Control(session)
-        visits = crowd(soak, CROWD, SECONDS)
+        pair.begin()
+        visits = visit_at_once(soak, CROWD, SECONDS)
         time.sleep(RECOVERY)
-        after = {name: settled_usage(pid) for name, pid in pids.items()}
-        checks = [at_least(f"visits of {CROWD} subscribers", visits, CROWD)]
-        checks += undisturbed(watches, control)
-    session.stop(generator, process)
-    for name in pids:
-        checks += returned(name, before[name], after[name])
-    return checks
+        return [at_least(f"visits of {CROWD} subscribers", visits, CROWD), *pair.end()]
 
 
-def crowd(soak: Soak, first: int, seconds: float) -> int:
-    """Let all visitors come and go for a while.
+def visit_at_once(soak: Soak, first: int, seconds: float) -> int:
+    """Let all subscribers come and go for a while.
 
     :param first: number of the first of them
-    :returns: how many visits there were
+    :returns: the number of visits
     """
-    visitors = [Visitor(soak, number) for number in range(first, first + CROWD)]
     until = time.monotonic() + seconds
-    threads = [
-        threading.Thread(target=visitor.come_and_go, args=(until,), daemon=True)
-        for visitor in visitors
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return sum(visitor.visits for visitor in visitors)
+    with ThreadPoolExecutor(CROWD) as pool:
+        visitors = range(first, first + CROWD)
+        return sum(pool.map(lambda number: visit_again(soak, number, until), visitors))
+
+
+def visit_again(soak: Soak, number: int, until: float) -> int:
+    """Subscribe again and again until a moment, as one subscriber; return how often."""
+    chance, visits = random.Random(soak.seed + number), 0
+    while time.monotonic() < until:
+        way, stay = chance.choice(WAYS), chance.uniform(0.0, LONGEST_STAY)
+        with soak.session.node() as node:
+            visit(node, way, min(until, time.monotonic() + stay))
+        visits += 1
+    return visits
+
+
+def visit(node: Node, way: str, until: float) -> None:
+    """Subscribe in one of the WAYS until a moment."""
+    connections: List[socket.socket] = []
+    gone = threading.Event()
+
+    def receive(connection: socket.socket) -> None:
+        connections.append(connection)
+        if way.startswith("never"):
+            gone.wait()
+        while not gone.is_set() and connection.recv(65536):
+            pass
+
+    for topic, type_name in (("/signal", SIGNAL), ("/proc_signal", ANSWER)):
+        node.subscribe(topic, type_name, receive)
+    time.sleep(max(0.0, until - time.monotonic()))
+    if way.endswith("cut off"):
+        for connection in list(connections):
+            # Closed with a reset, as when a process or its machine dies.
+            with contextlib.suppress(OSError):
+                linger = struct.pack("ii", 1, 0)
+                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+    else:
+        node.close()
+    gone.set()

@@ -6,59 +6,50 @@ import subprocess
 import sys
 import time
 import urllib.request
-from statistics import median
-from typing import Any, Callable, List, NamedTuple, Tuple
+from typing import Any, List
+
+import numpy as np
 
 from nodekit.testing.processes import free_port
 
 from ..benchmark.cost import cpu_time
-from ..benchmark.observers import wait_until
-from ..benchmark.peer_programs import WORKSPACE
+from ..benchmark.peer_programs import WORKSPACE, executable
+from ..benchmark.recorder import wait_until
 from .checks import Check, at_least, at_most, reported
-from .surroundings import Soak
+from .context import Soak
 from .usage import Sampler, added
 
-TESTS = WORKSPACE / "src" / "topic_scope" / "test"
-RIG = [sys.executable, str(TESTS / "measure_load.py"), "--publish"]
+RIG = WORKSPACE / "src" / "topic_scope" / "test" / "measure_load.py"
 FIELDS = [f"/load{number}/data" for number in range(10)]
-#: samples that are kept, s: so that many are forgotten, too
+#: How long samples are kept [s]: short, so that many are dropped, too.
 HISTORY = 10.0
-#: until the buffers of these have their size, s
+#: Time until the buffers of these have their size [s].
 WARM_UP = 120.0
-#: How long the scope is kept from working once in that time, s. What piles up then takes another
-#: piece of Python's memory, which is 1 MB; whenever the machine stalls next, there is room for it.
+#: How long the scope is stopped once in that time [s]. What accumulates then takes another piece of
+#: Python's memory, which is 1 MB; whenever the machine stalls later, there is room for it.
 STALL = 2.0
-#: how often the page is looked at, and how often at least a second it draws
+#: How often the page is read, and the least frames a second.
 LOOKS, FRAMES = 30, 1.0
-#: how often one reading cleans up: the page goes on meanwhile, and the least counts
+#: How often one reading collects garbage: the page goes on meanwhile, and the least counts.
 TRIES = 5
-#: what the scope may take, MB
+#: What is read of the page: JavaScript's objects [bytes], and numbers.
+PARTS = ("heap", "elements", "listeners")
+#: Most memory of the scope [MB].
 MEMORY = 120.0
-#: by how much they may grow, %: what was drawn last is in the page
+#: Highest growth of the scope and of the page [%]: what was drawn last is in the page.
 GROWTH, PAGE_GROWTH = 1.0, 5.0
 
 
-class PageState(NamedTuple):
-    """What the page holds at a moment, when all that it needs no more is gone."""
-
-    #: JavaScript's objects, bytes
-    heap: int
-    elements: int
-    listeners: int
-    #: frames drawn in the second before
-    frames: int
-
-
 def run(soak: Soak) -> List[Check]:
-    """Have a browser show the traces for as long as was asked for."""
+    """Show the traces in a browser for the given time."""
     from browsing.browser import Browser  # Selenium, which no other run needs
 
     session = soak.session
-    rig = session.start(RIG)
+    rig = session.start([sys.executable, str(RIG), "--publish"])
     session.wait_for("/load")
     port = free_port()
-    command = [str(WORKSPACE / "devel" / "lib" / "topic_scope" / "scope.py"), *FIELDS]
-    scope = session.start([*command, "--port", str(port), "--history", f"{HISTORY:g}"])
+    options = ["--port", str(port), "--history", f"{HISTORY:g}"]
+    scope = session.start(executable("topic_scope", "scope.py", *FIELDS, *options))
     url = f"http://localhost:{port}"
     wait_until(lambda: is_served(url), 30.0, "page of the scope")
     browser = Browser()
@@ -77,27 +68,24 @@ def run(soak: Soak) -> List[Check]:
         browser.close()
         session.stop(scope, rig)
     seen = sampler.samples["scope"]
-    memory = [one.memory for one in seen]
+    memory = [one.memory / 1000.0 for one in seen]
+    tenths = [f"{np.median(part):.1f}" for part in np.array_split(memory, 10) if len(part)]
+    *parts, frames = zip(*states)
     return [
         reported("processor of the scope", f"{share:.0f} % of a core"),
-        at_most("its memory at most", round(max(memory) / 1000.0, 1), MEMORY, "MB"),
-        reported(
-            "in tenths of the time", ", ".join(f"{one / 1000.0:.1f}" for one in tenths(memory))
-        ),
+        at_most("its memory at most", round(max(memory), 1), MEMORY, "MB"),
+        reported("in tenths of the time", ", ".join(tenths)),
         at_most("growth of its memory", growth(memory), GROWTH, "%"),
         at_most("its new threads", added([one.threads for one in seen]), 0),
         at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
         at_least("traces with samples in the end", len(rates), len(FIELDS)),
         reported("their rates", ", ".join(sorted(set(rates)))),
-        at_least("least frames a second", min(one.frames for one in states), FRAMES),
-        reported("heap of the page, MB", ", ".join(f"{one.heap / 1e6:.1f}" for one in states)),
+        at_least("least frames a second", min(frames), FRAMES),
+        reported("heap of the page, MB", ", ".join(f"{one / 1e6:.1f}" for one in parts[0])),
         *(
-            at_most(f"growth of {name}", growth(values, min), PAGE_GROWTH, "%")
-            for name, values in (
-                ("the heap", [one.heap for one in states]),
-                ("the page's elements", [one.elements for one in states]),
-                ("its listeners", [one.listeners for one in states]),
-            )
+            # Of these the least counts, as there is garbage in each value.
+            at_most(f"growth of the page's {name}", growth(values, np.min), PAGE_GROWTH, "%")
+            for name, values in zip(PARTS, parts)
         ),
     ]
 
@@ -113,41 +101,29 @@ def warm_up(scope: "subprocess.Popen[bytes]") -> None:
     time.sleep(WARM_UP / 2.0)
 
 
-def read_page(browser: Any) -> PageState:
-    """Return what the page holds now."""
-    driver = browser.driver
+def read_page(browser: Any) -> List[int]:
+    """Return the PARTS of the page without garbage, and the frames drawn in the second before."""
+    driver, seen = browser.driver, []
     frames = int(browser.text("#foot-frames").split()[0])
-    seen: List[Tuple[int, int, int]] = []
     for _ in range(TRIES):
         driver.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
         heap = driver.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"]
         counts = driver.execute_cdp_cmd("Memory.getDOMCounters", {})
         seen.append((int(heap), counts["nodes"], counts["jsEventListeners"]))
-    heaps, elements, listeners = zip(*seen)
-    return PageState(min(heaps), min(elements), min(listeners), frames)
+    return [*(min(values) for values in zip(*seen)), frames]
 
 
-def growth(values: List[int], typical: Callable[[List[int]], float] = median) -> float:
-    """Return by how much the last third of a series lies above the first one, %.
+def growth(values: Any, typical: Any = np.median) -> float:
+    """Return by how much the last third of a series lies above the first one [%].
 
-    Buffers fill up and begin anew, so a third is some of their periods.
-
-    :param values: the series
-    :param typical: what is compared; the least, where there is rubbish in each value
+    Buffers fill up and begin again, so a third covers some of their periods.
     """
     third = max(1, len(values) // 3)
-    return round(100.0 * (typical(values[-third:]) / typical(values[:third]) - 1.0), 2)
-
-
-def tenths(values: List[int]) -> List[float]:
-    """Return the medians of ten parts of a series: they show growth from a step."""
-    count = len(values)
-    return [median(values[count * n // 10 : count * (n + 1) // 10] or values) for n in range(10)]
+    return round(float(100.0 * (typical(values[-third:]) / typical(values[:third]) - 1.0)), 2)
 
 
 def is_served(url: str) -> bool:
-    """Tell whether the page can be loaded."""
+    """Return whether the page can be loaded."""
     with contextlib.suppress(OSError), urllib.request.urlopen(url) as answer:
         return bool(answer.status == 200)
-    time.sleep(0.1)
     return False

@@ -1,69 +1,56 @@
-"""Do the runs that are asked for, one after the other, and report what each of them found."""
+"""Frame of the long runs: carries out those selected, and reports what each of them found."""
 
 import argparse
-import dataclasses
 import pathlib
 import signal
 import sys
 import tempfile
 import traceback
-from typing import Callable, ContextManager, Dict, Generic, List, Sequence, TypeVar
+from typing import Callable, ContextManager, Dict, List, TypeVar
 
-from ..benchmark import machine
-from .checks import Check, all_kept, table, write_json
-from .surroundings import logs
+from ..benchmark import machine, report
+from .checks import Check, Results, all_kept, as_json, table
 
-#: What a run is given.
-Given = TypeVar("Given")
-
-
-@dataclasses.dataclass(frozen=True)
-class Run(Generic[Given]):
-    """One thing to find out."""
-
-    name: str
-    help: str
-    run: Callable[[Given], List[Check]]
+#: Context of a run.
+Context = TypeVar("Context")
 
 
-def parser_of(command: str, runs: Sequence[Run[Given]]) -> argparse.ArgumentParser:
-    """Return a parser with the options that every command with runs has.
+def make_parser(command: str, names: Dict[str, str]) -> argparse.ArgumentParser:
+    """Return a parser with the options that all commands with runs have.
 
-    :param command: how it is called; its own comment has the help
+    :param command: which has their help
     """
     parser = argparse.ArgumentParser(prog=command)
-    names = [one.name for one in runs]
-    parser.add_argument("--only", nargs="+", choices=names, metavar="NAME")
+    parser.add_argument("--only", nargs="+", choices=list(names), metavar="NAME")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE")
     return parser
 
 
 def carry_out(
-    command: str,
-    runs: Sequence[Run[Given]],
     options: argparse.Namespace,
-    surroundings: Callable[[pathlib.Path], ContextManager[Given]],
+    names: Dict[str, str],
+    runs: Dict[str, Callable[[Context], List[Check]]],
+    make_context: Callable[[pathlib.Path], ContextManager[Context]],
 ) -> int:
-    """Do the runs, each in surroundings of its own, and print the table of checks.
+    """Carry out runs, each in a context of its own, and print the table of checks.
 
-    :param surroundings: makes them, with a fresh directory for logs and files
+    :param names: what each run does
+    :param make_context: given an empty directory for logs and files
     :returns: exit status: 0 if every bound was kept, 130 at Ctrl-C
     """
-    # A shell has what it runs in the background ignore Ctrl-C, and that would be inherited.
+    # A shell lets background processes ignore Ctrl-C, and that would be inherited.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     facts = machine.describe()
     if machine.is_busy():
-        print(f"{command}: this machine is not idle (load {facts['load before']})", file=sys.stderr)
-    results: Dict[str, List[Check]] = {}
+        print(f"this machine is not idle (load {facts['load before']})", file=sys.stderr)
+    results: Results = {}
     try:
-        for one in runs:
-            if options.only and one.name not in options.only:
-                continue
-            print(f"{command}: {one.name}: {one.help}", file=sys.stderr, flush=True)
-            results[one.name] = attempt(one, surroundings)
+        for name in options.only or runs:
+            print(f"{name}: {names[name]}", file=sys.stderr, flush=True)
+            results[name] = attempt(runs[name], make_context)
             if options.json:
-                write_json(options.json, results, facts)
+                report.write_json(options.json, as_json(results, facts))
     except KeyboardInterrupt:
         return 130  # everything has been cleaned up on the way here
     print(table(results))
@@ -72,15 +59,16 @@ def carry_out(
 
 
 def attempt(
-    one: Run[Given], surroundings: Callable[[pathlib.Path], ContextManager[Given]]
+    run: Callable[[Context], List[Check]],
+    make_context: Callable[[pathlib.Path], ContextManager[Context]],
 ) -> List[Check]:
-    """Do one run; a failure of the run itself is a bound not kept."""
-    with tempfile.TemporaryDirectory(prefix="runs-") as name:
-        directory = pathlib.Path(name)
-        with surroundings(directory) as given:
+    """Carry out one run; its failure is a bound that is not kept."""
+    with tempfile.TemporaryDirectory(prefix="runs-") as directory:
+        with make_context(pathlib.Path(directory)) as context:
             try:
-                return one.run(given)
+                return run(context)
             except Exception as error:
                 traceback.print_exc()
-                print("\n".join(logs(directory))[-5000:], file=sys.stderr)
+                for log in sorted(pathlib.Path(directory).glob("*.log")):
+                    print(f"{log.name}: {log.read_text()[-1000:]}", file=sys.stderr)
                 return [Check("the run itself", "ends", repr(error), False)]

@@ -1,13 +1,13 @@
-"""Run the nodes for long and trouble them meanwhile. Called by ci/soak."""
+"""Run the nodes for long, and disturb them meanwhile. Called by ci/soak."""
 
-import argparse
 import contextlib
 import pathlib
 import sys
-from typing import Iterator, List
+from typing import Callable, Dict, Iterator, List
 
 from ..benchmark.processes import Session
 from . import (
+    names,
     run_board,
     run_bridge,
     run_crowd,
@@ -19,48 +19,43 @@ from . import (
     run_scope,
     run_stalled,
 )
-from .runs import Run, carry_out, parser_of
-from .surroundings import Soak
+from .checks import Check
+from .context import Soak
+from .runs import carry_out, make_parser
 
-RUNS: List[Run[Soak]] = [
-    Run("record", "a signal of 1 kHz, its answers and a bag", run_record.run),
-    Run("respawn", "kill -9 of each node, which is started again", run_respawn.run),
-    Run("stalled", "a subscriber at 1 kHz that is stopped for a minute", run_stalled.run),
-    Run("interrupt", "Ctrl-C at a random moment of a node's life", run_interrupt.run),
-    Run("managed", "kill -9 and stops of managed nodes under their manager", run_managed.run),
-    Run("judge", "controllers whose flaws are known, and a class with broken ones", run_judge.run),
-    Run("scope", "ten traces of 1 kHz on the page of the oscilloscope", run_scope.run),
-    Run("board", "a board behind a bad cable that is reset and unplugged", run_board.run),
-    Run("bridge", "1 kHz through the bridge, then kill -9 of it and of each side", run_bridge.run),
-    Run("crowd", "20 subscribers that come and go", run_crowd.run),
-]
+RUNS: Dict[str, Callable[[Soak], List[Check]]] = {
+    "record": run_record.run,
+    "respawn": run_respawn.run,
+    "stalled": run_stalled.run,
+    "interrupt": run_interrupt.run,
+    "managed": run_managed.run,
+    "judge": run_judge.run,
+    "scope": run_scope.run,
+    "board": run_board.run,
+    "bridge": run_bridge.run,
+    "crowd": run_crowd.run,
+}
 
 
 def main() -> int:
-    """Run what is asked for, and report.
+    """Carry out the selected runs.
 
     :returns: exit status: 0 if every bound was kept
     """
-    options = arguments()
-
-    @contextlib.contextmanager
-    def surroundings(directory: pathlib.Path) -> Iterator[Soak]:
-        with Session(directory) as session:
-            yield Soak(session, 60.0 * options.minutes, options.times, options.seed)
-
-    return carry_out("ci/soak", RUNS, options, surroundings)
-
-
-def arguments() -> argparse.Namespace:
-    """Read the command line."""
-    parser = parser_of("ci/soak", RUNS)
+    parser = make_parser("ci/soak", names.SOAK)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--times", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     if options.minutes <= 0.0 or options.times < 0:
         parser.error("--minutes and --times: more than 0")
-    return options
+
+    @contextlib.contextmanager
+    def make_context(directory: pathlib.Path) -> Iterator[Soak]:
+        with Session(directory) as session:
+            yield Soak(session, 60.0 * options.minutes, options.times, options.seed)
+
+    return carry_out(options, names.SOAK, RUNS, make_context)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""An ssh server on the far host that lets in one key, made for it."""
+"""An ssh server on the far host that accepts one key, made for it."""
 
 import pathlib
 import subprocess
 from typing import List
 
-from ..benchmark.observers import wait_until
+from ..benchmark.recorder import wait_until
 from .hosts import ADDRESSES, Hosts
 
-#: where the server wants an empty directory, whatever it is told
+#: An empty directory that the server requires.
 PRIVILEGE_SEPARATION = pathlib.Path("/run/sshd")
 
 CONFIGURATION = """\
@@ -25,14 +25,15 @@ SetEnv ROS_HOME={hosts}/ros ROS_LOG_DIR={hosts}/ros/log
 
 
 def start(hosts: Hosts) -> None:
-    """Start the server, and make the near host's user one that may log in."""
+    """Start the server, and allow the near host's user to log in."""
     directory = hosts.directory / "ssh"
     directory.mkdir()
     home = hosts.directory / "near" / ".ssh"
     home.mkdir(parents=True)
     key = home / "id_ed25519"
-    make_key(directory / "host_key")
-    make_key(key)
+    for file in (directory / "host_key", key):
+        make_key = ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(file)]
+        subprocess.run(make_key, check=True)
     address = ADDRESSES["far"]
     public = (directory / "host_key.pub").read_text()
     (home / "known_hosts").write_text(f"{address} {public}")
@@ -44,13 +45,8 @@ def start(hosts: Hosts) -> None:
     if not PRIVILEGE_SEPARATION.exists():
         PRIVILEGE_SEPARATION.mkdir()
         hosts.undo.append(PRIVILEGE_SEPARATION.rmdir)
-    hosts.start("far", ["/usr/sbin/sshd", "-D", "-e", "-f", str(configuration)])
-    wait_until(lambda: bool(hosts.run("far", ["ss", "-Hltn", "sport = 22"])), 10.0, "ssh server")
-
-
-def make_key(file: pathlib.Path) -> None:
-    """Make a key without a passphrase, and its public half beside it."""
-    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(file)], check=True)
+    hosts.start_on("far", ["/usr/sbin/sshd", "-D", "-e", "-f", str(configuration)])
+    wait_until(lambda: bool(hosts.run_on("far", ["ss", "-Hltn", "sport = 22"])), 10.0, "ssh server")
 
 
 def command(hosts: Hosts, *words: str) -> List[str]:

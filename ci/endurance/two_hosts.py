@@ -3,41 +3,30 @@
 Called by ci/two-hosts.
 """
 
-import argparse
 import sys
-from typing import List
+from typing import Callable, Dict, List
 
-from . import run_cable, run_closed
+from . import names, run_cable, run_closed
+from .checks import Check
 from .hosts import Hosts
-from .runs import Run, carry_out, parser_of
-
-RUNS: List[Run[Hosts]] = [
-    Run("cable", "cw1_two_hosts.launch, and the cable pulled for a while", run_cable.run),
-    Run(
-        "closed", "what another host can reach of nodes that were not to be reached", run_closed.run
-    ),
-]
+from .runs import carry_out, make_parser
 
 
 def main() -> int:
-    """Run what is asked for, and report.
+    """Carry out the selected runs.
 
     :returns: exit status: 0 if every bound was kept
     """
-    options = arguments()
-    return carry_out(
-        "ci/two-hosts", RUNS, options, lambda directory: Hosts(directory, options.outage)
-    )
-
-
-def arguments() -> argparse.Namespace:
-    """Read the command line."""
-    parser = parser_of("ci/two-hosts", RUNS)
+    parser = make_parser("ci/two-hosts", names.TWO_HOSTS)
     parser.add_argument("--outage", type=float, default=20.0)
     options = parser.parse_args()
     if options.outage <= 0.0:
         parser.error("--outage: more than 0")
-    return options
+    runs: Dict[str, Callable[[Hosts], List[Check]]] = {
+        "cable": run_cable.run,
+        "closed": run_closed.run,
+    }
+    return carry_out(options, names.TWO_HOSTS, runs, lambda where: Hosts(where, options.outage))
 
 
 if __name__ == "__main__":

@@ -1,44 +1,54 @@
-"""What processes hold of the machine: memory, threads, descriptors; and whether it grows."""
+"""What processes use of the machine: memory, threads, descriptors; and whether it grows."""
 
 import contextlib
 import pathlib
-import statistics
 import threading
 import time
 from typing import Dict, List, NamedTuple, Sequence
 
+import numpy as np
+
+from ..benchmark.cost import status
+from .checks import Check, at_most, reported
+
 
 class Usage(NamedTuple):
-    """What one process holds at a moment."""
+    """What one process uses at a moment."""
 
-    #: resident set, kB
+    #: resident set [kB]
     memory: int
     threads: int
     descriptors: int
 
 
 def usage(pid: int) -> Usage:
-    """Look at a process.
+    """Return what a process uses.
 
-    :raises OSError: if it is gone
+    :raises OSError: if it has ended
     """
-    place = pathlib.Path(f"/proc/{pid}")
-    status = dict(
-        line.split(":", 1) for line in (place / "status").read_text().splitlines() if ":" in line
-    )
-    descriptors = len(list((place / "fd").iterdir()))
-    memory = int(status.get("VmRSS", "0 kB").split()[0])
-    return Usage(memory, int(status["Threads"]), descriptors)
+    fields = status(pid)
+    descriptors = len(list(pathlib.Path(f"/proc/{pid}/fd").iterdir()))
+    return Usage(int(fields.get("VmRSS", "0 kB").split()[0]), int(fields["Threads"]), descriptors)
+
+
+def settled_usage(pid: int, seconds: float = 3.0) -> Usage:
+    """Observe a process for a while, and return the median of each figure."""
+    seen: List[Usage] = []
+    give_up = time.monotonic() + seconds
+    while not seen or time.monotonic() < give_up:
+        seen.append(usage(pid))
+        time.sleep(0.1)
+    return Usage(*map(int, np.median(seen, axis=0)))
 
 
 def growth(values: Sequence[float]) -> float:
-    """Return by what part the last tenth of a series lies above the first one, 0.01 for 1 %.
+    """Return by how much the last tenth of a series lies above the first one [%].
 
-    Medians are compared: a peak that is taken back is no growth.
+    Medians are compared: a peak that is taken back is not growth.
     """
     tenth = max(1, len(values) // 10)
-    before = statistics.median(values[:tenth])
-    return statistics.median(values[-tenth:]) / before - 1.0
+    before, after = np.median(values[:tenth]), np.median(values[-tenth:])
+    return round(float(100.0 * (after / before - 1.0)), 2)
 
 
 def added(values: Sequence[int]) -> int:
@@ -47,10 +57,27 @@ def added(values: Sequence[int]) -> int:
     return min(values[-tenth:]) - max(values[:tenth])
 
 
-class Sampler:
-    """Looks at processes once a second.
+def not_grown(name: str, seen: List[Usage], limit: float = 1.0) -> List[Check]:
+    """Check that memory, threads and descriptors of a process stay what they were.
 
-    :param pids: their numbers, by name
+    :param seen: its usage, in the order of time
+    :param limit: of the memory's growth [%]
+    """
+    memory = [one.memory for one in seen]
+    return [
+        reported(
+            "memory of " + name, f"{memory[0] / 1024:.1f} MB, then {memory[-1] / 1024:.1f} MB"
+        ),
+        at_most("its growth", growth(memory), limit, "%"),
+        at_most("its new threads", added([one.threads for one in seen]), 0),
+        at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
+    ]
+
+
+class Sampler:
+    """Reads what processes use, once a second, for the duration of its context.
+
+    :param pids: process ids by name
     """
 
     PERIOD = 1.0
@@ -76,22 +103,7 @@ class Sampler:
                     self.samples[name].append(usage(pid))
 
 
-def settled_usage(pid: int, seconds: float = 3.0) -> Usage:
-    """Look at a process for a while, and return the median of each figure."""
-    seen: List[Usage] = []
-    give_up = time.monotonic() + seconds
-    while not seen or time.monotonic() < give_up:
-        seen.append(usage(pid))
-        time.sleep(0.1)
-    columns = [int(statistics.median(column)) for column in zip(*seen)]
-    return Usage(*columns)
-
-
 def size_of(directory: pathlib.Path) -> int:
-    """Return how long the files below a directory are together, bytes."""
-    total = 0
-    for path in directory.rglob("*"):
-        with contextlib.suppress(OSError):
-            if path.is_file() and not path.is_symlink():
-                total += path.stat().st_size
-    return total
+    """Return the total length of the files below a directory [bytes]."""
+    files = [path for path in directory.rglob("*") if path.is_file() and not path.is_symlink()]
+    return sum(path.stat().st_size for path in files)

@@ -1,15 +1,14 @@
-"""Subscribers that keep no messages, only what they tell."""
+"""Subscribers that keep figures of a stream, and no messages."""
 
 import socket
 import struct
 import threading
-import time
 from typing import Callable, Optional
 
-from ..benchmark.tcpros import Node, split_messages
+from ..benchmark.tcpros import Node, receive_messages
 from .streams import Arrivals, Continuity
 
-#: where time_x stands in a basic_comms/signal_msg
+#: Place of time_x in a basic_comms/signal_msg.
 TIME_X = struct.Struct("<8xd")
 
 SIGNAL, ANSWER, TEXT, LOG = (
@@ -21,12 +20,12 @@ SIGNAL, ANSWER, TEXT, LOG = (
 
 
 class Watch:
-    """Watches a topic, over any number of connections one after the other.
+    """Observer of a topic, over any number of connections one after the other.
 
-    :param node: on whose behalf
+    :param node: subscribes to the topic
     :param topic: global name
     :param type_name: of its messages
-    :param rate: how many a second, 1/s; given, what is missing in a signal is counted
+    :param rate: of a signal, whose missing samples are counted [Hz]
     :param keep: whether a message counts; all do unless given
     """
 
@@ -35,42 +34,29 @@ class Watch:
         node: Node,
         topic: str,
         type_name: str,
-        rate: Optional[float] = None,
+        rate: float = 0.0,
         keep: Optional[Callable[[bytes], bool]] = None,
     ) -> None:
         self.topic = topic
         self.arrivals = Arrivals()
-        self.continuity = Continuity(1.0 / rate) if rate else None
-        self.connections = 0
+        self.continuity = Continuity(1.0 / rate if rate else 1.0)
+        self._has_times = rate > 0.0
         self._keep = keep
         self._lock = threading.Lock()
-        node.subscribe(topic, type_name, self._start)
+        node.subscribe(topic, type_name, self._read)
 
     def restart(self) -> None:
-        """Forget the silences so far."""
+        """Forget the arrivals so far."""
         with self._lock:
             self.arrivals = Arrivals()
 
-    def _start(self, connection: socket.socket) -> None:
-        self.connections += 1
-        threading.Thread(target=self._read, args=(connection,), daemon=True).start()
-
     def _read(self, connection: socket.socket) -> None:
-        rest = b""
-        while True:
-            try:
-                data = connection.recv(65536)
-            except OSError:
-                return  # closed by this side
-            now = time.monotonic()
-            if not data:
-                return
-            messages, rest = split_messages(rest + data)
+        for moment, messages in receive_messages(connection):
             if self._keep is not None:
                 messages = [message for message in messages if self._keep(message)]
             with self._lock:
                 if messages:
-                    self.arrivals.add(now, len(messages))
-                if self.continuity is not None:
+                    self.arrivals.add(moment, len(messages))
+                if self._has_times:
                     for message in messages:
                         self.continuity.add(TIME_X.unpack_from(message)[0])

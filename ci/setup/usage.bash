@@ -1,21 +1,21 @@
 # The help of a command is the comment that it begins with.
 
-# Set by a command with --only: the Python file that has the list of what it takes.
-choices=
+# Set by a command with --only: the module of ci that prints the names, and its arguments.
+choices=()
 
 usage() {
     sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "$0"
-    [ -z "$choices" ] || python3 "$(dirname "${BASH_SOURCE[0]}")/choices.py" "$choices"
+    [ -z "${choices[*]-}" ] || python3 "$(dirname "${BASH_SOURCE[0]}")/.." "${choices[@]}"
 }
 
-# Show it and end, if it is asked for.
+# Show it and end, if it is requested.
 help_if_asked() { # [ARGUMENT…]
     [[ ${1-} == @(-h|--help) ]] || return 0
     usage
     exit
 }
 
-# The same, with status 125 if something else was asked that is not known.
+# The same, with status 125 if the argument is unknown.
 help_or_refuse() { # ARGUMENT
     help_if_asked "$1"
     usage

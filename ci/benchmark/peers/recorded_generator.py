@@ -4,25 +4,9 @@
 import sys
 
 from basic_comms.nodes.signal_generator import SignalGenerator
+from recording import RecordingPublisher
 
-from basic_comms.msg import signal_msg
-from ci.benchmark.record import Record
-from nodekit import Node, Publisher, run
-
-record = Record(sys.argv[1])
-
-
-class RecordingPublisher:
-    """Stands in for a publisher, which lets nobody change it, and notes when it publishes."""
-
-    def __init__(self, publisher: Publisher) -> None:
-        self.resolved_name = publisher.resolved_name
-        self._publish = publisher.publish
-
-    def publish(self, message: signal_msg) -> None:
-        """Note the sample's own time and the moment just before it is published."""
-        record.add(message.time_x)
-        self._publish(message)
+from nodekit import Node, run
 
 
 class RecordedGenerator(SignalGenerator):
@@ -30,7 +14,7 @@ class RecordedGenerator(SignalGenerator):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        self._publisher = RecordingPublisher(self._publisher)
+        self._publisher = RecordingPublisher(self._publisher, sys.argv[1], "time_x")
 
 
 if __name__ == "__main__":

@@ -4,24 +4,9 @@
 import sys
 
 from pid_control.nodes.system import System
+from recording import RecordingPublisher
 
-from ci.benchmark.record import Record
-from nodekit import Node, Publisher, run
-from pid_control.msg import motor_output
-
-record = Record(sys.argv[1])
-
-
-class RecordingPublisher:
-    """Stands in for a publisher, which lets nobody change it, and notes when it publishes."""
-
-    def __init__(self, publisher: Publisher) -> None:
-        self._publish = publisher.publish
-
-    def publish(self, message: motor_output) -> None:
-        """Note the output's own time and the moment just before it is published."""
-        record.add(message.time)
-        self._publish(message)
+from nodekit import Node, run
 
 
 class RecordedSystem(System):
@@ -29,7 +14,7 @@ class RecordedSystem(System):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        self._publisher = RecordingPublisher(self._publisher)
+        self._publisher = RecordingPublisher(self._publisher, sys.argv[1], "time")
 
 
 if __name__ == "__main__":

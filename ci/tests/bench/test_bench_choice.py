@@ -1,44 +1,49 @@
-"""Tests of which measurements ci/bench makes."""
+"""Rows of ci/bench: their names, and which of them are measured."""
 
 import pathlib
 import subprocess
 
-from ci.benchmark import machine
+import pytest
+
+from ci.benchmark import names
 from ci.benchmark.goals import GOALS
-from ci.benchmark.measurements import MEASUREMENTS, chosen
+from ci.benchmark.measurements import MEASUREMENTS, select
+from ci.endurance import names as run_names
+from ci.endurance import soak
 
-#: What nobody needs who does not ask for it.
-EXTREMES = {"fleet", "thousand", "throughput"}
-
-
-def names(measurements):
-    return {one.name for one in measurements}
+CI = pathlib.Path(names.__file__).parents[1]
 
 
-def test_what_few_need_is_measured_only_on_request():
-    everything, main = names(MEASUREMENTS), names(chosen())
-    assert EXTREMES < everything and not EXTREMES & main
-    assert {"latency-1khz", "latency-100hz", "host-1khz", "robots", "launch", "memory"} < main
-    assert not any(name.startswith("bridge") for name in main)
-    assert names(chosen(with_extra=True)) == everything
-    assert names(chosen(only=["thousand", "live"])) == {"thousand", "live"}
+def test_every_measurement_has_a_name_and_is_selected_by_it():
+    assert [one.name for one in MEASUREMENTS] == [*names.MAIN, *names.EXTRA]
+    assert [one.name for one in select()] == list(names.MAIN)
+    assert select(is_all=True) == MEASUREMENTS
+    assert [one.name for one in select(only=["memory", "overlap"])] == ["memory", "overlap"]
+    assert list(soak.RUNS) == list(run_names.SOAK)
 
 
-def test_help_lists_each_measurement():
-    bench = pathlib.Path(machine.__file__).parents[1] / "bench"
-    text = subprocess.check_output([str(bench), "--help"], universal_newlines=True)
-    lines = [f"  {one.name:14} {one.help}" + one.is_extra * ", with --all" for one in MEASUREMENTS]
-    assert text.splitlines()[-len(lines) :] == lines
+@pytest.mark.parametrize(
+    "command, rows",
+    [
+        ("bench", {**names.MAIN, **names.EXTRA}),
+        ("soak", run_names.SOAK),
+        ("two-hosts", run_names.TWO_HOSTS),
+    ],
+)
+def test_help_without_ros_lists_all_names_on_one_screen(command, rows):
+    done = subprocess.run(
+        [str(CI / command), "--help"],
+        env={"PATH": "/usr/bin:/bin"},
+        stdout=subprocess.PIPE,
+        universal_newlines=True,
+        check=True,
+    )
+    lines = done.stdout.splitlines()
+    assert len(lines) < 40
+    assert [line.split()[0] for line in lines[-len(rows) :]] == list(rows)
 
 
-def test_each_goal_is_of_a_measurement_and_of_its_subjects():
+def test_every_goal_is_of_a_measurement_and_its_subjects():
     subjects = {one.name: one.subjects for one in MEASUREMENTS}
-    assert len(subjects) == len(MEASUREMENTS)
     for goal in GOALS:
-        assert set(goal.subjects) <= set(subjects[goal.measurement]), goal.what
-
-
-def test_a_goal_is_as_extreme_as_its_words():
-    for goal in GOALS:
-        is_extreme = goal.what.startswith(("100 robots", "1000 groups", "rate without loss"))
-        assert is_extreme is (goal.measurement in EXTREMES), goal.what
+        assert {goal.subject, *goal.peers} <= set(subjects[goal.measurement]), goal.what

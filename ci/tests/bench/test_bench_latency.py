@@ -3,7 +3,7 @@
 import pytest
 
 from ci.benchmark import latency, loop
-from ci.benchmark.analysis import Sample
+from ci.benchmark.record import Sample
 from ci.benchmark.stacks import Run
 
 PERIOD, HOP = 0.01, 0.001

@@ -6,8 +6,8 @@ import subprocess
 import sys
 import time
 
-from ci.benchmark import pausing, record
-from ci.benchmark.observers import wait_until
+from ci.benchmark import processes, record
+from ci.benchmark.recorder import wait_until
 
 #: Counts on for as long as it is not stopped.
 COUNT = """
@@ -35,22 +35,22 @@ def test_a_record_is_read_while_it_is_written(tmp_path):
     assert record.Record(str(file)) and record.read(file) == []
 
 
-def test_what_stands_still_goes_on_for_a_while_and_can_end(tmp_path):
+def test_a_paused_process_can_be_resumed_and_ended(tmp_path):
     file = tmp_path / "record"
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
     process = subprocess.Popen([sys.executable, "-c", COUNT, str(file)], env=environment)
 
     def count():
-        return len(record.read(file)) if file.exists() else 0
+        return len(record.read(file))
 
     def is_stopped():
         return os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOHANG | os.WNOWAIT)
 
     wait_until(lambda: count() > 3, 30.0, "samples")
-    with pausing.standing([process.pid]):
+    with processes.paused([process.pid]):
         wait_until(is_stopped, 30.0, "stop")
         still = count()
-        with pausing.going([process.pid]):
+        with processes.resumed([process.pid]):
             wait_until(lambda: count() > still, 30.0, "samples")
         wait_until(is_stopped, 30.0, "stop")
     process.send_signal(signal.SIGTERM)

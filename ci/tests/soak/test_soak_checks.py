@@ -7,9 +7,11 @@ import threading
 
 import pytest
 
+from ci.benchmark.report import write_json
 from ci.endurance import checks
-from ci.endurance.graph_state import NOTHING, Registrations, registrations
-from ci.endurance.run_interrupt import End, is_before_our_code, report
+from ci.endurance.graph_state import NOTHING, registrations
+from ci.endurance.run_board import number_of, numbered
+from ci.endurance.run_interrupt import End, report
 from ci.endurance.usage import Sampler, Usage, added, growth, size_of, usage
 
 
@@ -37,16 +39,17 @@ def test_table_names_what_falls_short() -> None:
 
 
 def test_json_holds_every_check(tmp_path: pathlib.Path) -> None:
-    checks.write_json(tmp_path / "out", {"a": [checks.at_most("x", 1.0, 2.0)]}, {"cores": "2"})
-    content = json.loads((tmp_path / "out").read_text())
+    content = checks.as_json({"a": [checks.at_most("x", 1.0, 2.0)]}, {"cores": "2"})
+    write_json(tmp_path / "out", content)
+    assert json.loads((tmp_path / "out").read_text()) == content
     assert content["machine"] == {"cores": "2"}
     assert content["runs"]["a"][0]["passed"] is True
 
 
 def test_growth_compares_the_ends() -> None:
-    assert growth([100.0] * 50 + [101.0] * 50) == pytest.approx(0.01)
+    assert growth([100.0] * 50 + [101.0] * 50) == pytest.approx(1.0)
     assert growth([100.0] * 50 + [900.0] + [100.0] * 49) == 0.0
-    assert growth([100.0, 98.0]) == pytest.approx(-0.02)
+    assert growth([100.0, 98.0]) == pytest.approx(-2.0)
 
 
 def test_added_threads_are_those_that_stay() -> None:
@@ -92,17 +95,20 @@ def test_registrations_of_a_node() -> None:
         [["/signal", ["/process"]]],
         [["/gen/enable", ["/gen"]]],
     ]
-    assert registrations(state, "/gen") == Registrations(
-        ("/rosout", "/signal"), (), ("/gen/enable",)
+    assert registrations(state, "/gen") == (
+        ("/rosout", "/signal"),
+        (),
+        ("/gen/enable",),
     )
-    assert registrations(state, "/process") == Registrations((), ("/signal",), ())
+    assert registrations(state, "/process") == ((), ("/signal",), ())
     assert registrations(state, "/nobody") == NOTHING
 
 
 def test_a_name_that_is_registered_twice_shows() -> None:
-    assert registrations([[["/signal", ["/gen", "/gen"]]], [], []], "/gen").published == (
-        "/signal",
-        "/signal",
+    assert registrations([[["/signal", ["/gen", "/gen"]]], [], []], "/gen") == (
+        ("/signal", "/signal"),
+        (),
+        (),
     )
 
 
@@ -138,8 +144,16 @@ def test_an_end_that_is_not_clean_falls_short(end: End) -> None:
 
 
 def test_the_interpreters_own_traceback_is_told_but_accepted() -> None:
-    assert is_before_our_code(EARLY)
-    assert not is_before_our_code(OURS) and not is_before_our_code(NODEKITS)
     found = report([GOOD, GOOD._replace(output=EARLY, status=130)])
     assert all(check.passed for check in found)
     assert [check.figure for check in found if "interpreter" in check.what] == ["1"]
+
+
+def test_a_message_of_the_board_shows_damage() -> None:
+    for number in (0, 1, 2**32 - 1):
+        message = numbered(number)
+        assert number_of(message) == number
+        for place in range(len(message)):
+            wrong = bytearray(message)
+            wrong[place] ^= 1
+            assert number_of(bytes(wrong)) is None

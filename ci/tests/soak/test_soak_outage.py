@@ -2,8 +2,8 @@
 
 import pytest
 
-from ci.benchmark.analysis import Sample
-from ci.endurance.outage import Outage, counted_losses, outage, reported_lateness
+from ci.benchmark.record import Sample
+from ci.endurance.run_cable import Outage, counted_losses, outage, reported_lateness
 
 LOG = """\
 [rosout][WARNING] 1: /signal: subscriber /process does not keep up: 140 messages lost, 140 in all

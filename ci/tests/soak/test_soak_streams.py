@@ -4,7 +4,7 @@ import math
 from typing import List
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ci.endurance.streams import Arrivals, Continuity, unanswered
@@ -20,15 +20,11 @@ def fed(times: List[float]) -> Continuity:
     return continuity
 
 
+@settings(max_examples=30)
 @given(st.sets(st.integers(1, 998)), st.floats(0.0, 1e5))
 def test_each_missing_sample_is_counted(removed: "set[int]", begin: float) -> None:
     times = [begin + n * PERIOD for n in range(1000) if n not in removed]
     assert fed(times).missing == len(removed)
-
-
-def test_holes_are_told_apart() -> None:
-    continuity = fed([n * PERIOD for n in range(100) if n not in (10, 50, 51, 52)])
-    assert (continuity.missing, continuity.holes, continuity.largest_hole) == (4, 2, 3)
 
 
 def test_jitter_is_no_hole() -> None:
@@ -47,7 +43,7 @@ def test_silences_are_measured_and_those_above_50_ms_counted() -> None:
         arrivals.add(moment, messages=2)
     assert arrivals.count == 10
     assert arrivals.longest_gap == pytest.approx(0.4)
-    assert arrivals.gaps == 2
+    assert str(arrivals) == "400.0 ms at most, 2 above 50 ms"
 
 
 ANSWERS = [math.cos(1e-3 * n) for n in range(9000)]
@@ -61,6 +57,7 @@ def test_lists_may_begin_and_end_before_each_other(late: int) -> None:
     assert unanswered(ANSWERS[: len(ANSWERS) - late], ANSWERS[late:]) == 0
 
 
+@settings(max_examples=20)
 @given(st.sets(st.integers(2000, 7000), max_size=50), st.integers(0, 300))
 def test_each_missing_answer_is_counted(removed: "set[int]", late: int) -> None:
     answers = [answer for n, answer in enumerate(ANSWERS) if n not in removed]

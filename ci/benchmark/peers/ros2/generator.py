@@ -3,12 +3,13 @@
 The wheels hold std_msgs only, so the sample is a Float32: less to send than signal_msg.
 """
 
+import contextlib
 import math
 import sys
 import time
 
 import rclpy
-from spinning import spin_until_interrupted
+from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import Float32
 
 from ci.benchmark.record import Record
@@ -29,7 +30,8 @@ def main() -> None:
         publisher.publish(message)
 
     node.create_timer(1.0 / float(sys.argv[2]), publish)
-    spin_until_interrupted(node)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(node)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,13 @@
-"""Records when the answers arrive; what is on DDS cannot be read in another way.
+"""Observer of the answers: DDS cannot be read without a client library.
 
 Usage: ... RECORD
 """
 
+import contextlib
 import sys
 
 import rclpy
-from spinning import spin_until_interrupted
+from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import Float32
 
 from ci.benchmark.record import Record
@@ -18,7 +19,8 @@ def main() -> None:
     node = rclpy.create_node("observer")
     record = Record(sys.argv[1])
     node.create_subscription(Float32, "proc_signal", lambda got: record.add(got.data), 10)
-    spin_until_interrupted(node)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(node)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 """The process node as one would write it with rclpy: scaled and lifted."""
 
+import contextlib
+
 import rclpy
-from spinning import spin_until_interrupted
+from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import Float32
 
 
@@ -17,7 +19,8 @@ def main() -> None:
         publisher.publish(output)
 
     node.create_subscription(Float32, "signal", answer, 10)
-    spin_until_interrupted(node)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(node)
 
 
 if __name__ == "__main__":

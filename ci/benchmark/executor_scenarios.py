@@ -1,13 +1,13 @@
-"""Which callbacks overlap, in the same scenarios with nodekit and with rclpy.
+"""Scenarios of callbacks that may overlap, the same for nodekit and rclpy.
 
-Two calls of a service come at once, to a node whose timer ticks meanwhile. For each scenario two
-things can be observed: how many calls are answered at once, and whether the timer ticks during the
-first. The programs that observe it import this module, with nodekit or with rclpy.
+A service of a node is called twice at once while the node's timer ticks. Each scenario shows how
+many calls are answered at once, and whether the timer ticks during the first.
 """
 
+import json
 import threading
 import time
-from typing import Any, List, NamedTuple
+from typing import Any, Callable, List, NamedTuple
 
 CALL_S, TICK_S = 0.5, 0.05
 
@@ -17,9 +17,9 @@ class Scenario(NamedTuple):
 
     threads: int
     #: whether both are in one group
-    shared: bool
+    is_shared: bool
     #: whether the service's group is reentrant
-    reentrant: bool
+    is_reentrant: bool
     #: calls answered at once, and whether the timer ticks
     expected: List[int]
 
@@ -35,7 +35,7 @@ SCENARIOS = {
 
 
 class Observation:
-    """What is seen of one scenario."""
+    """Record of one scenario; its methods are the callbacks."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -43,11 +43,11 @@ class Observation:
         self._ticks_in_first = 0
 
     def tick(self, *_: Any) -> None:
-        """Be the timer's callback."""
+        """Count a tick of the timer."""
         self._ticks += 1
 
     def serve(self) -> None:
-        """Be what the service does."""
+        """Answer a call of the service, slowly."""
         with self._lock:
             self._calls += 1
             is_first = self._calls == 1
@@ -62,5 +62,18 @@ class Observation:
 
     def result(self) -> List[int]:
         """Return how many calls were answered at once, and whether the timer ticked."""
-        # A tick may be just under way when the call begins.
+        # A tick may be in progress when the call begins.
         return [self._most, int(self._ticks_in_first > 1)]
+
+
+def print_all(run: Callable[[int, Scenario, Observation], None]) -> None:
+    """Print what is observed in all scenarios, as JSON.
+
+    :param run: runs the scenario of a number, with the callbacks of an observation
+    """
+    seen = {}
+    for number, (name, scenario) in enumerate(SCENARIOS.items()):
+        observation = Observation()
+        run(number, scenario, observation)
+        seen[name] = observation.result()
+    print(json.dumps(seen), flush=True)

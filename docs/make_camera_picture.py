@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draw docs/images/test_card.png: what camera_demo publishes.
 
-    ./ci/exec docs/make_camera_picture.py
+./ci/exec docs/make_camera_picture.py
 """
 
 from pathlib import Path

@@ -73,8 +73,10 @@ class Description(unittest.TestCase):
 
         def agree(value: float) -> None:
             wait_until(
-                lambda: client.get_configuration(1.0)["amplitude"] == value
-                and rospy.get_param("/generator/amplitude") == value,
+                lambda: (
+                    client.get_configuration(1.0)["amplitude"] == value
+                    and rospy.get_param("/generator/amplitude") == value
+                ),
                 lambda: (
                     f"{client.get_configuration(1.0)} and {rospy.get_param('/generator')}, "
                     f"not {value}"

@@ -91,8 +91,10 @@ class RestartedMaster(unittest.TestCase):
 
     def tap_when_up(self, node: str, topic: str, kind: Any) -> Tap:
         wait_until(
-            lambda: [topic, [node]] in self.server.master.getSystemState("/test")[2][0]
-            and node + "/set_logger_level" in self.server.services(),
+            lambda: (
+                [topic, [node]] in self.server.master.getSystemState("/test")[2][0]
+                and node + "/set_logger_level" in self.server.services()
+            ),
             lambda: node + " did not come up",
         )
         return self.tap(node, topic, kind)

@@ -73,10 +73,12 @@ class OnSimulatedClock(unittest.TestCase):
         clock = rospy.Publisher("/clock", Clock, queue_size=100)
         self.addCleanup(clock.unregister)
         wait_until(
-            lambda: subscribers(rospy.get_name(), "/clock") >= set(NODES)
-            and subscribers("/signal_generator", "/signal") >= {"/process", rospy.get_name()}
-            and rospy.get_name() in subscribers("/process", "/proc_signal")
-            and rospy.get_name() in subscribers("/talker", "/chatter"),
+            lambda: (
+                subscribers(rospy.get_name(), "/clock") >= set(NODES)
+                and subscribers("/signal_generator", "/signal") >= {"/process", rospy.get_name()}
+                and rospy.get_name() in subscribers("/process", "/proc_signal")
+                and rospy.get_name() in subscribers("/talker", "/chatter")
+            ),
             lambda: f"/clock has {subscribers(rospy.get_name(), '/clock')}",
         )
 
@@ -85,9 +87,11 @@ class OnSimulatedClock(unittest.TestCase):
                 before = self.signal.count(), self.answers.count(), self.chatter.count()
                 clock.publish(Clock(rospy.Time.from_sec(time)))
                 wait_until(
-                    lambda: self.signal.count() > before[0]
-                    and self.answers.count() > before[1]
-                    and self.chatter.count() > before[2],
+                    lambda: (
+                        self.signal.count() > before[0]
+                        and self.answers.count() > before[1]
+                        and self.chatter.count() > before[2]
+                    ),
                     lambda: f"nothing at {time} s",
                 )
 

@@ -17,9 +17,7 @@ SETS = [FleetParameters, ProcessParameters, SignalParameters, TalkerParameters]
 DECLARED = [(kind, name) for kind in SETS for name in kind.declared]
 
 WORDS = st.sampled_from(["", "sine", "delay", "1e3", "-1e999", "nan", "yes", "~", "/", "$(id)"])
-NUMBERS = (
-    st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e308, 2**31, 10**400])
-)
+NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e308, 2**31, 10**400])
 SCALARS = st.none() | st.booleans() | NUMBERS | WORDS | st.text(max_size=5)
 YAML = SCALARS | st.binary(max_size=3) | st.dates() | st.datetimes()
 YAML = st.recursive(

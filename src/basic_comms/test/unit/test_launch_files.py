@@ -247,7 +247,7 @@ def test_the_other_host_is_expected_to_have_the_same_workspace() -> None:
 @pytest.mark.parametrize("name", ["signal_generator.yaml", "process.yaml"])
 def test_config_files_know_no_namespaces(name: str) -> None:
     config = load("activity4.launch")
-    node = f"/Group1/{name[:-len('.yaml')]}/"
+    node = f"/Group1/{name[: -len('.yaml')]}/"
     with open(os.path.join(LAUNCH, "..", "config", name)) as source:
         lines = [line.split(":")[0] for line in source if not line.startswith("#")]
     assert lines and all(node + key in config.params for key in lines)

@@ -172,8 +172,10 @@ class DiffDrive(unittest.TestCase):
         self.assertAlmostEqual(wheels.velocity[1], speed)
         self.assertAlmostEqual(wheels.position[1], self.at().theta * 0.08 / 0.033)
         heard = transforms.wait_for(
-            lambda heard: heard.transforms[0].child_frame_id == "base_footprint"
-            and heard.transforms[0].header.stamp == message.header.stamp
+            lambda heard: (
+                heard.transforms[0].child_frame_id == "base_footprint"
+                and heard.transforms[0].header.stamp == message.header.stamp
+            )
         )
         base, laser = heard.transforms
         self.assertEqual(base.header.frame_id, "odom")
@@ -285,8 +287,10 @@ class DiffDrive(unittest.TestCase):
         change("/diff_drive", controller_type="gazebo")
         self.hush("", Twist)
         wait_until(
-            lambda: self.graph.topics()["/cmd_vel"] == TwistStamped._type
-            or self.send(0.0, 0.0, "", TwistStamped),
+            lambda: (
+                self.graph.topics()["/cmd_vel"] == TwistStamped._type
+                or self.send(0.0, 0.0, "", TwistStamped)
+            ),
             lambda: "the type stays",
         )
         self.drive(0.2, 0.0, "", TwistStamped)

@@ -170,7 +170,7 @@ def test_input_beyond_the_dead_zone_acts_in_full(value: float) -> None:
     )
 )
 def test_no_change_makes_the_output_jump(
-    changes: List[Tuple[float, PlantSettings, float, float]]
+    changes: List[Tuple[float, PlantSettings, float, float]],
 ) -> None:
     plant = SampledPlant(LIMITED, SAMPLE_TIME)
     moment = 0.0

@@ -14,11 +14,14 @@ from nodekit.testing.launch_files import load_launch
 
 PACKAGE = rospkg.RosPack().get_path("humanoid_robot_bringup")
 load = functools.partial(load_launch, "humanoid_robot_bringup", "robot.launch")
-NAVIGATION, PERCEPTION = {"proportional_controller"}, {
-    "camera_demo",
-    "lidar_demo",
-    "processing_demo",
-}
+NAVIGATION, PERCEPTION = (
+    {"proportional_controller"},
+    {
+        "camera_demo",
+        "lidar_demo",
+        "processing_demo",
+    },
+)
 
 
 @pytest.mark.parametrize(

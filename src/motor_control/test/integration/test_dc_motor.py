@@ -195,9 +195,11 @@ class DcMotor(unittest.TestCase):
         other.wait_for_log("WARN", "already offered", name + f" ({NODE})")
         wait_until(lambda: master.lookupService(name) != own, lambda: "it is not taken over")
         self.log.wait_for(
-            lambda log: log.name == NODE
-            and "taken over" in log.msg
-            and name + " (/lab/dc_motor)" in log.msg
+            lambda log: (
+                log.name == NODE
+                and "taken over" in log.msg
+                and name + " (/lab/dc_motor)" in log.msg
+            )
         )
         self.assertEqual(other.interrupt(), 0)
         self.log.wait_for(lambda log: log.name == NODE and "registered again" in log.msg)

@@ -108,7 +108,7 @@ def test_news_that_come_late_do_no_harm() -> None:
 
 @given(st.lists(st.sampled_from(EVENTS)))
 def test_it_never_publishes_without_a_success_since_the_motor_started(
-    events: List[Callable[[EnableSequence], None]]
+    events: List[Callable[[EnableSequence], None]],
 ) -> None:
     sequence = after(*events)
     assert not (sequence.may_publish and sequence.wants_call)
@@ -119,7 +119,7 @@ def test_it_never_publishes_without_a_success_since_the_motor_started(
 
 @given(st.lists(st.sampled_from(EVENTS)))
 def test_an_enabled_motor_is_always_made_use_of_in_the_end(
-    events: List[Callable[[EnableSequence], None]]
+    events: List[Callable[[EnableSequence], None]],
 ) -> None:
     sequence = after(*events)
     sequence.heard(ENABLED)

@@ -52,9 +52,9 @@ def test_each_name_can_be_imported(name: str) -> None:
     value = getattr(nodekit, name)
     home = importlib.import_module("nodekit." + nodekit._HOMES[name])
     assert value is getattr(home, name)
-    assert (
-        getattr(value, "__module__", home.__name__) == home.__name__
-    ), "it is named where it is made"
+    assert getattr(value, "__module__", home.__name__) == home.__name__, (
+        "it is named where it is made"
+    )
     assert vars(nodekit)[name] is value, "it is looked for once"
 
 

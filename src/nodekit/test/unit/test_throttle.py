@@ -1,7 +1,7 @@
 """What is logged again and again is logged now and then, each thing for itself."""
 
 import math
-from typing import Any, List
+from typing import List
 
 import pytest
 import rospy

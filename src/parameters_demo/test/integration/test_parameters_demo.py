@@ -191,11 +191,14 @@ class ParametersDemo(unittest.TestCase):
 
     def test_mode_says_which_topics_are_heard(self) -> None:
         """Course 001-params-4, 001-params-9."""
-        node, topics = "/processing_demo", {
-            "radar": "/radar/tracks",
-            "camera": "/camera/image_color",
-            "lidar": "/lidar/points",
-        }
+        node, topics = (
+            "/processing_demo",
+            {
+                "radar": "/radar/tracks",
+                "camera": "/camera/image_color",
+                "lidar": "/lidar/points",
+            },
+        )
         match = self.wait_for_log(node, r"^cycle (\d+): lidar #[1-9]\d*: nearest [0-9.]+ m$")
         self.assertEqual(int(match.group(1)) % 5, 0)
         self.assertEqual(self.change(node, "processing_mode: all").message, "")

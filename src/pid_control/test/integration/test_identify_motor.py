@@ -62,8 +62,10 @@ class IdentifyMotor(unittest.TestCase):
             heard = self.received(identify, "/motor_output")
             self.step()
             wait_until(
-                lambda: command.popen.poll() is not None
-                or self.received(identify, "/motor_output") > heard,
+                lambda: (
+                    command.popen.poll() is not None
+                    or self.received(identify, "/motor_output") > heard
+                ),
                 lambda: f"{heard} outputs heard at {self.time}: {command.logged()}",
             )
         while command.popen.poll() is None:
@@ -74,8 +76,10 @@ class IdentifyMotor(unittest.TestCase):
                 lambda: f"no input at {self.time}: {command.logged()}",
             )
             wait_until(
-                lambda: self.received(self.motor, "/motor_input") >= self.inputs.count()
-                or command.popen.poll() is not None,
+                lambda: (
+                    self.received(self.motor, "/motor_input") >= self.inputs.count()
+                    or command.popen.poll() is not None
+                ),
                 lambda: f"the motor has not got all of {self.inputs.count()} inputs",
             )
 

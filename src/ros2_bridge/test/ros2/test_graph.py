@@ -42,8 +42,9 @@ def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) 
             lambda: str(ros.node.get_node_names_and_namespaces()),
         )
         wait_until(
-            lambda: ("/lab/chatter", ["std_msgs/msg/String"])
-            in ros.node.get_topic_names_and_types(),
+            lambda: (
+                ("/lab/chatter", ["std_msgs/msg/String"]) in ros.node.get_topic_names_and_types()
+            ),
             lambda: str(ros.node.get_topic_names_and_types()),
         )
         log = ros.hear2("/rosout", Log)

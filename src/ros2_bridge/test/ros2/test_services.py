@@ -44,8 +44,10 @@ def test_motor_is_enabled_from_ros2(ros: both.Both, bridge: both.Bridge) -> None
             thread.join()
         assert [answer.message for answer in answers] == ["enabled already"] * 5
         wait_until(
-            lambda: "/EnableProcess"
-            in dict(ros.node.get_service_names_and_types_by_node("dc_motor", "/")),
+            lambda: (
+                "/EnableProcess"
+                in dict(ros.node.get_service_names_and_types_by_node("dc_motor", "/"))
+            ),
             lambda: "it stands at no node of this name",
         )
         motor.interrupt()

@@ -154,8 +154,6 @@ def test_what_ros1_cannot_carry(value: Any, words: str) -> None:
     assert words in values.unfit("x", value)
 
 
-@pytest.mark.parametrize(
-    "value", [2**31 - 1, -(2**31), 1e300, "a\tb\n", True, [], [1, 2], [""]]
-)
+@pytest.mark.parametrize("value", [2**31 - 1, -(2**31), 1e300, "a\tb\n", True, [], [1, 2], [""]])
 def test_what_ros1_can_carry(value: Any) -> None:
     assert values.unfit("x", value) == ""

@@ -125,10 +125,10 @@ def test_more_numbers_than_there_are_bytes_are_refused_before_they_are_read() ->
 def test_the_bytes_are_those_of_the_published_definitions() -> None:
     assert payloads.encode_log(2, "hi") == b"\x02\x02\0\0\0hi"
     assert payloads.encode_topic(TopicInfo(0x0102, "a", "b/C", "*", 512)) == (
-        b"\x02\x01" b"\x01\0\0\0a" b"\x03\0\0\0b/C" b"\x01\0\0\0*" b"\0\x02\0\0"
+        b"\x02\x01\x01\0\0\0a\x03\0\0\0b/C\x01\0\0\0*\0\x02\0\0"
     )
     assert payloads.encode_values(Values([1], [1.0], ["a"])) == (
-        b"\x01\0\0\0\x01\0\0\0" b"\x01\0\0\0\0\0\x80?" b"\x01\0\0\0\x01\0\0\0a"
+        b"\x01\0\0\0\x01\0\0\0\x01\0\0\0\0\0\x80?\x01\0\0\0\x01\0\0\0a"
     )
     assert list(payloads.TOPICS) == [0, 1, 2, 3, 4, 5]
 

@@ -73,7 +73,7 @@ def test_all_bytes_go_both_ways(plugged: Tuple[PtyEnd, SerialPort]) -> None:
 
 
 def test_what_was_sent_before_it_is_open_does_not_come_back(
-    plugged: Tuple[PtyEnd, SerialPort]
+    plugged: Tuple[PtyEnd, SerialPort],
 ) -> None:
     end, port = plugged
     end.write(b"nobody listens")
@@ -82,7 +82,7 @@ def test_what_was_sent_before_it_is_open_does_not_come_back(
 
 
 def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
-    plugged: Tuple[PtyEnd, SerialPort]
+    plugged: Tuple[PtyEnd, SerialPort],
 ) -> None:
     end, port = plugged
     port.open(0.0)
@@ -176,7 +176,7 @@ def test_a_port_that_is_none_is_told(tmp_path: pathlib.Path) -> None:
 
 
 def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
-    plugged: Tuple[PtyEnd, SerialPort]
+    plugged: Tuple[PtyEnd, SerialPort],
 ) -> None:
     _, port = plugged
     port.open(0.0)

@@ -199,8 +199,9 @@ class Over(unittest.TestCase):
         self.go_to(10.0)
         row = f"#legend tr[data-field='{LATE}'] "
         wait_until(
-            lambda: [browser.text(f"{row}[data-cell={one}]") for one in "ab"]
-            == ["1.0000", "−1.0000"],
+            lambda: (
+                [browser.text(f"{row}[data-cell={one}]") for one in "ab"] == ["1.0000", "−1.0000"]
+            ),
             lambda: browser.text("#legend"),
         )
         self.assertEqual(browser.text(f"{row}.badge"), "")
@@ -210,8 +211,12 @@ class Over(unittest.TestCase):
             "return [query.get('start'), query.get('end')].map(Number)"
         )
         wait_until(
-            lambda: len(self.crests(browser, start, end)) >= 4
-            and all(abs(moment % 1.0 - 0.25) < 0.02 for moment in self.crests(browser, start, end)),
+            lambda: (
+                len(self.crests(browser, start, end)) >= 4
+                and all(
+                    abs(moment % 1.0 - 0.25) < 0.02 for moment in self.crests(browser, start, end)
+                )
+            ),
             lambda: self.crests(browser, start, end),
         )
         status, text = fetch(f"{self.scope.url}/data.csv?field={quote(LATE)}&start={BEGIN + 6}")

@@ -62,8 +62,10 @@ class Panels(PanelTest):
         for name in names:
             self.wait_parameter(name, [1.0, 2.0, 3.0])
             wait_until(
-                lambda: self.browser.value(row(name) + " .value") == "[1.0, 2.0, 3.0]"
-                and self.browser.text(row(name) + " .refusal") == "",
+                lambda: (
+                    self.browser.value(row(name) + " .value") == "[1.0, 2.0, 3.0]"
+                    and self.browser.text(row(name) + " .refusal") == ""
+                ),
                 lambda: self.browser.text(row(name)),
             )
 
@@ -210,8 +212,10 @@ class Panels(PanelTest):
         self.browser.keys("/", "/proc_signal")
         self.assertEqual(self.browser.value("#graph-search"), "/proc_signal")  # it keeps "/"
         wait_until(
-            lambda: self.browser.count("#graph .found") == 1
-            and self.browser.count("#graph .topic.found[data-name='/proc_signal']") == 1,
+            lambda: (
+                self.browser.count("#graph .found") == 1
+                and self.browser.count("#graph .topic.found[data-name='/proc_signal']") == 1
+            ),
             lambda: self.browser.text("#graph-found"),
         )
         self.assertRegex(self.browser.text("#graph-found"), r"1 of \d+")

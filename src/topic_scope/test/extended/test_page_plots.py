@@ -48,8 +48,10 @@ class Plots(PageTest):
                 lambda: (name, self.browser.text("#legend")),
             )
         wait_until(
-            lambda: abs(self.cell(PROCESSED, "phase") - 90.0) < 20.0
-            and abs(self.cell(SIGNAL, "phase")) < 1e-3,
+            lambda: (
+                abs(self.cell(PROCESSED, "phase") - 90.0) < 20.0
+                and abs(self.cell(SIGNAL, "phase")) < 1e-3
+            ),
             lambda: self.browser.text("#legend"),
         )
         self.browser.choose("#window", "1")
@@ -78,10 +80,12 @@ class Plots(PageTest):
 
         # Of a sine of the amplitude 2.
         wait_until(
-            lambda: varied("cycle_rms", "count") > 8
-            and abs(varied("cycle_rms", "mean") - math.sqrt(2.0)) < 0.01
-            and varied("cycle_rms", "sigma") < 0.01
-            and varied("max", "min") <= varied("max", "mean") <= varied("max", "max") <= 2.0,
+            lambda: (
+                varied("cycle_rms", "count") > 8
+                and abs(varied("cycle_rms", "mean") - math.sqrt(2.0)) < 0.01
+                and varied("cycle_rms", "sigma") < 0.01
+                and varied("max", "min") <= varied("max", "mean") <= varied("max", "max") <= 2.0
+            ),
             lambda: self.browser.text("#over-time"),
         )
         self.browser.driver.refresh()  # it is in the address
@@ -201,15 +205,19 @@ class Plots(PageTest):
         )
         # Of 2 sin and 1 + cos.
         wait_until(
-            lambda: abs(self.cell(less, "max") - (math.sqrt(5.0) - 1.0)) < 0.3
-            and abs(self.cell(less, "mean") + 1.0) < 0.1,
+            lambda: (
+                abs(self.cell(less, "max") - (math.sqrt(5.0) - 1.0)) < 0.3
+                and abs(self.cell(less, "mean") + 1.0) < 0.1
+            ),
             lambda: self.browser.text("#legend"),
         )
         # Of a sine of the amplitude 2 and 1 Hz, 100 times a second.
         for field, peak in ((name, 4 * math.pi), (f"{SIGNAL}.difference", 0.04 * math.pi)):
             wait_until(
-                lambda: abs(self.cell(field, "max") - peak) < 0.01 * peak
-                and abs(self.cell(field, "min") + peak) < 0.01 * peak,
+                lambda: (
+                    abs(self.cell(field, "max") - peak) < 0.01 * peak
+                    and abs(self.cell(field, "min") + peak) < 0.01 * peak
+                ),
                 lambda: self.browser.text("#legend"),
             )
 
@@ -230,8 +238,9 @@ class Plots(PageTest):
         picture = self.browser.picture()
         self.browser.find(f"[aria-label='show {SIGNAL}']").click()
         wait_until(
-            lambda: abs(self.cell(SIGNAL, "max") - 2.0) < 0.01
-            and self.browser.picture() != picture,
+            lambda: (
+                abs(self.cell(SIGNAL, "max") - 2.0) < 0.01 and self.browser.picture() != picture
+            ),
             lambda: self.browser.text("#legend"),
         )
 
@@ -260,14 +269,18 @@ class Plots(PageTest):
         wait_until(is_halved, lambda: self.browser.value("#trigger-level"))
         self.browser.keys(Keys.ESCAPE)
         wait_until(
-            lambda: self.browser.text("#trigger-state") == "triggered"
-            and not self.browser.find(".beyond").is_displayed(),
+            lambda: (
+                self.browser.text("#trigger-state") == "triggered"
+                and not self.browser.find(".beyond").is_displayed()
+            ),
             lambda: self.browser.text("#trigger-state"),
         )
         # A fifth of the second is left of the crossing, where the axis has its zero.
         wait_until(
-            lambda: "0.6" in self.browser.text(".dygraph-axis-label-x").split()
-            and "−0.4" not in self.browser.text(".dygraph-axis-label-x").split(),
+            lambda: (
+                "0.6" in self.browser.text(".dygraph-axis-label-x").split()
+                and "−0.4" not in self.browser.text(".dygraph-axis-label-x").split()
+            ),
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
         self.assertEqual(self.browser.find("#plot").size["height"], height)
@@ -342,14 +355,18 @@ class Plots(PageTest):
         # One has numbers below 0, the other one has none; the edges are the same.
         labels = ".pane:{}-child .dygraph-axis-label-y"
         wait_until(
-            lambda: "−2" in self.browser.text(labels.format("first"))
-            and "−" not in self.browser.text(labels.format("last")),
+            lambda: (
+                "−2" in self.browser.text(labels.format("first"))
+                and "−" not in self.browser.text(labels.format("last"))
+            ),
             lambda: self.browser.text("#plot"),
         )
         self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
         wait_until(
-            lambda: self.browser.count(".pane:last-child .dygraph-axis-label-y2") > 1
-            and not self.browser.count(".dygraph-axis-label-y1"),
+            lambda: (
+                self.browser.count(".pane:last-child .dygraph-axis-label-y2") > 1
+                and not self.browser.count(".dygraph-axis-label-y1")
+            ),
             lambda: self.browser.text("#plot"),
         )
         overlay = self.browser.find("#overlay").rect
@@ -589,8 +606,10 @@ class Plots(PageTest):
         label = self.browser.text(f"#legend tr[data-field='{field}'] .scaled")
         self.assertEqual(label, "scaled × −10 + 5.5")
         wait_until(
-            lambda: (self.cell(field, "min"), self.cell(field, "max")) == (-14.5, 5.5)
-            and "−10" in self.browser.text(".dygraph-axis-label-y"),
+            lambda: (
+                (self.cell(field, "min"), self.cell(field, "max")) == (-14.5, 5.5)
+                and "−10" in self.browser.text(".dygraph-axis-label-y")
+            ),
             lambda: self.browser.text("#legend"),
         )
         # In words and in pictures, too.
@@ -663,9 +682,11 @@ class Plots(PageTest):
             self.addCleanup(hog.kill)
         began = time.monotonic()
         wait_until(
-            lambda: self.is_full()
-            and time.monotonic() > began + 1.2  # longer than what is shown
-            and abs(self.cell(SINE, "frequency") - 2.0) < 2e-4,
+            lambda: (
+                self.is_full()
+                and time.monotonic() > began + 1.2  # longer than what is shown
+                and abs(self.cell(SINE, "frequency") - 2.0) < 2e-4
+            ),
             lambda: self.browser.text("#legend"),
         )
         self.browser.find("#run").click()
@@ -784,8 +805,10 @@ class Plots(PageTest):
             late = numpy.median([received - stamp for stamp, received, _ in told])
             self.assertGreater(late, numpy.median(LATE[topic]) - 0.001)
             wait_until(
-                lambda: abs(self.cell(field, "phase")) < 3.6
-                and abs(self.cell(field, "latency") - late) < 0.005,
+                lambda: (
+                    abs(self.cell(field, "phase")) < 3.6
+                    and abs(self.cell(field, "latency") - late) < 0.005
+                ),
                 lambda: (self.browser.text("#legend"), late),
             )
             badge = self.browser.text(f"#legend tr[data-field='{field}'] .badge")
@@ -809,8 +832,10 @@ class Plots(PageTest):
         self.browser.find("[aria-label='show the time of day']").click()
         self.browser.keys(Keys.ESCAPE)
         wait_until(
-            lambda: re.match(r"\d\d:\d\d:\d\d", self.browser.text(".dygraph-axis-label-x"))
-            and self.browser.text(".dygraph-xlabel").startswith("time, UTC"),
+            lambda: (
+                re.match(r"\d\d:\d\d:\d\d", self.browser.text(".dygraph-axis-label-x"))
+                and self.browser.text(".dygraph-xlabel").startswith("time, UTC")
+            ),
             lambda: self.browser.text("#plot"),
         )
         stage = self.browser.find("#stage")

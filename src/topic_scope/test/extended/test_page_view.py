@@ -79,8 +79,10 @@ class View(PageTest):
         self.shows_the_setup()
         address = str(
             wait_until(
-                lambda: re.search('normal.*"cursors":{"a":-0.(3|29)', self.address())
-                and self.browser.driver.current_url,
+                lambda: (
+                    re.search('normal.*"cursors":{"a":-0.(3|29)', self.address())
+                    and self.browser.driver.current_url
+                ),
                 self.address,
             )
         )
@@ -147,18 +149,22 @@ class View(PageTest):
 
     def shows_the_setup(self) -> None:
         wait_until(
-            lambda: self.browser.count("#legend tr") == 1
-            and self.browser.value("#window") == "2"
-            and self.browser.value("#trigger-mode") == "normal"
-            and self.browser.text("#trigger-state") == "triggered"
-            and self.browser.text(f"[aria-label='right axis for {SIGNAL}']") == "right"
-            and self.browser.value(f"[aria-label='colour of {SIGNAL}']") == "#123456",
+            lambda: (
+                self.browser.count("#legend tr") == 1
+                and self.browser.value("#window") == "2"
+                and self.browser.value("#trigger-mode") == "normal"
+                and self.browser.text("#trigger-state") == "triggered"
+                and self.browser.text(f"[aria-label='right axis for {SIGNAL}']") == "right"
+                and self.browser.value(f"[aria-label='colour of {SIGNAL}']") == "#123456"
+            ),
             self.address,
         )
         # By the axis of the trigger, whose zero is in the middle.
         wait_until(
-            lambda: re.match(r"A −0\.3000 s\s+B 0\.3000 s", self.browser.text(".readout"))
-            and "1.0" in self.browser.text(".dygraph-axis-label-x").split(),
+            lambda: (
+                re.match(r"A −0\.3000 s\s+B 0\.3000 s", self.browser.text(".readout"))
+                and "1.0" in self.browser.text(".dygraph-axis-label-x").split()
+            ),
             lambda: self.browser.text(".readout"),
         )
 
@@ -539,8 +545,10 @@ class View(PageTest):
         for field in (SIGNAL, PROCESSED):
             self.browser.find(f"[aria-label='right axis for {field}']").click()
         wait_until(
-            lambda: self.browser.count(".dygraph-axis-label-y2") > 3
-            and not self.browser.count(".dygraph-axis-label-y1"),
+            lambda: (
+                self.browser.count(".dygraph-axis-label-y2") > 3
+                and not self.browser.count(".dygraph-axis-label-y1")
+            ),
             lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
         )
         wait_until(  # more strokes than the traces alone ever have there
@@ -729,8 +737,9 @@ class View(PageTest):
         self.browser.keys(Keys.ENTER, Keys.ESCAPE)
         self.browser.wait_for(f"#legend tr.gone[data-field='{name}']")
         wait_until(
-            lambda: self.cell(SIGNAL, "frequency") > 0.9
-            and self.cell(PROCESSED, "frequency") > 0.9,
+            lambda: (
+                self.cell(SIGNAL, "frequency") > 0.9 and self.cell(PROCESSED, "frequency") > 0.9
+            ),
             lambda: self.browser.text("#legend"),
         )
         self.browser.find("#cursors").click()

@@ -79,8 +79,9 @@ class Signals(SignalsTest):
         bases = {own: "time_x", received: "received", "/proc_signal/data": "received"}
         page.wait_for(
             "stats",
-            lambda stats: {name: trace.get("timestamp") for name, trace in stats["traces"].items()}
-            == bases,
+            lambda stats: (
+                {name: trace.get("timestamp") for name, trace in stats["traces"].items()} == bases
+            ),
         )
         wait_until(lambda: len(self.samples(received)) > 150, lambda: "no samples")
         rows = self.samples(own, "/signal/time_x")

@@ -42,10 +42,12 @@ class Page(PageTest):
 
     def test_measures_the_traces(self) -> None:
         wait_until(
-            lambda: abs(self.cell(SIGNAL, "frequency") - 1.0) < 1e-4
-            and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0
-            and abs(self.cell(SIGNAL, "max") - 2.0) < 0.05
-            and abs(self.cell(PROCESSED, "min")) < 0.05,
+            lambda: (
+                abs(self.cell(SIGNAL, "frequency") - 1.0) < 1e-4
+                and abs(self.cell(SIGNAL, "rate") - 100.0) < 10.0
+                and abs(self.cell(SIGNAL, "max") - 2.0) < 0.05
+                and abs(self.cell(PROCESSED, "min")) < 0.05
+            ),
             lambda: self.browser.text("#legend"),
         )
 
@@ -169,10 +171,10 @@ class Panels(PanelTest):
         self.assertGreater(after, before)
         self.wait_parameter("frequency", after)
         wait_until(
-            lambda: abs(
-                rospy.wait_for_message("/signal", signal_msg, timeout=10.0).frequency - after
-            )
-            < 1e-6,
+            lambda: (
+                abs(rospy.wait_for_message("/signal", signal_msg, timeout=10.0).frequency - after)
+                < 1e-6
+            ),
             lambda: f"the topic has another frequency than {after:g}",
         )
 

@@ -294,15 +294,19 @@ class Bag(unittest.TestCase):
         # Moved by keys, the slider sends it elsewhere.
         browser.find("#playback-place").send_keys(Keys.END)
         wait_until(
-            lambda: "20.00 of 20.00 s" in browser.text("#playback-time")
-            and "22:13:38" in browser.text(".dygraph-axis-label-x"),
+            lambda: (
+                "20.00 of 20.00 s" in browser.text("#playback-time")
+                and "22:13:38" in browser.text(".dygraph-axis-label-x")
+            ),
             lambda: browser.text("#playback-time") + browser.text("#plot"),
         )
         # From the end it begins anew; the slider has the focus still.
         browser.keys(" ")
         wait_until(
-            lambda: page.messages("playback")[-1]["playing"]
-            and re.search(r"UTC, [0-9]\.\d\d of", browser.text("#playback-time")),
+            lambda: (
+                page.messages("playback")[-1]["playing"]
+                and re.search(r"UTC, [0-9]\.\d\d of", browser.text("#playback-time"))
+            ),
             lambda: browser.text("#playback-time"),
         )
         browser.keys(" ")

@@ -91,8 +91,10 @@ class Signals(SignalsTest):
         page.send("view", window=1.0, width=500, end=None)
         page.wait_for(
             "stats",
-            lambda stats: stats["traces"]["/signal/signal_y"]["unmeasurable"]
-            == {"frequency": "there are not two periods of it"},
+            lambda stats: (
+                stats["traces"]["/signal/signal_y"]["unmeasurable"]
+                == {"frequency": "there are not two periods of it"}
+            ),
         )
         page.send("view", window=2.0, width=500, end=None)
         edge = {"field": "/signal/signal_y", "level": 0.5, "edge": "falling"}

@@ -70,7 +70,7 @@ def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
     [
         (
             "/signal/signal_z",
-            "there is no signal_z in basic_comms/signal_msg; nearest to it: " "/signal/signal_y",
+            "there is no signal_z in basic_comms/signal_msg; nearest to it: /signal/signal_y",
         ),
         ("/sginal/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
         ("/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),

@@ -30,7 +30,7 @@ def same(one: float, other: float) -> bool:
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.integers(0, 10**15), st.floats()), min_size=1).map(sorted))
 def test_every_float_and_every_time_can_be_read_back_exactly(
-    recorded: List[Tuple[int, float]]
+    recorded: List[Tuple[int, float]],
 ) -> None:
     samples = [(time, "/x", Float64(value)) for time, value in recorded]
     header, *written = rows([Column("/x", ("data",))], samples)

@@ -24,9 +24,7 @@ def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
     """A bag of 3 s, in the folder that the command is called in."""
     monkeypatch.chdir(tmp_path)
     messages: List[Any] = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
-    messages += [
-        ("/a", Float64MultiArray(data=[0.5] * n), n * 10**9 - 10**9) for n in (1, 2, 3)
-    ]
+    messages += [("/a", Float64MultiArray(data=[0.5] * n), n * 10**9 - 10**9) for n in (1, 2, 3)]
     messages += [("/j", JointState(name=["arm", "leg"], position=[1.0, 2.0]), 10**9)]
     return write_bag(tmp_path / "x.bag", messages + [("/y", Int32(7), 10**9)])
 
@@ -88,13 +86,13 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/x/data", "-o", "out.csv", "--end", "-1"], "'-1' is not a time"),
         (
             ["/x/date", "-o", "out.csv"],
-            "plot_bag: /x/date: there is no date in std_msgs/Float64; " "nearest to it: /x/data",
+            "plot_bag: /x/date: there is no date in std_msgs/Float64; nearest to it: /x/data",
         ),
         (["/x//data", "-o", "out.csv"], "plot_bag: "),
         (["/x/data", "-o", "no/out.csv"], "plot_bag: no/out.csv: No such file or directory"),
         (
             ["/x/data", "-o", "out.csv", "--start", "4"],
-            "plot_bag: nothing of /x was recorded in " "this time; the bag is 3.000 s long",
+            "plot_bag: nothing of /x was recorded in this time; the bag is 3.000 s long",
         ),
         (
             ["/x/data", "-o", "out.png", "--start", "2", "--end", "1"],

@@ -71,12 +71,10 @@ class Parameter(Generic[Value]):
         self.name = name
 
     @overload
-    def __get__(self, instance: None, owner: type) -> "Parameter[Value]":
-        ...
+    def __get__(self, instance: None, owner: type) -> "Parameter[Value]": ...
 
     @overload
-    def __get__(self, instance: object, owner: type) -> Value:
-        ...
+    def __get__(self, instance: object, owner: type) -> Value: ...
 
     def __get__(self, instance: Optional[object], owner: type) -> Union["Parameter[Value]", Value]:
         # Only reached on the class: an instance's own __dict__ comes first, as for any attribute.

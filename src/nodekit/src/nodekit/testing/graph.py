@@ -156,8 +156,7 @@ class Graph:
         wait_until(
             lambda: self.publishers(topic) == expected,
             lambda: (
-                f"{topic} is published by {sorted(self.publishers(topic))}, not "
-                f"{sorted(expected)}"
+                f"{topic} is published by {sorted(self.publishers(topic))}, not {sorted(expected)}"
             ),
         )
 

@@ -22,7 +22,8 @@ INSIDE = (
     "src/nodekit/test",
     "ci/lint",
     "ci/mutation",
-    "ci/tests/runner",
+    "ci/tests/lint",
+    "ci/tests/mutation",
 )
 #: Texts with lines of Python, or with commands.
 TEXTS = {".md", ".rst", ".bash", ".launch", ".test"}

@@ -26,7 +26,7 @@ def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
     """
     path, folder = pathlib.Path(module), package / "test" / "unit"
     conftest = folder / "conftest.py"
-    ignored = runpy.run_path(str(conftest))["collect_ignore"] if conftest.is_file() else ()
+    ignored = runpy.run_path(str(conftest)).get("collect_ignore", ()) if conftest.is_file() else ()
     tests = sorted(test for test in folder.glob("test_*.py") if test.name not in ignored)
     if path.suffix == ".js":
         return [test for test in tests if path.name in test.read_text("utf-8")]

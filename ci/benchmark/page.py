@@ -28,7 +28,7 @@ FIGURES = [
 ]
 #: Label, row of the benchmark, and goal whose ratio stands in the first column.
 RATIOS = [
-    ("start, of the course's nodes'", "launch", "to the first answer, against the course's"),
+    ("start, of the course's nodes'", "launch", "first answer, against the course's"),
     ("memory of a node, of a bare rospy node's", "memory", "a node, against a bare one"),
     ("control loop, of the latency at 1 kHz", "loop", "p50, against generator and process"),
     ("bridge to ROS 2, of a hop in each ROS", "bridge", "p50 to ROS 2, against a hop of each"),

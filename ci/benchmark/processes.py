@@ -6,7 +6,7 @@ import pathlib
 import signal
 import subprocess
 import time
-from typing import Dict, Iterator, List, Optional
+from typing import Dict, Iterator, List, Optional, TypeVar
 
 import rosgraph
 from nodekit.testing.processes import free_port
@@ -21,6 +21,9 @@ from .tcpros import Node
 SETTLED = 1.5
 #: Longest time for a process to end after Ctrl-C, and for the master to forget killed nodes [s].
 PATIENCE_S, CLEANUP_S = 10.0, 60.0
+
+
+Own = TypeVar("Own", bound="Processes")
 
 
 class Processes:
@@ -38,6 +41,20 @@ class Processes:
         )
         self.running: List["subprocess.Popen[bytes]"] = []
         self._logs: Dict[int, pathlib.Path] = {}
+
+    def __enter__(self: Own) -> Own:
+        try:
+            self.prepare()
+        except BaseException:
+            self.end_all()
+            raise
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.end_all()
+
+    def prepare(self) -> None:
+        """Start what all other processes need."""
 
     def start(
         self,
@@ -119,17 +136,10 @@ class Session(Processes):
         # Otherwise each start compiles the workspace's own modules, and only those.
         self.environment.pop("PYTHONDONTWRITEBYTECODE", None)
 
-    def __enter__(self) -> "Session":
-        try:
-            self.start(["roscore", "-p", str(self._port)])
-            wait_until(self._has_rosout, 30.0, "answer from the master")
-        except BaseException:
-            self.end_all()
-            raise
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.end_all()
+    def prepare(self) -> None:
+        """Start the master."""
+        self.start(["roscore", "-p", str(self._port)])
+        wait_until(self._has_rosout, 30.0, "answer from the master")
 
     def _has_rosout(self) -> bool:
         with contextlib.suppress(OSError, rosgraph.MasterException), self.node() as node:

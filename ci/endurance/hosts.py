@@ -27,24 +27,17 @@ class Hosts(Processes):
         self.undo: List[Callable[[], None]] = []
         self._names = {host: f"basic-comms-{os.getpid()}-{host}" for host in ADDRESSES}
 
-    def __enter__(self) -> "Hosts":
-        try:
-            for name in self._names.values():
-                ip("netns", "add", name)
-                ip("-n", name, "link", "set", "lo", "up")
-            near, far = self._names["near"], self._names["far"]
-            cable = f"link add {DEVICE} type veth peer name {DEVICE} netns {far}"
-            ip("-n", near, *cable.split())
-            for host, name in self._names.items():
-                ip("-n", name, "address", "add", ADDRESSES[host] + "/30", "dev", DEVICE)
-            self.set_cable(True)
-        except BaseException:
-            self.end_all()
-            raise
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.end_all()
+    def prepare(self) -> None:
+        """Make the hosts, and plug in the cable."""
+        for name in self._names.values():
+            ip("netns", "add", name)
+            ip("-n", name, "link", "set", "lo", "up")
+        near, far = self._names["near"], self._names["far"]
+        cable = f"link add {DEVICE} type veth peer name {DEVICE} netns {far}"
+        ip("-n", near, *cable.split())
+        for host, name in self._names.items():
+            ip("-n", name, "address", "add", ADDRESSES[host] + "/30", "dev", DEVICE)
+        self.set_cable(True)
 
     def end_all(self) -> None:
         """End all processes, and remove the hosts."""

@@ -1,6 +1,5 @@
 """Stacks of ci/bench in Python, run with the workspace's nodes, in turns."""
 
-import contextlib
 import signal
 
 import pytest
@@ -20,21 +19,23 @@ def make_bench(tmp_path_factory):
         yield Bench(session, is_quick=True)
 
 
-def test_each_stack_answers_its_samples_in_its_turns(bench, monkeypatch):
+def test_a_pair_answers_its_samples_in_its_turns(bench, monkeypatch):
     monkeypatch.setattr(latency, "TURN_S", 0.3)
-    with contextlib.ExitStack() as stack:
-        prepare = latency.at(RATE)
-        turns = [stack.enter_context(prepare(bench, name)) for name in (stacks.OURS, stacks.ROSPY)]
-        for turn in turns + turns[::-1]:
+    with latency.at(RATE)(bench, stacks.OURS) as turn:
+        for _ in range(2):
             figures = turn()
             assert figures["samples"] > 10
             assert figures["lost"] == 0 and figures["p50_us"] > 0.0
             assert figures["cpu_percent"] > 0.0
 
 
-def test_a_pair_is_recorded_from_any_host_and_sends_nothing_while_paused(bench, tmp_path):
+def test_a_peer_answers_and_is_recorded_from_any_host_and_sends_nothing_while_paused(
+    bench, tmp_path
+):
     file = tmp_path / "seen"
-    with stacks.up(bench.session, stacks.OURS, RATE) as pair:
+    with stacks.up(bench.session, stacks.ROSPY, RATE) as pair:
+        run = stacks.watch(pair, 0.0, 0.3)
+        assert len(latency.answered(run).latencies) > 10
         with bench.session.node() as node:
             published = [name for name, _ in node.master.getPublishedTopics("")]
         (topic,) = [name for name in published if name.endswith("/signal")]
@@ -47,5 +48,5 @@ def test_a_pair_is_recorded_from_any_host_and_sends_nothing_while_paused(bench, 
             assert len(pair.sent()) == before
         observer.send_signal(signal.SIGINT)
         assert observer.wait(30.0) == 0
-        sent = {sample.value for sample in pair.sent()}
-    assert {sample.value for sample in record.read(file)} <= sent
+    times = [sample.value for sample in record.read(file)]
+    assert times and times == sorted(times)

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import os
 import pathlib
+import re
 import shutil
 import signal
 import sys
@@ -25,8 +26,8 @@ LONGER, ON_TOP_S = 3.0, 20.0
 NEAREST = 3
 #: Makes a rostest end with the first test that fails; see nodekit.testing.running.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
-#: A test module with one of these lines opens the oscilloscope's page.
-BROWSER = ("from browsing", "import browsing")
+#: The import of a test module that opens the oscilloscope's page.
+BROWSER = re.compile(r"^from browsing\.(browser|\w+_test) import", re.MULTILINE)
 #: For pytest: the tests of a mutant need not find the simplest example that fails.
 CONFTEST = """
 from hypothesis import Phase, settings
@@ -207,7 +208,7 @@ def integration_steps(package: pathlib.Path) -> List[Step]:
             name = f"{package.name}/{file.stem} {test.get('test-name')}"
             script = file.with_name(test.get("type", ""))
             text = script.read_text("utf-8") if script.is_file() else ""
-            tier = "page" if any(mark in text for mark in BROWSER) else "integration"
+            tier = "page" if BROWSER.search(text) else "integration"
             limit = float(test.get("time-limit", "60")) + 60.0
             steps.append(Step(tier, name, [*command, str(part)], limit, True))
     path = os.pathsep.join([*map(str, package.parent.glob("*/src")), str(GENERATED), DEBIAN])

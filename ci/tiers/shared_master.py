@@ -30,12 +30,13 @@ import roslaunch.config
 import roslaunch.node_args
 import roslaunch.parent
 import rosnode
+import rospy
 
 from .steps import PLACES, free_port
 from .workspace import WORKSPACE
 
 #: Imported before the first fork; what a package does not need costs it nothing more.
-WARM = ("rospy", "rostest", "unittest", "nodekit.testing.running", "nodekit.testing.launching")
+WARM = ("rostest", "unittest", "nodekit.testing.running", "nodekit.testing.launching")
 #: Longest time until a launch file's nodes are started, or a master answers [s]: a hang guard.
 START_S = 120.0
 #: Time to end after a signal [s].
@@ -186,6 +187,8 @@ def run_test(test: Any, results: pathlib.Path) -> int:
     before = environment.get("PYTHONPATH", "").split(os.pathsep)
     sys.path[:0] = [os.path.dirname(command[0]), *(place for place in before if place)]
     sys.argv[:] = command
+    # It has read the name and the remappings from the command line when it was imported.
+    rospy.names.reload_mappings(command)
     importlib.invalidate_caches()
     runpy.run_path(command[0], run_name="__main__")
     return 0

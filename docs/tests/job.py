@@ -139,6 +139,7 @@ class Job:
         #: Index in the output up to which it has been compared.
         self.seen = 0
         output.touch()
+        self._read = (0, "")  # how much was there, and what
         self._terminal = Terminal(output) if goes_on else None
         place = self._terminal.name if self._terminal else str(output)
         words = expanded(command, folder, environment) if python else []
@@ -170,7 +171,10 @@ class Job:
 
     def output(self) -> str:
         """Return what it has printed so far."""
-        return plain(self._output.read_text(errors="replace"))
+        size = self._output.stat().st_size
+        if size != self._read[0]:
+            self._read = size, plain(self._output.read_text(errors="replace"))
+        return self._read[1]
 
     def ended_by(self, deadline: float) -> bool:
         """Wait for its end.

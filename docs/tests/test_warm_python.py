@@ -147,6 +147,25 @@ def test_output_that_was_written_last_is_there_when_the_program_has_ended(start:
     assert len(job.output()) == 1_000_001
 
 
+def test_roslaunch_takes_from_commands_what_a_cold_one_takes(
+    tmp_path: Path, python: WarmPython
+) -> None:
+    commands = ["rosversion roslaunch", "rosversion -d", "printf b", "no_such_command", "false"]
+    outputs = []
+    for count, command in enumerate(commands):
+        (tmp_path / "a.launch").write_text(
+            f'<launch><param name="a" command="{command}"/></launch>'
+        )
+        for server in (python, None):
+            output = tmp_path / f"{count}{server}".replace("/", "_")
+            line = "roslaunch --dump-params ./a.launch"
+            job = Job(line, tmp_path, ENVIRONMENT, output, False, server)
+            outputs.append((status_of(job), job.output().strip()))
+    assert outputs[::2] == outputs[1::2]
+    assert outputs[4] == (0, "/a: b") and outputs[0] != outputs[2]
+    assert "no such command" in outputs[6][1] and "returned with code [1]" in outputs[8][1]
+
+
 def test_program_that_cannot_be_started_is_reported(python: WarmPython, tmp_path: Path) -> None:
     with pytest.raises(OSError, match="could not be started"):
         python.start(

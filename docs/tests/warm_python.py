@@ -25,7 +25,7 @@ import sys
 import tempfile
 import threading
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from pages import environment_of_reader
 
@@ -40,6 +40,7 @@ PRELOADED = (
     "nav_msgs.msg",
     "nodekit",
     "numpy",
+    "pkg_resources",
     "rosbag",
     "roscpp.srv",
     "rosgraph_msgs.msg",
@@ -280,30 +281,62 @@ def _main() -> None:
     client = WarmPython(sys.argv[1])
     program = _serve(client.path)
     if program is not None:
-        sys.modules["roslaunch.nodeprocess"].subprocess = _Starter(client)  # type: ignore
+        if Path(program.argv[0]).name in ("roscore", "roslaunch"):
+            subprocess.Popen = _Popen(client)  # type: ignore
         _end(_run(program))
 
 
-class _Starter:
-    """The module subprocess, as roslaunch uses it to start nodes."""
+class _Popen:
+    """``subprocess.Popen`` as roslaunch calls it: for nodes, and for what commands print.
 
-    PIPE = subprocess.PIPE
+    :param python: starts those that are Python files
+    """
 
     def __init__(self, python: WarmPython) -> None:
         self._python = python
+        self._cold = subprocess.Popen
 
-    def Popen(  # noqa: N802
-        self, args: List[str], cwd: str, stdout: Any, stderr: Any, env: Dict[str, str], **more: Any
+    def __call__(
+        self,
+        args: Any,
+        cwd: Optional[str] = None,
+        stdout: Any = None,
+        stderr: Any = None,
+        env: Optional[Dict[str, str]] = None,
+        **more: Any,
     ) -> Any:
-        """Start a program that may be a Python file."""
-        argv = python_file(args, env)
-        if not argv or self.PIPE in (stdout, stderr):
-            return subprocess.Popen(args, cwd=cwd, stdout=stdout, stderr=stderr, env=env, **more)
+        variables = dict(os.environ if env is None else env)
+        argv = python_file(args, variables) if isinstance(args, list) else []
+        if not argv or isinstance(stderr, int) or set(more) - {"close_fds", "preexec_fn"}:
+            return self._cold(args, cwd=cwd, stdout=stdout, stderr=stderr, env=env, **more)
+        if stdout == subprocess.PIPE:
+            reading, writing = os.pipe()
+        else:
+            writing = stdout.fileno() if stdout else 1
         output, errors = (
-            file.name if file else f"/proc/{os.getpid()}/fd/{number}"
-            for number, file in ((1, stdout), (2, stderr))
+            f"/proc/{os.getpid()}/fd/{number}"
+            for number in (writing, stderr.fileno() if stderr else 2)
         )
-        return self._python.start(Program(argv, cwd, dict(env), output, errors))
+        process = self._python.start(Program(argv, cwd or os.getcwd(), variables, output, errors))
+        if stdout != subprocess.PIPE:
+            return process
+        os.close(writing)
+        return _Printing(process, reading)
+
+
+class _Printing:
+    """A command that prints a value, with the parts of ``Popen`` that roslaunch uses then."""
+
+    def __init__(self, process: WarmProcess, output: int) -> None:
+        self._process, self._output = process, output
+        self.returncode: Optional[int] = None
+
+    def communicate(self) -> Tuple[bytes, None]:
+        """Wait for the end; return what it has printed."""
+        with open(self._output, "rb") as output:
+            text = output.read()
+        self.returncode = self._process.wait()
+        return text, None
 
 
 def _run(program: Program) -> object:

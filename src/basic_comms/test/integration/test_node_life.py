@@ -89,7 +89,7 @@ class NodeLife(unittest.TestCase):
     def test_interrupt_of_a_talker_that_sleeps_for_a_quarter_of_an_hour(self) -> None:
         with self.started("talker", "_rate:=0.001") as process:
             wait_until(
-                lambda: "/chatter" in self.graph.topics(), lambda: "the talker did not come up"
+                lambda: self.graph.publishers("/chatter"), lambda: "the talker did not come up"
             )
             process.send_signal(signal.SIGINT)
             self.assert_ends_cleanly("talker", process)

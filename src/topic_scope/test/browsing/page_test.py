@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Dict, List, Sequence, Tuple
 from urllib.request import urlopen
 
 from browsing.browser import Browser
-from browsing.scope_process import ScopeProcess, shared_scope
+from browsing.scope_process import ScopeProcess, SlowScopeProcess, shared_scope
 from browsing.waiting import wait_until
 
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
@@ -74,7 +74,7 @@ class BrowserTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.scope = shared_scope(*cls.ARGUMENTS)
+        cls.scope = shared_scope(*cls.ARGUMENTS, kind=SlowScopeProcess)
         cls.browser = shared_browser()
         cls.scope.wait_until_served()
         cls.browser.errors()  # of the tests before

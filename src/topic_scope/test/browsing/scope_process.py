@@ -4,6 +4,8 @@ import atexit
 import functools
 import os
 import subprocess
+from pathlib import Path
+from typing import ClassVar, Type
 from urllib.request import urlopen
 
 import roslib.packages
@@ -19,10 +21,12 @@ class ScopeProcess:
     :param variables: of its environment, besides those of the test
     """
 
+    program: ClassVar[str] = roslib.packages.find_node("topic_scope", "scope.py")[0]
+
     def __init__(self, *arguments: str, **variables: str) -> None:
         port = str(free_port())
         self._environment = {**os.environ, **variables}
-        self._command = [roslib.packages.find_node("topic_scope", "scope.py")[0]]
+        self._command = [self.program]
         self._command += ["--port", port, *arguments]
         self.url = "http://localhost:" + port
         self.start()
@@ -54,12 +58,19 @@ class ScopeProcess:
         return self._process.wait(30.0)
 
 
+class SlowScopeProcess(ScopeProcess):
+    """A scope that sends ten frames a second."""
+
+    program = str(Path(__file__).with_name("slow_scope.py"))
+
+
 @functools.lru_cache(maxsize=None)
-def shared_scope(*arguments: str) -> ScopeProcess:
+def shared_scope(*arguments: str, kind: Type[ScopeProcess] = ScopeProcess) -> ScopeProcess:
     """Return the scope that all tests of a process share; it may still be starting.
 
     :param arguments: what its command line says besides the port
+    :param kind: its class
     """
-    scope = ScopeProcess(*arguments)
+    scope = kind(*arguments)
     atexit.register(scope.stop)
     return scope

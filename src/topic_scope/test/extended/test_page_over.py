@@ -241,7 +241,10 @@ class Over(unittest.TestCase):
           const place = canvas.getBoundingClientRect();
           const plot = document.querySelector("#overlay").getBoundingClientRect();
           const { width, height } = canvas;
-          const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+          const copy = new OffscreenCanvas(width, height);
+          const context = copy.getContext("2d", { willReadFrequently: true });
+          context.drawImage(canvas, 0, 0);
+          const { data } = context.getImageData(0, 0, width, height);
           const tops = [];
           for (let x = 0; x < width; x += 1) {
             for (let y = 0; y < height; y += 1) {

@@ -641,11 +641,13 @@ class Plots(PageTest):
         self.assertEqual({row[column] for row in rows[1:]} - {""}, {"0.0", "1.0", "2.0"})
 
     def is_full(self) -> bool:
-        """Tell whether there are samples from the begin of what is visible on."""
+        """Tell whether each trace has samples from the begin of what is visible on."""
         address = self.csv()
         with urlopen(address) as answer:
-            rows = answer.read().decode().split()
-        return len(rows) > 1 and float(rows[1].split(",")[0]) < _span(address)[0] + 0.02
+            rows = [line.split(",") for line in answer.read().decode().splitlines()[1:]]
+        latest = _span(address)[0] + 0.02
+        first = [row for row in rows if float(row[0]) < latest]
+        return bool(first) and all(any(cells) for cells in list(zip(*first))[2:])
 
     def test_a_sine_is_where_it_is_while_the_machine_is_busy(self) -> None:
         """Each point of its line is less than a pixel from the true curve."""

@@ -14,7 +14,7 @@ import genpy
 import rosbag
 from browsing.browser import Browser
 from browsing.page_test import shared_browser
-from browsing.scope_process import ScopeProcess
+from browsing.scope_process import ScopeProcess, SlowScopeProcess
 from browsing.waiting import wait_until
 from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import Odometry, Path
@@ -89,7 +89,7 @@ class Bag(unittest.TestCase):
         patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
         patch.start()
         cls.addClassCleanup(patch.stop)
-        cls.scope = ScopeProcess("--bag", cls.path, "--window", "5", "--history", "6", FIELD)
+        cls.scope = SlowScopeProcess("--bag", cls.path, "--window", "5", "--history", "6", FIELD)
         cls.addClassCleanup(cls.scope.stop)
         cls.scope.wait_until_served()
 

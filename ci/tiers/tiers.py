@@ -44,6 +44,7 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
     files = python_files(*chosen, *([CI] if with_ci else [])) if scope else python_files()
     libraries = [package / "src" for package in chosen if (package / "src").is_dir()]
     types = [*([str(CI)] if with_ci else []), *map(str, libraries)]
+    folders = [str(package / "launch") for package in chosen if (package / "launch").is_dir()]
     if scope is None or "nodekit" in scope:
         types.append(str(TEMPLATE / "src"))
         chosen.append(TEMPLATE)
@@ -59,9 +60,8 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
     }
     if chosen:
         commands["packages"] = ["catkin_lint", "-W2", "--strict", *map(str, chosen)]
-        folders = [str(package / "launch") for package in chosen if (package / "launch").is_dir()]
-        if folders:
-            commands["launch files"] = [*ci, "lint.launch_files", *folders]
+    if folders:
+        commands["launch files"] = [*ci, "lint.launch_files", *folders]
     if scope is None or "topic_scope" in scope:
         commands["page rules"] = [*ci, "lint.page_rules"]
     if with_ci:
@@ -69,7 +69,8 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
         commands["debian files"] = [*ci, "packages.debian_files"]
         commands["shell scripts"] = ["shellcheck", "-x", "-a"]
         commands["shell scripts"] += ["-P", f"{CI}:{CI}/setup:{CI}/systems", *scripts("bash", CI)]
-    return [Step("lint", name, command, 900.0) for name, command in commands.items()]
+    of = f" of {', '.join(sorted(scope))}" if scope else ""
+    return [Step("lint", name + of, command, 900.0) for name, command in commands.items()]
 
 
 def docs(since: str = "") -> List[Step]:

@@ -13,7 +13,7 @@ from typing import Iterator, List, Set, Tuple
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 #: Where tests are.
-TESTS = ("src/*/test/**/test_*.py", "ci/tests/**/test_*.py")
+TESTS = ("src/*/test/**/test_*.py", "ci/tests/**/test_*.py", "docs/tests/test_*.py")
 
 #: How the name of what asserts something begins; a wait fails where what it is for does not come.
 ASSERTING = ("assert", "check", "expect", "fail", "raises", "until", "wait")

@@ -259,6 +259,8 @@ def main() -> int:
     with in_background(run_master(port)):
         master = rosgraph.Master("/shared_master")
         kept = master.getParamNames()
+        # What roscore's own file sets is set, and each reading of it starts two commands.
+        roslaunch.config.load_roscore = lambda *_, **__: None
         for file in options.files:
             began = time.monotonic()
             try:
